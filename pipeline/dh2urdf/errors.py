@@ -1,0 +1,187 @@
+"""What can go wrong, and the exit status that it means.
+
+::
+
+    Dh2UrdfError
+    ├── InputError ................ exit 2: nothing could start
+    │   ├── ConfigError              a run file or a word of the command line is wrong
+    │   ├── TableError               a table cannot be read
+    │   └── UnknownStageError        no installed stage has the name
+    ├── ManipulatorError .......... exit 1: this manipulator failed, others go on
+    │   ├── TransformError           the transform refuses the manipulator
+    │   ├── RobotError               the finished robot breaks a rule
+    │   ├── EmitterError             no file could be made of the robot
+    │   ├── ProofError               what was written is not the arm of the table
+    │   └── LoaderError              a simulator refused the file, crashed or measured another arm
+    └── PluginError ............... exit 3: the run needs a plugin that is broken
+        ├── BrokenPluginError        it failed while it was imported, registered or run
+        ├── StageConflictError       two distributions claim one stage name
+        └── MissingDependencyError   an optional package is not installed
+
+Every exception carries its data as attributes; its text says where, what was found, what is accepted and what to do.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from dh2urdf.source import Problem, did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+SCREENFUL = 20
+"""Problems that one message spells out [1]; the rest are counted."""
+
+
+class Dh2UrdfError(Exception):
+    """Anything that dh2urdf itself raises.
+
+    Attributes:
+        exit_status: the status with which the command line ends on this error.
+    """
+
+    exit_status: ClassVar[int] = 2
+
+
+class _ProblemsError(Dh2UrdfError):
+    """An error that is a list of problems.
+
+    Attributes:
+        problems: all that was found, in the order of the file.
+    """
+
+    def __init__(self, problems: Problem | str | Iterable[Problem]) -> None:
+        if isinstance(problems, str):
+            problems = Problem(message=problems)
+        self.problems: tuple[Problem, ...] = (problems,) if isinstance(problems, Problem) else tuple(problems)
+        super().__init__(self.problems)  # The arguments are what pickle hands to __init__ again.
+
+    def __str__(self) -> str:
+        lines = [str(problem) for problem in self.problems[:SCREENFUL]]
+        if more := len(self.problems) - SCREENFUL:
+            lines += [f"and {more} more problems"] if more > 0 else []
+        return "\n".join(lines)
+
+
+class InputError(_ProblemsError):
+    """What the user gave cannot be used, so nothing could start."""
+
+
+class ConfigError(InputError):
+    """A run file or the command line is wrong."""
+
+
+class TableError(InputError):
+    """A table cannot be read."""
+
+
+class UnknownStageError(InputError):
+    """No installed stage has the name.
+
+    Attributes:
+        kind: the kind of stage asked for, such as ``emitter``.
+        name: the name asked for.
+        installed: the names that are installed.
+    """
+
+    def __init__(self, kind: str, name: str, installed: Sequence[str]) -> None:
+        self.kind, self.name, self.installed = kind, name, tuple(installed)
+        super().__init__(
+            Problem(
+                message=f"no {kind} is named {name!r}",
+                found=name,
+                accepted=", ".join(sorted(installed)) or f"nothing: no {kind} is installed",
+                suggestion=did_you_mean(name, installed) or "`dh2urdf plugins` lists what is installed",
+            )
+        )
+
+    def __reduce__(self) -> tuple[type[UnknownStageError], tuple[str, str, tuple[str, ...]]]:
+        return type(self), (self.kind, self.name, self.installed)
+
+
+class ManipulatorError(_ProblemsError):
+    """One manipulator failed; others are not concerned."""
+
+    exit_status = 1
+
+
+class TransformError(ManipulatorError):
+    """The transform refuses the manipulator."""
+
+
+class RobotError(ManipulatorError):
+    """The finished robot breaks a rule that the readers of robot descriptions rely on."""
+
+
+class EmitterError(ManipulatorError):
+    """No file could be made of the robot."""
+
+
+class ProofError(ManipulatorError):
+    """The forward kinematics of what was written differs from the DH product."""
+
+
+class LoaderError(ManipulatorError):
+    """A simulator refused the file, crashed, or measured another arm."""
+
+
+class PluginError(Dh2UrdfError):
+    """The run needs a plugin that does not work."""
+
+    exit_status = 3
+
+
+class BrokenPluginError(PluginError):
+    """A plugin failed while it was imported, registered or run.
+
+    Attributes:
+        plugin: the plugin's entry point or module.
+        distribution: name and version of the distribution that provides it.
+        reason: what it raised.
+        traceback: the traceback as text, for ``--debug``.
+    """
+
+    def __init__(self, plugin: str, distribution: str, reason: str, traceback: str = "") -> None:
+        self.plugin, self.distribution, self.reason, self.traceback = plugin, distribution, reason, traceback
+        super().__init__(plugin, distribution, reason, traceback)
+
+    def __str__(self) -> str:
+        return f"plugin {self.plugin!r} of {self.distribution} is broken: {self.reason}"
+
+
+class StageConflictError(PluginError):
+    """Two distributions claim one stage name.
+
+    Attributes:
+        kind: the kind of stage.
+        name: the name that both claim.
+        distributions: who claims it.
+    """
+
+    def __init__(self, kind: str, name: str, distributions: Sequence[str]) -> None:
+        self.kind, self.name, self.distributions = kind, name, tuple(distributions)
+        super().__init__(kind, name, tuple(distributions))
+
+    def __str__(self) -> str:
+        return (
+            f"{self.kind} {self.name!r} is claimed by {' and by '.join(self.distributions)}; "
+            "uninstall one of them, or ask its authors to rename the stage"
+        )
+
+
+class MissingDependencyError(PluginError):
+    """A stage needs an optional package that is not installed.
+
+    Attributes:
+        stage: kind and name, such as ``loader 'pybullet'``.
+        package: what is missing.
+        extra: the extra of this distribution that installs it, such as ``dh2urdf[pybullet]``.
+    """
+
+    def __init__(self, stage: str, package: str, extra: str) -> None:
+        self.stage, self.package, self.extra = stage, package, extra
+        super().__init__(stage, package, extra)
+
+    def __str__(self) -> str:
+        return f"{self.stage} needs {self.package}: pip install '{self.extra}'"

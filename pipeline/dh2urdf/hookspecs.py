@@ -1,0 +1,51 @@
+"""The hooks of a plugin: one per kind of stage, each giving records of `dh2urdf.stages`.
+
+A plugin implements any of them with `hookimpl`, in a module that its distribution names as an entry point of the
+group ``dh2urdf``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import pluggy
+
+from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
+
+PROJECT = "dh2urdf"
+INTERFACE_VERSION = "1.0"
+"""Version of this module and of `dh2urdf.stages`: a plugin made for another major version is not loaded."""
+
+hookspec = pluggy.HookspecMarker(PROJECT)
+hookimpl = pluggy.HookimplMarker(PROJECT)
+
+
+@hookspec
+def dh2urdf_readers() -> Iterable[Reader[Any]]:
+    """Stages that read manipulators from files."""
+    return ()
+
+
+@hookspec
+def dh2urdf_transforms() -> Iterable[Transform[Any]]:
+    """Stages that make a robot of a manipulator."""
+    return ()
+
+
+@hookspec
+def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
+    """Stages that make the files of a robot."""
+    return ()
+
+
+@hookspec
+def dh2urdf_loaders() -> Iterable[Loader[Any]]:
+    """Stages that load a file into a simulator and report what it says."""
+    return ()
+
+
+@hookspec
+def dh2urdf_executors() -> Iterable[Executor[Any]]:
+    """Stages that run the pipeline over many manipulators."""
+    return ()

@@ -1,0 +1,152 @@
+"""A manipulator as its table says it: Denavit-Hartenberg rows, in SI units.
+
+What is None was not said; the transform computes it. Nothing here is interpreted: the convention, the offset and
+the sign stay as the table has them, and `dh2urdf.kinematics` is the one place that knows what they mean.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
+from dh2urdf.source import Mark, Problem
+
+
+class Convention(StrEnum):
+    """Which of the two Denavit-Hartenberg conventions a table is written in."""
+
+    STANDARD = "standard"
+    """Classic, distal (Denavit-Hartenberg, Paul, Spong): A = Rz(theta) Tz(d) Tx(a) Rx(alpha)."""
+    MODIFIED = "modified"
+    """Proximal (Craig): A = Rx(alpha) Tx(a) Rz(theta) Tz(d); a row carries a and alpha of the link before it."""
+
+
+class JointType(StrEnum):
+    """How a joint moves."""
+
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """Bounds of one joint value q and of its motion; None where the table says nothing.
+
+    Attributes:
+        lower: smallest q [rad or m].
+        upper: largest q [rad or m].
+        velocity: largest speed [rad/s or m/s].
+        effort: largest torque or force [N·m or N].
+    """
+
+    lower: float | None = None
+    upper: float | None = None
+    velocity: float | None = None
+    effort: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inertia:
+    """A symmetric inertia tensor [kg·m²]; the products are those of the matrix, not their negatives."""
+
+    ixx: float
+    iyy: float
+    izz: float
+    ixy: float = 0.0
+    ixz: float = 0.0
+    iyz: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkGeometry:
+    """What shape links are drawn with; None where the table leaves it to the transform.
+
+    Attributes:
+        shape: ``cylinder``, ``box`` or ``capsule`` (a cylinder with sphere caps).
+        radius: radius, or half the thickness of a box [m].
+    """
+
+    shape: str | None = None
+    radius: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DHRow:
+    """One row of the table: one joint and the link that it moves.
+
+    Attributes:
+        joint: name of the joint.
+        link: name of the link that it moves.
+        type: how it moves.
+        a: length of the common normal [m]; a of the link before in the modified convention.
+        alpha: twist [rad]; of the link before in the modified convention.
+        d: offset along the joint axis [m].
+        theta: angle about the joint axis [rad].
+        offset: added to the joint variable [rad or m].
+        sign: 1, or -1 where the joint counts the other way.
+        limits: bounds of q.
+        mass: mass of the link [kg].
+        com: centre of mass in the DH frame after this row [m].
+        inertia: inertia tensor about the centre of mass, axes of the DH frame after this row [kg·m²].
+        radius: radius of the link's shape [m].
+        damping: viscous friction of the joint [N·m·s/rad or N·s/m].
+        friction: static friction of the joint [N·m or N].
+        mark: the row in its file.
+    """
+
+    joint: str
+    link: str
+    type: JointType = JointType.REVOLUTE
+    a: float
+    alpha: float
+    d: float
+    theta: float = 0.0
+    offset: float = 0.0
+    sign: int = 1
+    limits: Limits = Limits()
+    mass: float | None = None
+    com: Vec3 | None = None
+    inertia: Inertia | None = None
+    radius: float | None = None
+    damping: float | None = None
+    friction: float | None = None
+    mark: Mark | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manipulator:
+    """A serial arm as its table says it.
+
+    Attributes:
+        name: the manipulator's name, as the user wrote it.
+        convention: the Denavit-Hartenberg convention of the rows.
+        rows: one per joint, from the base outwards.
+        base: rigid transform from base_link to the first DH frame.
+        tool: rigid transform from the last DH frame to tool0.
+        geometry: shape of every link.
+        density: density of links without a mass [kg/m³].
+        base_mass: mass of the base's body [kg].
+        base_geometry: shape of the base's body.
+        mark: the manipulator's place in its file.
+        notices: what a careful person would want to know about how it was read.
+    """
+
+    name: str
+    convention: Convention
+    rows: tuple[DHRow, ...]
+    base: RigidTransform = IDENTITY
+    tool: RigidTransform = IDENTITY
+    geometry: LinkGeometry = LinkGeometry()
+    density: float | None = None
+    base_mass: float | None = None
+    base_geometry: LinkGeometry = LinkGeometry()
+    mark: Mark | None = field(default=None, compare=False)
+    notices: tuple[Problem, ...] = field(default=(), compare=False)
+
+    @property
+    def moving_rows(self) -> tuple[DHRow, ...]:
+        """The rows that have a joint value, in order: q has one entry for each."""
+        return tuple(row for row in self.rows if row.type is not JointType.FIXED)

@@ -1,0 +1,203 @@
+"""A robot as it will be written: links and joints, in no file format.
+
+The names follow URDF, the common tongue of the readers. Lengths are in m, angles in rad, masses in kg.
+
+A number that follows from the table may carry a *formula*: an arithmetic expression over the robot's `Parameter`
+names (``a_2``, ``0.5*d_1``, ``abs(a_3) - 0.08``, functions abs, max, sin, cos; xacro and Python read it alike) whose
+value is that number. Emitters of parametric formats write the formula; all others write the number.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.rotations import Z_AXIS, ZERO, RigidTransform, Vec3
+from dh2urdf.source import Mark, Problem
+
+Formulas: TypeAlias = tuple[str, str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """A number of the table that formulas may use.
+
+    Attributes:
+        name: an identifier such as ``a_2``.
+        value: its value.
+        unit: ``m`` or ``rad``.
+        joint: name of the joint whose row says it.
+    """
+
+    name: str
+    value: float
+    unit: str
+    joint: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Origin:
+    """A frame in its parent frame.
+
+    Attributes:
+        xyz: position [m].
+        rpy: fixed-axis roll, pitch, yaw [rad].
+        xyz_formula: the formulas of xyz.
+        rpy_formula: the formulas of rpy.
+    """
+
+    xyz: Vec3 = ZERO
+    rpy: Vec3 = ZERO
+    xyz_formula: Formulas | None = field(default=None, compare=False)
+    rpy_formula: Formulas | None = field(default=None, compare=False)
+
+    @property
+    def transform(self) -> RigidTransform:
+        """The rigid transform from the parent frame to this one."""
+        return RigidTransform.from_xyz_rpy(self.xyz, self.rpy)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """A box about its origin; size along x, y, z [m]."""
+
+    size: Vec3
+    size_formula: Formulas | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cylinder:
+    """A cylinder about its origin, along z; radius and length [m]."""
+
+    radius: float
+    length: float
+    length_formula: str | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sphere:
+    """A sphere about its origin; radius [m]."""
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mesh:
+    """A mesh file; scale per axis [1]."""
+
+    filename: str
+    scale: Vec3 = (1.0, 1.0, 1.0)
+
+
+Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """A colour with a name; red, green, blue, alpha in 0..1."""
+
+    name: str
+    rgba: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Visual:
+    """A shape that is seen."""
+
+    geometry: Geometry
+    origin: Origin = Origin()
+    material: Material | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Collision:
+    """A shape that touches."""
+
+    geometry: Geometry
+    origin: Origin = Origin()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inertial:
+    """Mass properties of a link.
+
+    Attributes:
+        mass: [kg].
+        com: centre of mass in the link frame [m].
+        inertia: about the centre of mass, axes parallel to the link frame [kg·m²].
+    """
+
+    mass: float
+    com: Vec3 = ZERO
+    inertia: Inertia = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Link:
+    """A rigid body or, without inertial and shapes, a frame."""
+
+    name: str
+    inertial: Inertial | None = None
+    visuals: tuple[Visual, ...] = ()
+    collisions: tuple[Collision, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Joint:
+    """A joint between two links.
+
+    Attributes:
+        name: the joint's name; no link has it.
+        type: how it moves.
+        parent: name of the link that holds it.
+        child: name of the link that it moves.
+        origin: the child's frame in the parent's at q = 0.
+        axis: unit vector in the child's frame; unused where fixed.
+        limits: all four for revolute and prismatic, effort and velocity for continuous, none for fixed.
+        damping: viscous friction [N·m·s/rad or N·s/m].
+        friction: static friction [N·m or N].
+        mark: the row of the table that says it.
+    """
+
+    name: str
+    type: JointType
+    parent: str
+    child: str
+    origin: Origin = Origin()
+    axis: Vec3 = Z_AXIS
+    limits: Limits = Limits()
+    damping: float | None = None
+    friction: float | None = None
+    mark: Mark | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Robot:
+    """A tree of links and joints with one root.
+
+    Attributes:
+        name: the robot's name.
+        links: parents before children.
+        joints: in the order of their child links.
+        parameters: the numbers that formulas use.
+        comment: one line for a reader of the file: what made it, from what.
+        notices: what a careful person would want to know about how it was made.
+    """
+
+    name: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    parameters: tuple[Parameter, ...] = field(default=(), compare=False)
+    comment: str = field(default="", compare=False)
+    notices: tuple[Problem, ...] = field(default=(), compare=False)
+
+    @property
+    def moving_joints(self) -> tuple[Joint, ...]:
+        """The joints that have a joint value, in order."""
+        return tuple(joint for joint in self.joints if joint.type is not JointType.FIXED)
+
+    @property
+    def mass(self) -> float:
+        """Mass of all links [kg]."""
+        return sum(link.inertial.mass for link in self.links if link.inertial)

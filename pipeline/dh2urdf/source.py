@@ -1,0 +1,107 @@
+"""Where a thing was said, and what is wrong with it: marks and problems.
+
+Everything that comes from a file carries a `Mark`, so that whatever is found later, in whatever stage, can
+point to the line and column where a person has to mend it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+SHOWN_TEXT = 60
+"""Characters of a found text that a message repeats [1]; a longer one is cut in the middle."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """A place in a file or on the command line.
+
+    Attributes:
+        file: the path as the user gave it, or a word such as ``command line``.
+        line: counted from 1; None where there is no line.
+        column: counted from 1, in characters; None where the whole line is meant.
+    """
+
+    file: str
+    line: int | None = None
+    column: int | None = None
+
+    def __str__(self) -> str:
+        return ":".join(str(part) for part in (self.file, self.line, self.column) if part is not None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """One thing that a person should know about the input, and what can be done about it.
+
+    Attributes:
+        message: what is wrong, as one plain sentence without its place and without a full stop.
+        severity: an ``error`` refuses the manipulator, a ``notice`` does not.
+        mark: where it was said.
+        robot: name of the manipulator concerned.
+        joint: name of the joint concerned.
+        field: name of the field concerned, as the project calls it (``alpha``, ``limits.lower``).
+        found: the text that was found, as it stands in the file.
+        accepted: what is accepted in its place, in words, every accepted word written out.
+        suggestion: what was probably meant, or what to do.
+    """
+
+    message: str
+    severity: Literal["error", "notice"] = "error"
+    mark: Mark | None = None
+    robot: str | None = None
+    joint: str | None = None
+    field: str | None = None
+    found: str | None = None
+    accepted: str | None = None
+    suggestion: str | None = None
+
+    def __str__(self) -> str:
+        about = [f"{word} {shown(name)}" for word, name in (("joint", self.joint), ("field", self.field)) if name]
+        place = [str(self.mark)] if self.mark else []
+        if self.robot and not self.joint:
+            about.insert(0, f"manipulator {shown(self.robot)}")
+        head = ": ".join([*place, self.severity, *([", ".join(about)] if about else []), self.message])
+        tail = [f"accepted: {self.accepted}"] if self.accepted else []
+        if self.suggestion:
+            tail.append(self.suggestion)
+        return "\n    ".join([head, *tail])
+
+    def as_json(self) -> dict[str, Any]:
+        """The problem as the entry of a report: file, line, column, joint, field, found, accepted, message."""
+        return {
+            "file": self.mark.file if self.mark else None,
+            "line": self.mark.line if self.mark else None,
+            "column": self.mark.column if self.mark else None,
+            "joint": self.joint,
+            "field": self.field,
+            "found": self.found,
+            "accepted": self.accepted,
+            "message": self.message if not self.suggestion else f"{self.message}; {self.suggestion}",
+        }
+
+    def about(self, *, robot: str | None = None, mark: Mark | None = None) -> Problem:
+        """The same problem with robot and mark filled in where it has none."""
+        return replace(self, robot=self.robot or robot, mark=self.mark or mark)
+
+
+def shown(text: str, limit: int = SHOWN_TEXT) -> str:
+    """A text as a message repeats it: quoted, control characters escaped, cut where it is long.
+
+    A table may come from a stranger, and its text lands on a terminal: escape sequences must not.
+    """
+    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text[: 4 * limit])
+    if len(plain) > limit or len(text) > 4 * limit:
+        plain = f"{plain[:limit]}…"
+    return f"'{plain}'"
+
+
+def did_you_mean(word: str, choices: Iterable[str]) -> str | None:
+    """The sentence that names the choice nearest to a word, or None where nothing is near."""
+    near = get_close_matches(word.casefold(), list(choices), n=1, cutoff=0.6)
+    return f"did you mean {near[0]!r}?" if near else None

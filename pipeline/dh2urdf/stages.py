@@ -1,0 +1,233 @@
+"""The records that a plugin hands to the pipeline, one type per kind of stage.
+
+A stage is a plain function with a record around it: a name for the run file, a summary for `dh2urdf plugins`, and an
+options dataclass that the function takes. The options' fields have defaults, and a description each in
+``field(metadata={"help": …})``; pydantic checks what the user gives against their types.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Generic, Literal, TypeAlias, TypeVar
+
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.robot import Robot
+from dh2urdf.source import Mark, Problem
+
+O = TypeVar("O")  # noqa: E741 - the options type of a stage
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoOptions:
+    """The options of a stage that has none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rejected:
+    """A manipulator of an input that cannot be read; the others of the same input go on.
+
+    Attributes:
+        name: its name, as far as it could be read.
+        problems: everything that is wrong with it, in the order of the file.
+        mark: its place in the file.
+    """
+
+    name: str
+    problems: tuple[Problem, ...]
+    mark: Mark | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reader(Generic[O]):
+    """Reads manipulators from a file.
+
+    Attributes:
+        name: the stage's name in a run file.
+        summary: what it reads, in one line.
+        suffixes: file suffixes that choose it, in lower case with the dot.
+        options: its options dataclass.
+        read: yields the manipulators of a file one by one, without holding them.
+
+    `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
+    one manipulator of several cannot.
+    """
+
+    name: str
+    summary: str
+    read: Callable[[Path, O], Iterator[Manipulator | Rejected]]
+    options: type[O]
+    suffixes: tuple[str, ...] = ()
+
+
+def _always(_options: object) -> bool:
+    return True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transform(Generic[O]):
+    """Makes the robot of a manipulator.
+
+    Attributes:
+        name: the stage's name in a run file.
+        summary: what it makes, in one line.
+        options: its options dataclass.
+        transform: makes the robot; raises `dh2urdf.errors.TransformError` where it refuses the manipulator.
+        keeps_kinematics: whether T(base_link → tool0) of the robot is the DH product with these options. Where it is
+            not, the proof reports the difference and fails nothing.
+    """
+
+    name: str
+    summary: str
+    transform: Callable[[Manipulator, O], Robot]
+    options: type[O]
+    keeps_kinematics: Callable[[O], bool] = _always
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EmittedFile:
+    """A file that an emitter wants written.
+
+    Attributes:
+        name: its name in the output folder, without a folder of its own.
+        content: what stands in it.
+    """
+
+    name: str
+    content: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Emitter(Generic[O]):
+    """Makes the files of a robot.
+
+    Attributes:
+        name: the stage's name in a run file, and the format that loaders ask for.
+        summary: what it writes, in one line.
+        suffixes: suffixes of the main file, in lower case with the dot; the first is the usual one.
+        options: its options dataclass.
+        emit: the files of a robot, whose names begin with the stem it is given; the first is the main file, the one
+            that a person opens. It writes nothing itself: the pipeline writes all of them whole, or none.
+        read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
+            every run compares its kinematics with the DH product. None where the format cannot be read.
+        one_file: the options that make `emit` give a single file, for standard output; None where it always does.
+        costly_proof: whether `read_back` is so slow that long runs prove a sample only.
+    """
+
+    name: str
+    summary: str
+    emit: Callable[[Robot, str, O], Sequence[EmittedFile]]
+    options: type[O]
+    suffixes: tuple[str, ...]
+    read_back: Callable[[Path], Robot] | None = None
+    one_file: Callable[[O], O] | None = None
+    costly_proof: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadRequest:
+    """What a loader is asked to load.
+
+    Attributes:
+        path: the written file.
+        manipulator: the table it was made from.
+        robot: the robot that was written.
+        poses: joint vectors inside the limits, one value per moving joint; the arm is measured at each.
+        expected: T(base_link → tool0) at each of `poses`, as row-major 4x4 matrices of 16 numbers [m].
+        picture: where to write a picture of the arm, or None.
+    """
+
+    path: Path
+    manipulator: Manipulator
+    robot: Robot
+    poses: tuple[tuple[float, ...], ...]
+    expected: tuple[tuple[float, ...], ...]
+    picture: Path | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadReport:
+    """What a simulator says of a file, measured by asking it.
+
+    Attributes:
+        simulator: its name.
+        version: its version.
+        joints: the moving joints it found, in its order: name, type, axis, lower, upper, velocity, effort.
+        mass: mass of the arm as the simulator holds it [kg].
+        mass_error: largest difference of one link's mass from the robot's [kg].
+        inertia_error: largest difference of an element of one link's inertia from the robot's [kg·m²].
+        position_error: largest distance of tool0 from where the DH product has it [m].
+        angle_error: largest angle between them [rad].
+        tolerance: what `position_error` may be: the simulator's arithmetic [m].
+        q: the joint vector of the largest position error.
+        poses: how many joint vectors were measured.
+        hold: the hold test: seconds, largest joint displacement, whether the arm stayed, contacts within the arm.
+        findings: what a person should know.
+        output: what the simulator printed.
+        picture: name of the picture that was written.
+    """
+
+    simulator: str
+    version: str
+    joints: tuple[dict[str, Any], ...] = ()
+    mass: float | None = None
+    mass_error: float | None = None
+    inertia_error: float | None = None
+    position_error: float | None = None
+    angle_error: float | None = None
+    tolerance: float | None = None
+    q: tuple[float, ...] = ()
+    poses: int = 0
+    hold: dict[str, Any] = field(default_factory=dict)
+    findings: tuple[Problem, ...] = ()
+    output: str = ""
+    picture: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loader(Generic[O]):
+    """Loads a written file into a simulator and reports what the simulator says.
+
+    Attributes:
+        name: the stage's name in a run file.
+        summary: what it loads into, in one line.
+        formats: names of the emitters whose files it takes, the preferred one first.
+        options: its options dataclass.
+        load: loads the file and measures it. It is called in a child process of its own, so it may crash or leave;
+            what it prints, from C too, is taken into the report. It raises `dh2urdf.errors.LoaderError` where the
+            simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` where it is not installed.
+        poses: how many joint vectors to measure with these options.
+        picture: whether these options ask for a picture.
+    """
+
+    name: str
+    summary: str
+    load: Callable[[LoadRequest, O], LoadReport]
+    options: type[O]
+    formats: tuple[str, ...] = ("urdf",)
+    poses: Callable[[O], int]
+    picture: Callable[[O], bool]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Executor(Generic[O]):
+    """Runs the pipeline over many manipulators.
+
+    Attributes:
+        name: the stage's name in a run file.
+        summary: where the work is done, in one line.
+        options: its options dataclass.
+        map: results of a picklable function over tasks, in the order of the tasks, taking tasks as they are needed.
+    """
+
+    name: str
+    summary: str
+    map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]]
+    options: type[O]
+
+
+Kind: TypeAlias = Literal["reader", "transform", "emitter", "loader", "executor"]
+Stage: TypeAlias = Reader[Any] | Transform[Any] | Emitter[Any] | Loader[Any] | Executor[Any]

@@ -1,0 +1,55 @@
+"""The built-in stages, through the same interface as any third party's.
+
+A stage's module is imported inside its hook, so that a run which needs no readers of one kind pays for none.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.hookspecs import hookimpl
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
+
+
+@hookimpl
+def dh2urdf_readers() -> Iterable[Reader[Any]]:
+    """Tables as CSV and as YAML."""
+    from dh2urdf_plugins.readers import csv, yaml
+
+    return (csv.READER, yaml.READER)
+
+
+@hookimpl
+def dh2urdf_transforms() -> Iterable[Transform[Any]]:
+    """The α-swap, exact and as the paper has it."""
+    from dh2urdf_plugins.transforms import alpha_swap
+
+    return (alpha_swap.TRANSFORM,)
+
+
+@hookimpl
+def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
+    """URDF and xacro macros."""
+    from dh2urdf_plugins.emitters import urdf, xacro
+
+    return (urdf.EMITTER, xacro.EMITTER)
+
+
+@hookimpl
+def dh2urdf_loaders() -> Iterable[Loader[Any]]:
+    """The simulators."""
+    from dh2urdf_plugins.loaders import pybullet
+
+    return (pybullet.LOADER,)
+
+
+@hookimpl
+def dh2urdf_executors() -> Iterable[Executor[Any]]:
+    """Processes of this machine."""
+    from dh2urdf_plugins.executors import local
+
+    return (local.EXECUTOR,)

@@ -1,0 +1,1 @@
+"""Built-in emitters: one file each."""

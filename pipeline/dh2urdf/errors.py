@@ -6,13 +6,15 @@
     ├── InputError ................ exit 2: nothing could start
     │   ├── ConfigError              a run file or a word of the command line is wrong
     │   ├── TableError               a table cannot be read
+    │   ├── OutputError              nothing can be written where it should go
     │   └── UnknownStageError        no installed stage has the name
     ├── ManipulatorError .......... exit 1: this manipulator failed, others go on
     │   ├── TransformError           the transform refuses the manipulator
     │   ├── RobotError               the finished robot breaks a rule
     │   ├── EmitterError             no file could be made of the robot
     │   ├── ProofError               what was written is not the arm of the table
-    │   └── LoaderError              a simulator refused the file, crashed or measured another arm
+    │   ├── LoaderError              a simulator refused the file, crashed or measured another arm
+    │   └── StageError               a stage raised what it should not have raised
     └── PluginError ............... exit 3: the run needs a plugin that is broken
         ├── BrokenPluginError        it failed while it was imported, registered or run
         ├── StageConflictError       two distributions claim one stage name
@@ -76,6 +78,10 @@ class TableError(InputError):
     """A table cannot be read."""
 
 
+class OutputError(InputError):
+    """Nothing can be written where it should go: no permission, no space, not a folder."""
+
+
 class UnknownStageError(InputError):
     """No installed stage has the name.
 
@@ -124,6 +130,25 @@ class ProofError(ManipulatorError):
 
 class LoaderError(ManipulatorError):
     """A simulator refused the file, crashed, or measured another arm."""
+
+
+class StageError(ManipulatorError):
+    """A stage raised something that is not an error of dh2urdf: a fault of the stage, not of the table.
+
+    Attributes:
+        stage: kind and name, such as ``emitter 'urdf'``.
+        reason: what it raised.
+        traceback: the traceback as text, for ``--debug``.
+    """
+
+    def __init__(self, stage: str, reason: str, traceback: str = "") -> None:
+        self.stage, self.reason, self.traceback = stage, reason, traceback
+        super().__init__(
+            Problem(message=f"{stage} failed: {reason}", suggestion="`--debug` shows where; tell the stage's authors")
+        )
+
+    def __reduce__(self) -> tuple[type[StageError], tuple[str, str, str]]:
+        return type(self), (self.stage, self.reason, self.traceback)
 
 
 class PluginError(Dh2UrdfError):

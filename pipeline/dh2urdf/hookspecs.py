@@ -6,12 +6,14 @@ group ``dh2urdf``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pluggy
 
-from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
 
 PROJECT = "dh2urdf"
 INTERFACE_VERSION = "1.0"

@@ -16,7 +16,9 @@ Vec3: TypeAlias = tuple[float, float, float]
 Rotation: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 
 HALF_PI = math.pi / 2
-_QUARTER_TURN_TOLERANCE = 1e-15  # relative: within the rounding of an angle that was computed, not of one that was meant
+_QUARTER_TURN_TOLERANCE = (
+    1e-15  # relative: within the rounding of an angle that was computed, not of one that was meant
+)
 _COSINES = (1.0, 0.0, -1.0, 0.0)
 _SINES = (0.0, 1.0, 0.0, -1.0)
 

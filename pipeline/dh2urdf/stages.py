@@ -162,6 +162,7 @@ class LoadReport:
         position_error: largest distance of tool0 from where the DH product has it [m].
         angle_error: largest angle between them [rad].
         tolerance: what `position_error` may be: the simulator's arithmetic [m].
+        angle_tolerance: what `angle_error` may be [rad].
         q: the joint vector of the largest position error.
         poses: how many joint vectors were measured.
         hold: the hold test: seconds, largest joint displacement, whether the arm stayed, contacts within the arm.
@@ -179,12 +180,21 @@ class LoadReport:
     position_error: float | None = None
     angle_error: float | None = None
     tolerance: float | None = None
+    angle_tolerance: float | None = None
     q: tuple[float, ...] = ()
     poses: int = 0
     hold: dict[str, Any] = field(default_factory=dict)
     findings: tuple[Problem, ...] = ()
     output: str = ""
     picture: str | None = None
+
+
+def _two_minutes(_options: object) -> float:
+    return 120.0
+
+
+def _nothing(_request: LoadRequest, _output: str) -> tuple[Problem, ...]:
+    return ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,6 +211,10 @@ class Loader(Generic[O]):
             simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` where it is not installed.
         poses: how many joint vectors to measure with these options.
         picture: whether these options ask for a picture.
+        read_output: the findings in what the simulator printed while `load` ran: its warnings, without those that it
+            gives for good files too. Called with the whole output after the child process has ended, well or badly.
+        time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
+            ends it, by closing a window.
     """
 
     name: str
@@ -210,6 +224,8 @@ class Loader(Generic[O]):
     formats: tuple[str, ...] = ("urdf",)
     poses: Callable[[O], int]
     picture: Callable[[O], bool]
+    read_output: Callable[[LoadRequest, str], Sequence[Problem]] = _nothing
+    time_limit: Callable[[O], float | None] = _two_minutes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,3 @@
+"""Turns tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,124 @@
+"""The command line: one small file per command, imported when the command is called."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dh2urdf import __version__
+from dh2urdf.errors import Dh2UrdfError
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+INTERRUPTED = 130
+INTERNAL_ERROR = 1
+
+COMMANDS = {
+    "run": "Do a whole run that a YAML file describes.",
+    "convert": "Turn one table into a robot description.",
+    "plugins": "List every installed stage and its options.",
+    "schema": "Print the JSON Schema of run files or tables.",
+}
+
+
+class _LazyGroup(click.Group):
+    """A group that imports a command's module when the command is called: help and version cost nothing."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"dh2urdf.cli.{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            from dh2urdf.source import did_you_mean, shown
+
+            near = did_you_mean(args[0], COMMANDS)
+            ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{f'; {near}' if near else ''}")
+        return super().resolve_command(ctx, args)
+
+
+def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
+    if value:
+        from dh2urdf.hookspecs import INTERFACE_VERSION
+
+        python = ".".join(str(part) for part in sys.version_info[:3])
+        click.echo(f"dh2urdf {__version__} (Python {python}, plugin interface {INTERFACE_VERSION})")
+        ctx.exit()
+
+
+@click.group(
+    cls=_LazyGroup,
+    name="dh2urdf",
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Exit status: 0 all done; 1 some manipulators failed; 2 nothing could start; 3 a plugin that is needed is "
+    "broken or not installed; 130 interrupted.",
+)
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print versions.")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+def dh2urdf(debug: bool) -> None:  # noqa: ARG001, FBT001 - main reads it
+    """Turn tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm.
+
+    \b
+    dh2urdf convert ur5.csv -o ur5.urdf      one table
+    dh2urdf run ur5.yaml                     a whole run: URDF, xacro, simulator, proof
+    """
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and end the process with its exit status."""
+    signal.signal(signal.SIGTERM, _on_terminate)
+    words = sys.argv[1:] if arguments is None else arguments
+    sys.exit(_status(words, debug="--debug" in words[:1]))
+
+
+def _on_terminate(_number: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+def _status(words: list[str], *, debug: bool) -> int:
+    try:
+        result: Any = dh2urdf.main(words, prog_name="dh2urdf", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("dh2urdf: interrupted; nothing half-written is left", err=True)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader of a pipe has left (`dh2urdf convert … | head`): that is no error, and the flush at exit must not fail.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Dh2UrdfError as error:
+        if debug:
+            import traceback
+
+            click.echo("".join(traceback.format_exception(error)) + getattr(error, "traceback", ""), err=True)
+        click.echo(str(error), err=True)
+        return error.exit_status
+    except Exception as error:
+        if debug:
+            raise
+        click.echo(
+            f"dh2urdf: internal error: {type(error).__name__}: {error}\n"
+            "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where",
+            err=True,
+        )
+        return INTERNAL_ERROR
+    return result if isinstance(result, int) else 0

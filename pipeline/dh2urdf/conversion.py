@@ -1,0 +1,201 @@
+"""One manipulator on its way: transform, check, emit, prove, put in place.
+
+The command `convert` and every worker of a run go through here, so one table and a million are made alike.
+"""
+
+from __future__ import annotations
+
+import traceback
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from dh2urdf.errors import Dh2UrdfError, EmitterError, ProofError, RobotError, StageError
+from dh2urdf.output import put_in_place, staging, write_files
+from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
+from dh2urdf.robot_check import check_robot
+from dh2urdf.source import Problem
+from dh2urdf.stages import Emitter, Loader, Transform
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.proof import Poses
+    from dh2urdf.robot import Robot
+
+S = TypeVar("S", Transform[Any], Emitter[Any], Loader[Any])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Call(Generic[S]):
+    """A stage with the options that this run gives it."""
+
+    stage: S
+    options: Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recipe:
+    """What is done with every manipulator.
+
+    Attributes:
+        transform: makes the robot.
+        emitters: make the files.
+        loaders: load the files into simulators.
+        poses: random joint vectors of a proof, besides zero and both ends of the limits.
+    """
+
+    transform: Call[Transform[Any]]
+    emitters: tuple[Call[Emitter[Any]], ...]
+    loaders: tuple[Call[Loader[Any]], ...] = ()
+    poses: int = 32
+
+    @property
+    def keeps_kinematics(self) -> bool:
+        """Whether a difference from the DH product is a failure."""
+        return self.transform.stage.keeps_kinematics(self.transform.options)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenFile:
+    """A file that was put in place.
+
+    Attributes:
+        name: its name in the output folder.
+        stage: name of the emitter.
+        size: bytes.
+        sha256: hash of its content, in hexadecimal.
+    """
+
+    name: str
+    stage: str
+    size: int
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Written:
+    """What an emitter wrote.
+
+    Attributes:
+        stage: name of the emitter.
+        files: its files, the main one first.
+        proof: how far the main file is from the DH product; None where the format cannot be read back or the proof
+            was left to a sample of the run.
+    """
+
+    stage: str
+    files: tuple[WrittenFile, ...]
+    proof: Proof | None
+
+
+def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Robot:
+    """The robot of a manipulator, checked.
+
+    Raises:
+        ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
+    """
+    with blaming("transform", transform.stage.name):
+        robot = transform.stage.transform(manipulator, transform.options)
+    problems = [problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in check_robot(robot)]
+    if any(problem.severity == "error" for problem in problems):
+        raise RobotError(problems)
+    return replace(robot, notices=(*robot.notices, *problems))
+
+
+def write_robot(
+    manipulator: Manipulator,
+    robot: Robot,
+    recipe: Recipe,
+    *,
+    directory: Path,
+    stem: str,
+    main_file: str | None = None,
+    prove_costly: bool = True,
+) -> tuple[Written, ...]:
+    """Emit a robot with every emitter, prove each file, and put all of them in place, or none.
+
+    Args:
+        manipulator: the table.
+        robot: the robot made of it.
+        recipe: what is done.
+        directory: where the files go; made where it is missing.
+        stem: the stem of their names.
+        main_file: another name for the first emitter's main file.
+        prove_costly: whether to prove the files of emitters whose proof is slow.
+
+    Raises:
+        ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
+        OutputError: the files cannot be written.
+    """
+    poses = proof_vectors(manipulator, robot, recipe.poses)
+    written: list[Written] = []
+    taken: dict[str, str] = {}
+    with staging(directory) as folder:
+        for call in recipe.emitters:
+            emitter = call.stage
+            with blaming("emitter", emitter.name):
+                files = list(emitter.emit(robot, stem, call.options))
+            if main_file is not None and not written:
+                files[0] = replace(files[0], name=main_file)
+            for file in files:
+                if (other := taken.setdefault(file.name, emitter.name)) != emitter.name:
+                    raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {file.name!r}")
+            write_files(folder, files)
+            proof = None
+            if emitter.read_back and (prove_costly or not emitter.costly_proof):
+                proof = _prove_file(manipulator, folder / files[0].name, emitter, poses, recipe=recipe)
+            facts = tuple(
+                WrittenFile(
+                    name=file.name,
+                    stage=emitter.name,
+                    size=len(file.content),
+                    sha256=sha256(file.content).hexdigest(),
+                )
+                for file in files
+            )
+            written.append(Written(stage=emitter.name, files=facts, proof=proof))
+        put_in_place(folder, list(taken), directory)
+    return tuple(written)
+
+
+def _prove_file(
+    manipulator: Manipulator, path: Path, emitter: Emitter[Any], poses: Poses, *, recipe: Recipe
+) -> Proof | None:
+    if emitter.read_back is None:
+        return None
+    with blaming("emitter", emitter.name):
+        described = emitter.read_back(path)
+    proof = prove(manipulator, described, poses)
+    if recipe.keeps_kinematics and not proof.holds:
+        raise ProofError(
+            Problem(
+                message=(
+                    f"what the emitter {emitter.name!r} wrote is not the arm of the table: tool0 is off by "
+                    f"{proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = {list(proof.q)}; "
+                    f"allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
+                ),
+                robot=manipulator.name,
+                mark=manipulator.mark,
+            )
+        )
+    return proof
+
+
+@contextmanager
+def blaming(kind: str, name: str) -> Iterator[None]:
+    """Turn whatever a stage raises, unless it is an error of dh2urdf already, into one that names the stage.
+
+    Raises:
+        StageError: the stage raised something else.
+    """
+    try:
+        yield
+    except Dh2UrdfError:
+        raise
+    except Exception as error:
+        text = "".join(traceback.format_exception(error))
+        raise StageError(f"{kind} {name!r}", f"{type(error).__name__}: {error}", text) from error

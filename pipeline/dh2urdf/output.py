@@ -1,0 +1,138 @@
+"""Files that appear whole, under names that are safe, or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import unicodedata
+from contextlib import contextmanager
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import OutputError
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from dh2urdf.stages import EmittedFile
+
+LONGEST_STEM = 120
+"""Bytes of a file name's stem [1]: file systems take 255 for the whole name, and suffixes need their share."""
+_STAGING = ".dh2urdf-"
+_DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
+
+
+def safe_stem(name: str) -> str:
+    """A manipulator's name as the stem of file names, safe on every file system.
+
+    Letters, digits, ``.``, ``-``, ``+`` and ``_`` stay; anything else becomes ``_``. A stem never begins with a dot or
+    a dash, is no device name of Windows, and where it was cut short it ends in a hash of the whole name.
+    """
+    composed = unicodedata.normalize("NFC", name)
+    stem = "".join(c if c.isalnum() or c in ".-+_" else "_" for c in composed).strip("._-") or "robot"
+    if stem.split(".")[0].casefold() in _DEVICES:
+        stem = f"{stem}_"
+    if len(stem.encode()) > LONGEST_STEM:
+        digest = sha256(name.encode(errors="surrogatepass")).hexdigest()[:12]
+        stem = f"{stem.encode()[: LONGEST_STEM - 13].decode(errors='ignore')}-{digest}"
+    return stem
+
+
+class Stems:
+    """Gives every manipulator of a run a stem of its own, also where the file system ignores case."""
+
+    def __init__(self) -> None:
+        self._owners: dict[str, str] = {}
+
+    def claim(self, name: str) -> tuple[str, Problem | None]:
+        """The stem of a manipulator, and a notice where another one already has the stem of its name."""
+        wanted = stem = safe_stem(name)
+        number = 1
+        while self._key(stem) in self._owners:
+            number += 1
+            stem = f"{wanted}-{number}"
+        self._owners[self._key(stem)] = name
+        if number == 1:
+            return stem, None
+        return stem, Problem(
+            message=(
+                f"its files are named {stem!r}: {wanted!r} belongs to the manipulator "
+                f"{shown(self._owners[self._key(wanted)])} of this run"
+            ),
+            severity="notice",
+            robot=name,
+        )
+
+    @staticmethod
+    def _key(stem: str) -> str:
+        return unicodedata.normalize("NFC", stem.casefold())
+
+
+@contextmanager
+def staging(directory: Path) -> Iterator[Path]:
+    """A temporary folder inside an output folder, gone at the end whatever happens.
+
+    Files are written and proved there, and then moved into place by `put_in_place`: a rename within one file system.
+
+    Raises:
+        OutputError: the folder cannot be made.
+    """
+    with reporting_os_errors(directory):
+        directory.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=_STAGING, dir=directory))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def write_files(folder: Path, files: Sequence[EmittedFile]) -> None:
+    """Write an emitter's files into a staging folder.
+
+    Raises:
+        OutputError: a file cannot be written, or its name is not a plain file name.
+    """
+    for file in files:
+        if Path(file.name).name != file.name or file.name in ("", ".", ".."):
+            raise OutputError(Problem(message=f"{shown(file.name)} is not a plain file name", found=file.name))
+        with reporting_os_errors(folder.parent / file.name):
+            (folder / file.name).write_bytes(file.content)
+
+
+def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
+    """Move files from a staging folder to where they belong, each replacing an older one at once.
+
+    Raises:
+        OutputError: a file cannot be moved.
+    """
+    for name in names:
+        with reporting_os_errors(directory / name):
+            os.replace(folder / name, directory / name)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write one file whole, or leave what stood there.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    with staging(path.parent) as folder, reporting_os_errors(path):
+        (folder / path.name).write_bytes(content)
+        os.replace(folder / path.name, path)
+
+
+@contextmanager
+def reporting_os_errors(path: Path) -> Iterator[None]:
+    """Turn what the operating system says of a path into one line.
+
+    Raises:
+        OutputError: whatever OSError came.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(Problem(message=f"cannot write {shown(str(path), 200)}: {reason}")) from error

@@ -1,0 +1,208 @@
+"""Which stages are installed: every plugin's records, by kind and name, broken plugins kept with their reason."""
+
+from __future__ import annotations
+
+import traceback
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, get_args, overload
+
+import pluggy
+
+from dh2urdf import hookspecs
+from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
+from dh2urdf.source import Problem
+from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
+    from typing import Literal
+
+RECORDS: dict[Kind, type[Any]] = {
+    "reader": Reader,
+    "transform": Transform,
+    "emitter": Emitter,
+    "loader": Loader,
+    "executor": Executor,
+}
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plugin:
+    """An installed plugin.
+
+    Attributes:
+        name: its entry point, such as ``my_lab = my_lab.dh2urdf``.
+        distribution: name and version of the distribution that provides it.
+        module: what the entry point gave.
+    """
+
+    name: str
+    distribution: str
+    module: Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Provided:
+    """A stage and the plugin that provides it."""
+
+    kind: Kind
+    stage: Stage
+    plugin: Plugin
+
+
+class Catalog:
+    """Every installed stage by kind and name.
+
+    A kind's hooks are called when the first stage of that kind is asked for: a conversion pays for no simulator.
+    """
+
+    def __init__(self, plugins: Iterable[Plugin], broken: Iterable[BrokenPluginError] = ()) -> None:
+        self._manager = pluggy.PluginManager(hookspecs.PROJECT)
+        self._manager.add_hookspecs(hookspecs)
+        self._broken = list(broken)
+        self._provided: dict[Kind, tuple[Provided, ...]] = {}
+        self._plugins: dict[str, Plugin] = {}
+        for plugin in plugins:
+            key = f"{plugin.distribution}: {plugin.name}"
+            try:
+                self._manager.register(plugin.module, key)
+                self._manager.check_pending()
+            except Exception as error:  # noqa: BLE001 - whatever a plugin does wrong is its own fault, and named
+                self._manager.unregister(name=key)
+                self._broken.append(_broken(plugin.name, plugin.distribution, error))
+            else:
+                self._plugins[key] = plugin
+
+    @property
+    def broken(self) -> tuple[BrokenPluginError, ...]:
+        """The plugins that failed, with their reasons, as far as they have been used."""
+        return tuple(self._broken)
+
+    def provided(self, kind: Kind) -> tuple[Provided, ...]:
+        """The stages of a kind with the plugins that provide them, by name."""
+        if kind not in self._provided:
+            found = [item for key, plugin in self._plugins.items() for item in self._ask(kind, key, plugin)]
+            self._provided[kind] = tuple(sorted(found, key=lambda item: item.stage.name))
+        return self._provided[kind]
+
+    @overload
+    def get(self, kind: Literal["reader"], name: str) -> Reader[Any]: ...
+    @overload
+    def get(self, kind: Literal["transform"], name: str) -> Transform[Any]: ...
+    @overload
+    def get(self, kind: Literal["emitter"], name: str) -> Emitter[Any]: ...
+    @overload
+    def get(self, kind: Literal["loader"], name: str) -> Loader[Any]: ...
+    @overload
+    def get(self, kind: Literal["executor"], name: str) -> Executor[Any]: ...
+    def get(self, kind: Kind, name: str) -> Stage:
+        """The stage of a kind with a name.
+
+        Raises:
+            UnknownStageError: no installed stage has the name.
+            BrokenPluginError: none has, and a plugin that may provide it is broken.
+            StageConflictError: two plugins claim the name.
+        """
+        found = [item for item in self.provided(kind) if item.stage.name == name]
+        if not found:
+            for broken in self._broken:
+                raise BrokenPluginError(
+                    broken.plugin,
+                    broken.distribution,
+                    f"{broken.reason}; no other plugin provides the {kind} {name!r}",
+                    broken.traceback,
+                )
+            raise UnknownStageError(kind, name, [item.stage.name for item in self.provided(kind)])
+        return self._only(kind, name, found).stage
+
+    def reader_for(self, path: Path) -> Reader[Any]:
+        """The reader whose suffixes a path has.
+
+        Raises:
+            InputError: no installed reader takes the suffix.
+            StageConflictError: two readers take it.
+        """
+        return self._by_suffix("reader", path, "`stage: NAME` beside the path chooses a reader")
+
+    def emitter_for(self, path: Path) -> Emitter[Any]:
+        """The emitter whose suffixes a path has; the longest suffix wins (`.urdf.xacro` is xacro).
+
+        Raises:
+            InputError: no installed emitter writes the suffix.
+            StageConflictError: two emitters write it.
+        """
+        return self._by_suffix("emitter", path, "`--to NAME` chooses an emitter")
+
+    def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind
+        name = path.name.lower()
+        claims = [
+            (len(suffix), item)
+            for item in self.provided(kind)
+            for suffix in getattr(item.stage, "suffixes", ())
+            if name.endswith(suffix) and name != suffix
+        ]
+        if not claims:
+            suffixes = sorted(s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ()))
+            raise InputError(
+                Problem(
+                    message=f"no {kind} is known for the file {path.name!r}",
+                    found=path.suffix or path.name,
+                    accepted=f"a file name that ends in {', '.join(suffixes)}",
+                    suggestion=advice,
+                )
+            )
+        longest = max(length for length, _ in claims)
+        return self._only(kind, name, [item for length, item in claims if length == longest]).stage
+
+    @staticmethod
+    def _only(kind: Kind, name: str, claims: Sequence[Provided]) -> Provided:
+        if len(claims) > 1:
+            raise StageConflictError(kind, name, [claim.plugin.distribution for claim in claims])
+        return claims[0]
+
+    def _ask(self, kind: Kind, key: str, plugin: Plugin) -> Iterator[Provided]:
+        """What one plugin provides of a kind; a plugin that fails here is broken, and only that one."""
+        hook = getattr(self._manager.hook, f"dh2urdf_{kind}s")
+        found: list[Provided] = []
+        try:
+            for implementation in hook.get_hookimpls():
+                if implementation.plugin_name != key:
+                    continue
+                for stage in implementation.function():
+                    if not isinstance(stage, RECORDS[kind]):
+                        raise TypeError(
+                            f"the hook dh2urdf_{kind}s gave {type(stage).__name__} {stage!r:.60}, "
+                            f"not a dh2urdf.stages.{RECORDS[kind].__name__}"
+                        )
+                    found.append(Provided(kind=kind, stage=stage, plugin=plugin))
+        except Exception as error:  # noqa: BLE001 - whatever a plugin does wrong is its own fault, and named
+            self._broken.append(_broken(plugin.name, plugin.distribution, error))
+            return
+        yield from found
+
+
+def load() -> Catalog:
+    """The catalog of what is installed: the entry points of the group ``dh2urdf``.
+
+    pluggy's own loader would let one broken plugin stop the host, and skip a name that is taken in silence.
+    """
+    from importlib.metadata import entry_points
+
+    plugins: list[Plugin] = []
+    broken: list[BrokenPluginError] = []
+    for point in sorted(entry_points(group=hookspecs.PROJECT), key=lambda point: (point.value, point.name)):
+        distribution = f"{point.dist.name} {point.dist.version}" if point.dist else "an unknown distribution"
+        name = f"{point.name} = {point.value}"
+        try:
+            plugins.append(Plugin(name=name, distribution=distribution, module=point.load()))
+        except Exception as error:  # noqa: BLE001 - an import runs anything, and may raise anything
+            broken.append(_broken(name, distribution, error))
+    return Catalog(plugins, broken)
+
+
+def _broken(name: str, distribution: str, error: Exception) -> BrokenPluginError:
+    return BrokenPluginError(
+        name, distribution, f"{type(error).__name__}: {error}", "".join(traceback.format_exception(error))
+    )

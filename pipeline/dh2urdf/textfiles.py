@@ -1,0 +1,119 @@
+"""Text files from strangers: what is there is checked before it is read, and every byte is accounted for."""
+
+from __future__ import annotations
+
+import re
+import stat
+from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.source import Mark, Problem, shown
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MAX_BYTES = 2**30
+"""Size of a file that is still read at once [B]."""
+
+_ENCODINGS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
+_UNACCEPTABLE = re.compile(r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int = MAX_BYTES) -> bytes:
+    """What a file holds.
+
+    Raises:
+        InputError: of the type given, where there is no such file, or it cannot be read, or it is larger than the
+            limit.
+    """
+    check_file(path, error)
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(limit + 1)
+    except OSError as reason:
+        raise error(_unreadable(path, reason)) from None
+    if len(content) > limit:
+        raise error(
+            Problem(
+                message="the file is too large to be read at once",
+                mark=Mark(file=str(path)),
+                accepted=f"at most {limit / 2**20:.0f} MiB",
+                suggestion="split it into several files",
+            )
+        )
+    return content
+
+
+def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
+    """Refuses what is not a file that can be read, and says what is there instead.
+
+    Raises:
+        InputError: of the type given: missing, a folder, a link to nothing, a pipe or device, no permission.
+    """
+    try:
+        mode = path.stat().st_mode
+        if stat.S_ISREG(mode):
+            with path.open("rb"):
+                return
+    except (OSError, ValueError) as reason:  # ValueError: a null character in the path
+        raise error(_unreadable(path, reason)) from None
+    message = "this is a folder, not a file" if stat.S_ISDIR(mode) else "this is a pipe or a device, not a file"
+    raise error(Problem(message=message, mark=Mark(file=str(path)), accepted="a file"))
+
+
+def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
+    mark = Mark(file=shown(str(path), 400)[1:-1])
+    if isinstance(reason, FileNotFoundError):
+        if path.is_symlink():
+            return Problem(message=f"this link leads to {shown(str(path.readlink()))}, where there is no file", mark=mark)
+        if not path.parent.is_dir():
+            return Problem(message=f"there is no folder {shown(str(path.parent))}", mark=mark)
+        names = sorted(entry.name for entry in path.parent.iterdir())
+        near = get_close_matches(path.name, names, n=3, cutoff=0.6)
+        suggestion = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else None
+        return Problem(message="there is no such file", mark=mark, suggestion=suggestion)
+    why = reason.strerror if isinstance(reason, OSError) and reason.strerror else str(reason)
+    return Problem(message=f"the file cannot be read: {why}", mark=mark)
+
+
+def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigError) -> str:
+    """The text of a file in UTF-8 or UTF-16, without its byte order mark.
+
+    Raises:
+        InputError: of the type given, where bytes are no text, or a character is one that no text file holds.
+    """
+    if isinstance(content, bytes):
+        bom, encoding = next(((b, e) for b, e in _ENCODINGS if content.startswith(b)), (b"", "utf-8"))
+        try:
+            text = content[len(bom) :].decode(encoding)
+        except UnicodeDecodeError as reason:
+            before = content[len(bom) : len(bom) + reason.start].decode(encoding)
+            byte = reason.object[reason.start]
+            raise error(
+                Problem(
+                    message=f"byte 0x{byte:02x} is no {encoding[:6].upper()} text",
+                    mark=_mark_after(before, file),
+                    accepted="text in UTF-8, or in UTF-16 with a byte order mark",
+                    suggestion="save the file as UTF-8",
+                )
+            ) from None
+    else:
+        text = content.removeprefix("\ufeff")
+    if match := _UNACCEPTABLE.search(text):
+        raise error(
+            Problem(
+                message=f"the character U+{ord(match[0]):04X} cannot stand in a text file",
+                mark=_mark_after(text[: match.start()], file),
+                found=match[0].encode("unicode_escape").decode("ascii"),
+                accepted="printable characters, tabs, and line ends LF, CR LF or CR",
+                suggestion="is this a text file?" if match[0] == "\0" else "remove it",
+            )
+        )
+    return text
+
+
+def _mark_after(before: str, file: str) -> Mark:
+    lines = re.split(r"\r\n|\n|\r", before)
+    return Mark(file=file, line=len(lines), column=len(lines[-1]) + 1)

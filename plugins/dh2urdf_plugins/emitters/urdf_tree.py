@@ -1,0 +1,234 @@
+"""The XML tree that URDF and xacro share: one structure, two notations.
+
+The expanded xacro must have the tags, attributes and order of the URDF, so both are made by the same functions; what
+differs is how a name and a number are written, and that is the `Notation`.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import JointType
+from dh2urdf.number_text import format_numbers
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.manipulator import Inertia
+    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
+
+LONGEST_LINE = 8000
+"""Bytes of one line [1]: PyBullet cuts a longer one without a word."""
+
+LONGEST_COMMENT = 1000
+"""Characters of one comment [1]."""
+
+# What XML 1.0 cannot hold (section 2.2, Char), and tab and line ends besides: an attribute's reader makes spaces of
+# them (section 3.3.3), and minidom, which writes xacro's output, does not escape them.
+_NOT_FOR_XML = re.compile("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+_LIMITS_OF = {
+    JointType.REVOLUTE: ("lower", "upper", "effort", "velocity"),
+    JointType.PRISMATIC: ("lower", "upper", "effort", "velocity"),
+    JointType.CONTINUOUS: ("effort", "velocity"),
+    JointType.FIXED: (),
+}
+
+
+class Notation:
+    """How plain URDF writes names and numbers; xacro's notation overrides it."""
+
+    def text(self, text: str) -> str:
+        """A text that is nobody's identifier: the robot's name, a file name.
+
+        Raises:
+            EmitterError: XML cannot hold one of its characters.
+        """
+        if culprit := _NOT_FOR_XML.search(text):
+            raise EmitterError(
+                Problem(
+                    message=f"a name holds the character U+{ord(culprit.group()):04X}, which XML cannot carry",
+                    found=shown(text),
+                    accepted="any text without control characters and lone surrogates",
+                )
+            )
+        return text
+
+    def name(self, name: str) -> str:
+        """The name of a link, a joint or a material."""
+        return self.text(name)
+
+    def numbers(self, numbers: Iterable[float]) -> str:
+        """Numbers that follow no parameter."""
+        return " ".join(format_numbers(numbers))
+
+    def lengths(self, lengths: Sequence[float], _formulas: Sequence[str] | None = None) -> str:
+        """Lengths [m], each with the formula that it follows."""
+        return self.numbers(lengths)
+
+    def angles(self, angles: Sequence[float], _formulas: Sequence[str] | None = None) -> str:
+        """Angles [rad], each with the formula that it follows."""
+        return self.numbers(angles)
+
+
+def append_robot(parent: etree._Element, robot: Robot, notation: Notation) -> None:
+    """Appends the materials, then the links from the base to the tip, each after the joint that holds it.
+
+    Raises:
+        EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
+    """
+    _append_materials(parent, robot, notation)
+    joint_to = {joint.child: joint for joint in robot.joints}
+    for link in robot.links:
+        if joint := joint_to.get(link.name):
+            _append_joint(parent, joint, notation)
+        _append_link(parent, link, notation)
+
+
+def append_mujoco_options(parent: etree._Element) -> None:
+    """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it."""
+    mujoco = etree.SubElement(parent, "mujoco")
+    etree.SubElement(mujoco, "compiler", {"fusestatic": "false", "discardvisual": "false"})
+
+
+def append_comment(parent: etree._Element, text: str) -> None:
+    """Appends a comment."""
+    parent.append(_comment(text))
+
+
+def serialise(root: etree._Element, comment: str = "") -> bytes:
+    """The file of a tree: UTF-8, two spaces per level, one element per line, a comment above the root.
+
+    Raises:
+        EmitterError: a line is longer than every reader takes.
+    """
+    etree.indent(root, "  ")
+    head = etree.tostring(_comment(comment), encoding="UTF-8") + b"\n" if comment else b""
+    content = b'<?xml version="1.0"?>\n' + head + etree.tostring(root, encoding="UTF-8", xml_declaration=False) + b"\n"
+    for number, line in enumerate(content.split(b"\n"), start=1):
+        if len(line) > LONGEST_LINE:
+            raise EmitterError(
+                Problem(
+                    message=f"line {number} of the robot description would have {len(line)} bytes",
+                    found=shown(line.decode("utf-8").strip()),
+                    accepted=f"at most {LONGEST_LINE} bytes: PyBullet cuts a longer line",
+                    suggestion="shorten the names",
+                )
+            )
+    return content
+
+
+def _comment(text: str) -> etree._Comment:
+    """A comment that ends where it should (XML 1.0, section 2.5: no ``--``) and that xacro takes for nothing else."""
+    plain = shown(text, LONGEST_COMMENT)[1:-1]
+    plain = re.sub("-(?=-)", "- ", plain).replace("xacro:eval-comments", "xacro: eval-comments")
+    return etree.Comment(f" {plain} ")
+
+
+def _append_materials(parent: etree._Element, robot: Robot, notation: Notation) -> None:
+    materials: dict[str, Material] = {}
+    for visual in (visual for link in robot.links for visual in link.visuals):
+        if (material := visual.material) and materials.setdefault(material.name, material) != material:
+            raise EmitterError(Problem(message=f"material {shown(material.name)} has two colours", robot=robot.name))
+    for material in materials.values():
+        element = etree.SubElement(parent, "material", {"name": notation.name(material.name)})
+        etree.SubElement(element, "color", {"rgba": notation.numbers(material.rgba)})
+
+
+def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> None:
+    element = etree.SubElement(parent, "joint", {"name": notation.name(joint.name), "type": joint.type.value})
+    _append_origin(element, joint.origin, notation)
+    etree.SubElement(element, "parent", {"link": notation.name(joint.parent)})
+    etree.SubElement(element, "child", {"link": notation.name(joint.child)})
+    if joint.type is not JointType.FIXED:
+        etree.SubElement(element, "axis", {"xyz": notation.numbers(joint.axis)})
+        etree.SubElement(element, "limit", _limits(joint, notation))
+    dynamics = {
+        name: notation.numbers((value,))
+        for name, value in (("damping", joint.damping), ("friction", joint.friction))
+        if value is not None
+    }
+    if dynamics:
+        etree.SubElement(element, "dynamics", dynamics)
+
+
+def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
+    """The limits that URDF requires of a joint of its type: an incomplete one is refused by most readers."""
+    attributes = {}
+    for name in _LIMITS_OF[joint.type]:
+        value = getattr(joint.limits, name)
+        if value is None:
+            raise EmitterError(
+                Problem(
+                    message=f"a {joint.type.value} joint needs {name}",
+                    mark=joint.mark,
+                    joint=joint.name,
+                    field=f"limits.{name}",
+                )
+            )
+        is_angle = joint.type is not JointType.PRISMATIC and name != "effort"
+        attributes[name] = notation.angles((value,)) if is_angle else notation.numbers((value,))
+    return attributes
+
+
+def _append_link(parent: etree._Element, link: Link, notation: Notation) -> None:
+    element = etree.SubElement(parent, "link", {"name": notation.name(link.name)})
+    if link.inertial:
+        _append_inertial(element, link.inertial, notation)
+    for visual in link.visuals:
+        _append_visual(element, visual, notation)
+    for collision in link.collisions:
+        _append_shape(etree.SubElement(element, "collision"), collision, notation)
+
+
+def _append_inertial(parent: etree._Element, inertial: Inertial, notation: Notation) -> None:
+    element = etree.SubElement(parent, "inertial")
+    etree.SubElement(element, "origin", {"xyz": notation.numbers(inertial.com), "rpy": "0 0 0"})
+    etree.SubElement(element, "mass", {"value": notation.numbers((inertial.mass,))})
+    etree.SubElement(element, "inertia", _elements(inertial.inertia))
+
+
+def _elements(inertia: Inertia) -> dict[str, str]:
+    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    return dict(zip(names, format_numbers(getattr(inertia, name) for name in names), strict=True))
+
+
+def _append_visual(parent: etree._Element, visual: Visual, notation: Notation) -> None:
+    element = etree.SubElement(parent, "visual")
+    _append_shape(element, visual, notation)
+    if visual.material:
+        etree.SubElement(element, "material", {"name": notation.name(visual.material.name)})
+
+
+def _append_shape(element: etree._Element, shape: Visual | Collision, notation: Notation) -> None:
+    _append_origin(element, shape.origin, notation)
+    geometry = etree.SubElement(element, "geometry")
+    etree.SubElement(geometry, *_primitive(shape.geometry, notation))
+
+
+def _append_origin(parent: etree._Element, origin: Origin, notation: Notation) -> None:
+    attributes = {
+        "xyz": notation.lengths(origin.xyz, origin.xyz_formula),
+        "rpy": notation.angles(origin.rpy, origin.rpy_formula),
+    }
+    etree.SubElement(parent, "origin", attributes)
+
+
+def _primitive(geometry: Geometry, notation: Notation) -> tuple[str, dict[str, str]]:
+    """Tag and attributes of a shape."""
+    match geometry:
+        case Box(size=size, size_formula=formulas):
+            return "box", {"size": notation.lengths(size, formulas)}
+        case Cylinder(radius=radius, length=length, length_formula=formula):
+            length_text = notation.lengths((length,), (formula,) if formula else None)
+            return "cylinder", {"radius": notation.numbers((radius,)), "length": length_text}
+        case Sphere(radius=radius):
+            return "sphere", {"radius": notation.numbers((radius,))}
+        case Mesh(filename=filename, scale=scale):
+            return "mesh", {"filename": notation.text(filename), "scale": notation.numbers(scale)}

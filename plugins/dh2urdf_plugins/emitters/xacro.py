@@ -1,0 +1,226 @@
+"""xacro: a macro that a person can edit, and a thin file that calls it.
+
+``<stem>_macro.xacro`` holds one macro. Inside it, and never at the file's scope, where two macros would overwrite each
+other's, stand the numbers of the table as properties; origins and shapes are formulas over them. The macro prefixes
+every link, joint and material, and mounts the arm on a link of the caller's, or on none where ``parent`` is empty.
+``<stem>.urdf.xacro`` calls it with no parent. Expanded, that is the URDF of the same robot, element by element.
+"""
+
+from __future__ import annotations
+
+import glob
+import math
+import re
+from dataclasses import dataclass, field, replace
+from keyword import iskeyword
+from typing import TYPE_CHECKING
+
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.number_text import format_number
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.emitters.urdf_tree import (
+    Notation,
+    append_comment,
+    append_mujoco_options,
+    append_robot,
+    serialise,
+)
+from dh2urdf_plugins.xacro_reader import read_xacro
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.robot import Parameter, Robot
+
+NAMESPACE = "http://www.ros.org/wiki/xacro"
+MACRO_PARAMETERS = "prefix parent:='' *origin"
+
+_IDENTIFIER = re.compile(r"[^\W\d]\w*")
+_MACRO_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+# The xacro elements that a call of a macro of the same name would be taken for.
+_XACRO_ELEMENTS = frozenset(
+    {"arg", "attribute", "call", "element", "if", "include", "insert_block", "macro", "property", "unless"}
+)
+# What formulas and the macro itself mean by these words; a property of that name would hide it.
+_WORDS_IN_USE = frozenset({"prefix", "parent", "origin", "pi", "abs", "fabs", "max", "sin", "cos"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XacroOptions:
+    """How a xacro is laid out."""
+
+    single_file: bool = field(
+        default=False, metadata={"help": "write the macro and its call into one file instead of two"}
+    )
+
+
+class XacroNotation(Notation):
+    """Names carry the prefix; numbers that follow the table are formulas over the macro's properties."""
+
+    def __init__(self, parameters: Sequence[Parameter]) -> None:
+        self._parameters = frozenset(parameter.name for parameter in parameters)
+
+    def text(self, text: str) -> str:
+        """A text in which xacro finds nothing to evaluate: it reads ``${'$'}`` as a dollar sign, and no doubled one."""
+        return super().text(text).replace("$", "${'$'}")
+
+    def name(self, name: str) -> str:
+        """A name with the macro's prefix."""
+        return "${prefix}" + self.text(name)
+
+    def lengths(self, lengths: Sequence[float], formulas: Sequence[str] | None = None) -> str:
+        """Lengths [m], as formulas where they follow the table."""
+        return self._formulas(lengths, formulas) or self.numbers(lengths)
+
+    def angles(self, angles: Sequence[float], formulas: Sequence[str] | None = None) -> str:
+        """Angles [rad], as formulas where they follow the table, multiples of π written as such."""
+        return self._formulas(angles, formulas, angle_text) or " ".join(map(angle_text, angles))
+
+    def _formulas(
+        self,
+        numbers: Sequence[float],
+        formulas: Sequence[str] | None,
+        number_text: Callable[[float], str] = format_number,
+    ) -> str | None:
+        if not formulas:
+            return None
+        return " ".join(
+            # xacro knows abs as python.abs only, and not in every version; fabs is math's and everywhere.
+            "${" + re.sub(r"\babs\b", "fabs", formula) + "}"
+            if self._parameters.intersection(_IDENTIFIER.findall(formula))
+            else number_text(number)
+            for number, formula in zip(numbers, formulas, strict=True)
+        )
+
+
+def angle_text(angle: float) -> str:
+    """An angle [rad] for xacro: ``${-pi/2}`` where that is the very same double, the number elsewhere."""
+    # Beyond 20 π the doubles are so far apart, in the end, that every one is some multiple of π/12.
+    if angle and abs(angle) <= 20 * math.pi:
+        for denominator in (1, 2, 3, 4, 6, 12):
+            numerator = round(angle * denominator / math.pi)
+            if numerator * math.pi / denominator == angle:
+                factor = {1: "", -1: "-"}.get(numerator, f"{numerator}*")
+                return f"${{{factor}pi}}" if denominator == 1 else f"${{{factor}pi/{denominator}}}"
+    return format_number(angle)
+
+
+def macro_name(robot_name: str, stem: str) -> str:
+    """The macro's name: the robot's where xacro and XML can take it, else the file's with ``_`` for what they cannot.
+
+    A name that every XML parser reads as a tag has ASCII letters, digits, ``_`` and ``-``, and begins with a letter or
+    ``_``; xacro takes a dot for a namespace, and its own elements for themselves.
+    """
+    if _MACRO_NAME.fullmatch(robot_name) and robot_name not in _XACRO_ELEMENTS:
+        return robot_name
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", stem)
+    return name if _MACRO_NAME.fullmatch(name) and name not in _XACRO_ELEMENTS else f"_{name}"
+
+
+def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, ...]:
+    """The macro of a robot and the file that calls it; the latter comes first, for it is the one to open.
+
+    Raises:
+        EmitterError: XML cannot hold one of its names, a parameter's name is not one of a xacro property, or the robot
+            lacks what URDF requires.
+    """
+    notation = XacroNotation(robot.parameters)
+    macro = macro_name(robot.name, stem)
+    top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
+    _append(top, "arg", name="prefix", default="")
+    append_mujoco_options(top)
+    if options.single_file:
+        _append_macro(top, robot, macro, notation)
+        _append_call(top, macro)
+        return (EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment)),)
+    # xacro takes a file name for a pattern.
+    _append(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
+    _append_call(top, macro)
+    library = etree.Element("robot", nsmap={"xacro": NAMESPACE})
+    _append_macro(library, robot, macro, notation)
+    return (
+        EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment)),
+        EmittedFile(name=f"{stem}_macro.xacro", content=serialise(library, robot.comment)),
+    )
+
+
+def _append(parent: etree._Element, tag: str, **attributes: str) -> etree._Element:
+    """Appends an element of xacro's."""
+    return etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}", attributes)
+
+
+def _append_call(parent: etree._Element, macro: str) -> None:
+    call = _append(parent, macro, prefix="$(arg prefix)")
+    etree.SubElement(call, "origin", {"xyz": "0 0 0", "rpy": "0 0 0"})
+
+
+def _append_macro(parent: etree._Element, robot: Robot, name: str, notation: XacroNotation) -> None:
+    append_comment(
+        parent,
+        f'Call it as <xacro:{name} prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:{name}>; '
+        "without a parent the arm is mounted on nothing, and origin is not used.",
+    )
+    macro = _append(parent, "macro", name=name, params=MACRO_PARAMETERS)
+    _append_properties(macro, robot.parameters)
+    _append_mounting(macro, robot, notation)
+    append_robot(macro, robot, notation)
+
+
+def _append_properties(macro: etree._Element, parameters: Sequence[Parameter]) -> None:
+    """Appends the numbers of the table, each joint's after a comment that names it."""
+    if not parameters:
+        return
+    append_comment(
+        macro,
+        "The table: edit the arm here. Origins and shapes follow these properties; "
+        "axes, masses and inertias are numbers that do not.",
+    )
+    heading = None
+    for parameter in parameters:
+        if (now := f"joint {shown(parameter.joint)} [{parameter.unit}]") != heading:
+            append_comment(macro, heading := now)
+        value = angle_text(parameter.value) if parameter.unit == "rad" else format_number(parameter.value)
+        _append(macro, "property", name=_property_name(parameter), value=value)
+
+
+def _property_name(parameter: Parameter) -> str:
+    name = parameter.name
+    if not name.isidentifier() or iskeyword(name) or name.startswith("__") or name in _WORDS_IN_USE:
+        raise EmitterError(
+            Problem(
+                message=f"the parameter {shown(name)} cannot be a xacro property",
+                joint=parameter.joint,
+                found=name,
+                accepted="an identifier that is none of Python's keywords and none of "
+                + ", ".join(sorted(_WORDS_IN_USE)),
+            )
+        )
+    return name
+
+
+def _append_mounting(macro: etree._Element, robot: Robot, notation: XacroNotation) -> None:
+    """Appends the joint between the caller's link and the arm, which is written where there is a parent."""
+    taken = {joint.name for joint in robot.joints} | {link.name for link in robot.links}
+    name = "base_joint"  # As in ROS-Industrial's macros.
+    while name in taken:
+        name += "_"
+    condition = _append(macro, "unless", value="${parent == ''}")
+    joint = etree.SubElement(condition, "joint", {"name": notation.name(name), "type": "fixed"})
+    _append(joint, "insert_block", name="origin")
+    etree.SubElement(joint, "parent", {"link": "${parent}"})
+    etree.SubElement(joint, "child", {"link": notation.name(robot.links[0].name)})
+
+
+EMITTER = Emitter(
+    name="xacro",
+    summary="a xacro macro with the table as its properties, and a file that calls it",
+    suffixes=(".urdf.xacro", ".xacro"),
+    options=XacroOptions,
+    emit=emit,
+    read_back=read_xacro,
+    one_file=lambda options: replace(options, single_file=True),
+    costly_proof=True,
+)

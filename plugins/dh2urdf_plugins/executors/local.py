@@ -1,0 +1,95 @@
+"""The executor `local`: processes of this machine."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Literal
+
+from dh2urdf.stages import Executor
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from concurrent.futures import Future
+
+CHUNK = 16
+"""Manipulators that a process takes at once: handing one over costs about as much as making it."""
+AHEAD = 4
+"""Chunks per process that wait or are under way, so that the tasks of a long run are never all held."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalOptions:
+    """How many processes work."""
+
+    workers: Literal["auto"] | int = field(
+        default="auto",
+        metadata={"help": "processes; 1 works in the process itself, auto takes one per processor"},
+    )
+
+    def __post_init__(self) -> None:
+        if self.workers != "auto" and self.workers < 1:
+            raise ValueError("workers is a number from 1 on, or auto")
+
+
+def map_locally(
+    function: Callable[[Any], Any], tasks: Iterable[Any], options: LocalOptions
+) -> Iterator[Any]:
+    """Results of a function over tasks, in their order, from a pool of processes.
+
+    One task, or one worker, needs no pool: it is done in this process.
+    """
+    workers = _processors() if options.workers == "auto" else options.workers
+    waiting = iter(tasks)
+    first = list(islice(waiting, 2))
+    if workers == 1 or len(first) < 2:  # noqa: PLR2004 - one task alone
+        yield from map(function, first)
+        yield from map(function, waiting)
+        return
+    yield from _map_in_pool(function, _chunks(first, waiting), workers)
+
+
+def _processors() -> int:
+    """The processors that this process may use, where the system says; else all there are."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], workers: int) -> Iterator[Any]:
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    under_way: deque[Future[list[Any]]] = deque()
+    try:
+        under_way.extend(pool.submit(_map_chunk, function, chunk) for chunk in islice(chunks, AHEAD * workers))
+        while under_way:
+            results = under_way.popleft().result()
+            under_way.extend(pool.submit(_map_chunk, function, chunk) for chunk in islice(chunks, 1))
+            yield from results
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _map_chunk(function: Callable[[Any], Any], chunk: list[Any]) -> list[Any]:
+    return [function(task) for task in chunk]
+
+
+def _chunks(first: list[Any], rest: Iterator[Any]) -> Iterator[list[Any]]:
+    """The tasks one by one at first, so that a short run keeps every process busy, then in full chunks."""
+    yield from ([task] for task in first)
+    size = 1
+    while chunk := list(islice(rest, size)):
+        yield chunk
+        size = min(size + 1, CHUNK)
+
+
+EXECUTOR = Executor(
+    name="local",
+    summary="processes of this machine",
+    options=LocalOptions,
+    map=map_locally,
+)

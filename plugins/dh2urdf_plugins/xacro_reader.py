@@ -1,0 +1,55 @@
+"""Reads a xacro back into a robot, as the real xacro expands it."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import ProofError
+from dh2urdf.source import Mark, Problem
+from dh2urdf_plugins.urdf_reader import parse_urdf
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from dh2urdf.robot import Robot
+
+
+def read_xacro(path: Path) -> Robot:
+    """The robot of a xacro file, expanded with the defaults of its arguments.
+
+    Raises:
+        ProofError: xacro cannot expand the file, or what comes out is not the URDF of a robot.
+    """
+    return parse_urdf(expand(path), f"{path} (expanded)")
+
+
+def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:
+    """The text that the real xacro makes of a file.
+
+    Args:
+        path: the file.
+        arguments: values of its ``xacro:arg`` elements.
+
+    Raises:
+        ProofError: xacro cannot expand the file.
+    """
+    import xacro
+
+    printed = io.StringIO()
+    folder_before = xacro.root_dir
+    # xacro takes the whole path of an included file for a pattern, brackets in a folder's name included; with the
+    # folder as its root directory, it sees the file names alone.
+    xacro.root_dir = str(path.parent)
+    try:
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+            document = xacro.process_file(path.name, mappings=dict(arguments or {}))
+    except Exception as error:  # xacro evaluates Python: anything may come out.
+        said = str(error) or repr(error)
+        raise ProofError(Problem(message=f"xacro cannot expand it: {said}", mark=Mark(file=str(path)))) from error
+    finally:
+        xacro.root_dir = folder_before
+    text: bytes = document.documentElement.toprettyxml(indent="  ", encoding="utf-8")
+    return text

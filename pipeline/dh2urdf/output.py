@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import tempfile
 import unicodedata
@@ -110,7 +109,7 @@ def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
     """
     for name in names:
         with reporting_os_errors(directory / name):
-            os.replace(folder / name, directory / name)
+            (folder / name).replace(directory / name)
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -121,7 +120,7 @@ def write_whole(path: Path, content: bytes) -> None:
     """
     with staging(path.parent) as folder, reporting_os_errors(path):
         (folder / path.name).write_bytes(content)
-        os.replace(folder / path.name, path)
+        (folder / path.name).replace(path)
 
 
 @contextmanager

@@ -39,14 +39,20 @@ MAX_NESTING = 30
 class Dimension(StrEnum):
     """What a quantity measures."""
 
-    NUMBER = "number"
-    LENGTH = "length"
-    ANGLE = "angle"
-    SPEED = "speed"
-    TURN_RATE = "angular speed"
-    MASS = "mass"
-    EFFORT = "force or torque"
-    INERTIA = "moment of inertia"
+    NUMBER = "a bare number"
+    LENGTH = "a length"
+    ANGLE = "an angle"
+    SPEED = "a speed"
+    TURN_RATE = "an angular speed"
+    MASS = "a mass"
+    EFFORT = "a force or torque"
+    DAMPING = "a coefficient of friction"
+    INERTIA = "a moment of inertia"
+
+    @property
+    def plain(self) -> str:
+        """The words without their article."""
+        return self.split(" ", 1)[1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +110,8 @@ def _units() -> dict[str, Unit]:
     define(Unit("kg", Dimension.MASS))
     define(Unit("N", Dimension.EFFORT))
     define(Unit("Nm", Dimension.EFFORT))
+    define(Unit("N·m·s/rad", Dimension.DAMPING), "nms/rad", "nms")
+    define(Unit("N·s/m", Dimension.DAMPING), "ns/m")
     define(Unit("kg·m²", Dimension.INERTIA), "kgm2")
     return units
 
@@ -117,6 +125,7 @@ _SYMBOLS = {
     Dimension.TURN_RATE: "rad/s, deg/s, °/s",
     Dimension.MASS: "kg",
     Dimension.EFFORT: "N, Nm",
+    Dimension.DAMPING: "N·m·s/rad, N·s/m",
     Dimension.INERTIA: "kg·m²",
 }
 
@@ -191,9 +200,9 @@ def find_unit(text: str, dimension: Dimension) -> Unit:
     unit = _UNITS.get(word)
     if unit is None:
         near = did_you_mean(word, [word for word, unit in _UNITS.items() if unit.dimension is dimension])
-        raise QuantityError(f"{shown(text)} is no unit of {dimension} that is known", _SYMBOLS[dimension], near)
+        raise QuantityError(f"{shown(text)} is no unit of {dimension.plain} that is known", _SYMBOLS[dimension], near)
     if unit.dimension is not dimension:
-        message = f"{shown(text)} is a unit of {unit.dimension}, and a unit of {dimension} is needed"
+        message = f"{shown(text)} is a unit of {unit.dimension.plain}, and one of {dimension.plain} is needed"
         raise QuantityError(message, _SYMBOLS[dimension])
     return unit
 
@@ -208,7 +217,7 @@ def _unit_word(text: str) -> str:
     return re.sub(r"[\s·⋅*^.]", "", word).replace("μ", "µ").replace("sec", "s")
 
 
-_DECIMAL = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{1,6}))?\s*")
+_DECIMAL = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{1,18}))?\s*")
 
 
 def evaluate(text: str, dimension: Dimension, unit: Unit | None = None, *, decimal_comma: bool = False) -> Quantity:
@@ -262,22 +271,20 @@ def _in_si(text: str, value: _Value, dimension: Dimension, unit: Unit | None) ->
             raise QuantityError(message, accepted, f"write the angle in degrees, or name its unit: '{clean} rad'")
         number = unit.si(number, value.decimal)
     elif value.dimension is not None and value.dimension is not dimension:
-        kind = "a bare number" if dimension is Dimension.NUMBER else f"a quantity of {dimension}"
-        message = f"{shown(text)} is a quantity of {value.dimension}, and {kind} is needed"
-        raise QuantityError(message, accepted)
+        raise QuantityError(f"{shown(text)} is {value.dimension}, and {dimension} is needed", accepted)
     if not math.isfinite(number):
         raise QuantityError(f"{shown(text)} is beyond the largest number that can be held", accepted)
     if value.variable and value.factor not in (1.0, -1.0):
         message = f"{shown(text)} takes {value.variable.text} times {value.factor:g}"
         raise QuantityError(message, f"{value.variable.text}, or its negative, and a number added to it")
-    return Quantity(number, value.dimension is not None, value.variable, -1 if value.factor < 0 else 1)
+    return Quantity(number + 0.0, value.dimension is not None, value.variable, -1 if value.factor < 0 else 1)
 
 
 # --- Tokens -----------------------------------------------------------------------------------------------------------
 
 _TOKEN = re.compile(
     r"""(?P<space>\s+)
-      | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,6}(?![0-9]))?)
+      | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)
       | (?P<word>\\?[^\W\d]\w*(?:_?\{\w+\})?(?:\.[^\W\d]\w*)*)
       | (?P<degree>[°º˚])
       | (?P<sign>.)""",
@@ -291,11 +298,10 @@ _MODULES = ("np.", "numpy.", "math.")
 _VARIABLE = re.compile(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
 _VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
 
-_THOUSANDS = re.compile(r"\s*[+-]?[0-9]{1,3}(?:[.,' ][0-9]{3})+(?:[.,][0-9]*)?\s*")
 _ADVICE = (
     (re.compile(r"\s*[+-]?(nan|inf|infinity)\s*", re.IGNORECASE), "write a finite number"),
-    (_THOUSANDS, "write the number without thousands separators, with a point: 1234.5"),
-    (re.compile(r"\s*[+-]?[0-9]*,[0-9]+\s*"), "write a decimal point in place of the comma"),
+    (re.compile(r"\s*[+-]?[0-9]*,[0-9]+\s*$"), "write a decimal point, and no separators of thousands: 0.425, 1234.5"),
+    (re.compile(r"\s*[+-]?[0-9]{1,3}(?:[.,'’ ][0-9]{3})+"), "write the number without separators of thousands: 1234.5"),
     (re.compile(r".*[0-9]_[0-9]"), "write the number without underscores"),
     (re.compile(r".*\b0[xXbBoO]"), "write a decimal number"),
     (re.compile(r".*(\*\*|\^|[²³])"), "powers are not accepted: write the product, or the number"),

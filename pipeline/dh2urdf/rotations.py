@@ -165,3 +165,47 @@ class RigidTransform(NamedTuple):
 
 
 IDENTITY = RigidTransform(IDENTITY_ROTATION, ZERO)
+
+
+def nearest_rotation(matrix: Rotation) -> tuple[Rotation, float]:
+    """The rotation nearest to a 3x3 matrix that is nearly one, and how far the matrix is from being orthonormal.
+
+    Elements within rounding of −1, 0 and 1 are these. A matrix that is orthonormal to rounding is kept as it is; any
+    other is brought to its polar factor by Newton's iteration R ← R·(3·1 − RᵀR)/2 (Higham, Functions of Matrices,
+    eq. 8.20), which converges where the deviation is below 1. A mirrored matrix has a deviation of 2.
+
+    Returns:
+        The rotation, and the largest element of |RᵀR − 1| [1].
+    """
+    rotation = _without_rounding(matrix)
+    deviation = _deviation(rotation)
+    if _determinant(rotation) < 0:
+        return rotation, max(2.0, deviation)
+    residual = deviation
+    for _ in range(_NEWTON_STEPS if deviation < 0.1 else 0):  # noqa: PLR2004 - well within its convergence
+        if residual <= 4 * _QUARTER_TURN_TOLERANCE:
+            break
+        gram = multiply(transpose(rotation), rotation)
+        correction = [(3.0 * (index % 4 == 0) - element) / 2 for index, element in enumerate(gram)]
+        rotation = multiply(rotation, tuple(correction))  # type: ignore[arg-type] - nine of them
+        residual = _deviation(rotation)
+    return _without_rounding(rotation), deviation
+
+
+_NEWTON_STEPS = 6
+
+
+def _without_rounding(matrix: Rotation) -> Rotation:
+    whole = (float(round(x)) if math.isfinite(x) else x for x in matrix)
+    pairs = zip(matrix, whole, strict=True)
+    return tuple(w if abs(x - w) <= _QUARTER_TURN_TOLERANCE else x for x, w in pairs)  # type: ignore[return-value]
+
+
+def _deviation(matrix: Rotation) -> float:
+    gram = multiply(transpose(matrix), matrix)
+    return max(abs(element - (index % 4 == 0)) for index, element in enumerate(gram))
+
+
+def _determinant(matrix: Rotation) -> float:
+    a, b, c, d, e, f, g, h, i = matrix
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)

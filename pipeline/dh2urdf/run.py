@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Literal
 from dh2urdf.conversion import Call, Recipe, Written, blaming, make_robot, write_robot
 from dh2urdf.errors import (
     ConfigError,
-    Dh2UrdfError,
     InputError,
     ManipulatorError,
     OutputError,
@@ -21,6 +20,7 @@ from dh2urdf.errors import (
 )
 from dh2urdf.isolation import load_in_child
 from dh2urdf.kinematics import KinematicChain, forward_kinematics
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.output import Stems
 from dh2urdf.proof import joint_vectors
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from dh2urdf.config import RunConfig, StageCall
-    from dh2urdf.manipulator import Manipulator
     from dh2urdf.registry import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
@@ -251,9 +250,7 @@ def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) 
             return outcome
         with _timed(seconds, "write"):
             sampled = task.index < ALL_PROVED or task.index % SAMPLE == 0
-            written = write_robot(
-                item, robot, recipe, directory=directory, stem=task.stem, prove_costly=sampled
-            )
+            written = write_robot(item, robot, recipe, directory=directory, stem=task.stem, prove_costly=sampled)
         outcome = replace(outcome, written=written)
         for number, call in enumerate(recipe.loaders):
             with _timed(seconds, f"load {call.stage.name}"):

@@ -67,7 +67,9 @@ def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
     mark = Mark(file=shown(str(path), 400)[1:-1])
     if isinstance(reason, FileNotFoundError):
         if path.is_symlink():
-            return Problem(message=f"this link leads to {shown(str(path.readlink()))}, where there is no file", mark=mark)
+            return Problem(
+                message=f"this link leads to {shown(str(path.readlink()))}, where there is no file", mark=mark
+            )
         if not path.parent.is_dir():
             return Problem(message=f"there is no folder {shown(str(path.parent))}", mark=mark)
         names = sorted(entry.name for entry in path.parent.iterdir())

@@ -70,8 +70,9 @@ def parse_urdf(content: bytes, file: str) -> Robot:
         root = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
         line, column = error.position
+        reason = error.msg.removesuffix(f", line {line}, column {column}")
         raise ProofError(
-            Problem(message=f"this is not XML: {error.msg}", mark=Mark(file=file, line=line, column=column))
+            Problem(message=f"this is not XML: {reason}", mark=Mark(file=file, line=line, column=column))
         ) from error
     return _UrdfReader(file).robot(root)
 

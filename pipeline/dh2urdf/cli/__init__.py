@@ -50,7 +50,8 @@ class _LazyGroup(click.Group):
             from dh2urdf.source import did_you_mean, shown
 
             near = did_you_mean(args[0], COMMANDS)
-            ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{f'; {near}' if near else ''}")
+            advice = f"; {near}" if near else ""
+            ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{advice}")
         return super().resolve_command(ctx, args)
 
 
@@ -70,10 +71,12 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     epilog="Exit status: 0 all done; 1 some manipulators failed; 2 nothing could start; 3 a plugin that is needed is "
     "broken or not installed; 130 interrupted.",
 )
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print versions.")
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print versions."
+)
 @click.option("--debug", is_flag=True, help="Show the traceback of an error.")
-def dh2urdf(debug: bool) -> None:  # noqa: ARG001, FBT001 - main reads it
-    """Turn tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm.
+def dh2urdf(debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
+    r"""Turn tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm.
 
     \b
     dh2urdf convert ur5.csv -o ur5.urdf      one table
@@ -102,7 +105,7 @@ def _status(words: list[str], *, debug: bool) -> int:
         click.echo("dh2urdf: interrupted; nothing half-written is left", err=True)
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of a pipe has left (`dh2urdf convert … | head`): that is no error, and the flush at exit must not fail.
+        # The reader of a pipe has left (`dh2urdf convert … | head`): no error, and the flush at exit must not fail.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Dh2UrdfError as error:

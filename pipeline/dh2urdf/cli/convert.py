@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ from dh2urdf.options import make_options
 from dh2urdf.output import safe_stem
 from dh2urdf.registry import load
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.stages import Emitter, Reader, Rejected
+from dh2urdf.stages import Emitter, Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -50,7 +49,7 @@ def command(
     settings: tuple[str, ...],
     **flags: str | None,
 ) -> int:
-    """Turn TABLE into a robot description and prove that it is the same arm.
+    r"""Turn TABLE into a robot description and prove that it is the same arm.
 
     The reader goes by TABLE's suffix, the format by FILE's. `dh2urdf plugins` lists the stages and their options.
 
@@ -154,13 +153,14 @@ def _options(
         kinds = [kind] if kind in known else [] if kind else [k for k in known if key in known[k]]
         if not equals or len(kinds) != 1 or key not in known[kinds[0]]:
             keys = [f"{k}.{name}" for k in known for name in known[k]]
+            wrong = "names no option" if equals else "has no value"
             problems.append(
                 Problem(
-                    message=f"--set {shown(setting)} names no option" if equals else f"--set {shown(setting)} has no value",
+                    message=f"--set {shown(setting)} {wrong}",
                     mark=COMMAND_LINE,
                     found=setting,
                     accepted=f"KEY=VALUE, where KEY is one of {', '.join(keys)}",
-                    suggestion=did_you_mean(path, [*keys, *(key.partition('.')[2] for key in keys)]),
+                    suggestion=did_you_mean(path, [*keys, *(key.partition(".")[2] for key in keys)]),
                 )
             )
             continue
@@ -168,9 +168,7 @@ def _options(
     options: dict[str, Any] = {}
     for kind, stage in stages.items():
         try:
-            options[kind] = make_options(
-                stage.options, words[kind], mark=COMMAND_LINE, where=f"{kind} {stage.name!r}"
-            )
+            options[kind] = make_options(stage.options, words[kind], mark=COMMAND_LINE, where=f"{kind} {stage.name!r}")
         except ConfigError as error:
             problems.extend(error.problems)
     if problems:

@@ -20,8 +20,7 @@ def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so
     catalog = load()
     stages = [entry for kind in KINDS for entry in _entries(catalog, kind)]
     broken = [
-        {"plugin": error.plugin, "distribution": error.distribution, "reason": error.reason}
-        for error in catalog.broken
+        {"plugin": error.plugin, "distribution": error.distribution, "reason": error.reason} for error in catalog.broken
     ]
     if as_json:
         import json

@@ -21,12 +21,14 @@ if TYPE_CHECKING:
 
 @click.command(name="run")
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Output folder, in place of the file's.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Where to, not where CONFIG says.")
 @click.option("--workers", metavar="N", help="Processes, or auto.")
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change the run file: transform.options.frames=dh.")
+@click.option(
+    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change CONFIG, as transform.options.frames=dh."
+)
 @click.option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON in place of the summary.")
-def command(
+def command(  # noqa: PLR0917 - click hands everything over by name
     config: Path,
     output: Path | None,
     workers: str | None,
@@ -34,7 +36,7 @@ def command(
     dry_run: bool,  # noqa: FBT001 - click hands flags over so
     as_json: bool,  # noqa: FBT001
 ) -> int:
-    """Do the run that the YAML file CONFIG describes.
+    r"""Do the run that the YAML file CONFIG describes.
 
     Every manipulator is read, transformed, written, read back and compared with the DH product of its table; the
     loaders then ask the simulators. The output folder holds the files, report.json and timing.json.

@@ -53,7 +53,7 @@ class Notation:
         if culprit := _NOT_FOR_XML.search(text):
             raise EmitterError(
                 Problem(
-                    message=f"a name holds the character U+{ord(culprit.group()):04X}, which XML cannot carry",
+                    message=f"a name holds U+{ord(culprit.group()):04X}, which no robot description can carry",
                     found=shown(text),
                     accepted="any text without control characters and lone surrogates",
                 )

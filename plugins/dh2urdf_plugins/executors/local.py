@@ -34,9 +34,7 @@ class LocalOptions:
             raise ValueError("workers is a number from 1 on, or auto")
 
 
-def map_locally(
-    function: Callable[[Any], Any], tasks: Iterable[Any], options: LocalOptions
-) -> Iterator[Any]:
+def map_locally(function: Callable[[Any], Any], tasks: Iterable[Any], options: LocalOptions) -> Iterator[Any]:
     """Results of a function over tasks, in their order, from a pool of processes.
 
     One task, or one worker, needs no pool: it is done in this process.

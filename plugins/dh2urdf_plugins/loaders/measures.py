@@ -1,0 +1,91 @@
+"""What is measured of an arm in a simulator: the same quantities and the same hold test in all of them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.manipulator import JointType
+from dh2urdf.rotations import RigidTransform, Rotation, norm
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.manipulator import Inertia
+    from dh2urdf.robot import Joint, Robot
+
+SINGLE_PRECISION = 2.0**-23
+"""Distance of 1 to the next number in single precision [1]."""
+
+HOLD_SECONDS = 2.0
+"""How long the hold test lasts [s]."""
+HOLD_STAYS = 0.01
+"""Joint displacement up to which the arm has stayed where it was [rad or m]."""
+GRAVITY = 9.81
+"""Acceleration of the hold test, along −z of the base [m/s²]."""
+
+
+def clipped(joint: Joint, value: float) -> float:
+    """The joint value nearest to the one given that the joint's limits allow [rad or m]."""
+    lower, upper = joint.limits.lower, joint.limits.upper
+    return min(max(value, -math.inf if lower is None else lower), math.inf if upper is None else upper)
+
+
+def hold_start(robot: Robot) -> tuple[float, ...]:
+    """The joint vector of the hold test: q = 0, clipped into the limits, which not every arm has around 0."""
+    return tuple(clipped(joint, 0.0) for joint in robot.moving_joints)
+
+
+def reach(robot: Robot) -> float:
+    """The farthest that tool0 can be from base_link [m]: the length of the chain, with its rails drawn out."""
+    length = 0.0
+    for joint in KinematicChain.between(robot).joints:
+        length += norm(joint.origin.xyz)
+        if joint.type is JointType.PRISMATIC:
+            length += max(abs(joint.limits.lower or 0.0), abs(joint.limits.upper or 0.0))
+    return length
+
+
+def pose_error(measured: RigidTransform, expected: Sequence[float]) -> tuple[float, float]:
+    """The distance [m] and the angle [rad] between a pose and the row-major 4x4 matrix that it should have.
+
+    The angle follows from the Frobenius norm of the difference of the rotations, 2√2·sin(angle/2), which unlike the
+    usual trace form is exact for small angles too.
+    """
+    rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
+    chord = math.dist(measured.rotation, rotation) / math.sqrt(8.0)
+    return math.dist(measured.translation, expected[3:12:4]), 2.0 * math.asin(min(1.0, chord))
+
+
+def tensor(inertia: Inertia) -> Rotation:
+    """An inertia as a row-major 3x3 matrix [kg·m²]."""
+    return (
+        *(inertia.ixx, inertia.ixy, inertia.ixz),
+        *(inertia.ixy, inertia.iyy, inertia.iyz),
+        *(inertia.ixz, inertia.iyz, inertia.izz),
+    )
+
+
+def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
+    """The pairs of links whose contact would be a collision: they move against each other, and no joint joins them.
+
+    Links that fixed joints hold together are one body; a body and the next one always meet at their joint.
+    """
+    body = {}
+    neighbours = set()
+    for link in robot.links:
+        body.setdefault(link.name, link.name)
+    for joint in robot.joints:  # Parents before children.
+        if joint.type is JointType.FIXED:
+            body[joint.child] = body[joint.parent]
+        neighbours.add((body[joint.parent], body[joint.child]))
+    solid = [link.name for link in robot.links if link.collisions]
+    return [
+        (first, second)
+        for number, first in enumerate(solid)
+        for second in solid[number + 1 :]
+        if body[first] != body[second]
+        and (body[first], body[second]) not in neighbours
+        and (body[second], body[first]) not in neighbours
+    ]

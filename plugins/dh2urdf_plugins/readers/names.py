@@ -1,0 +1,92 @@
+"""Names of manipulators, joints and links: any text that XML can hold and that a person can see."""
+
+from __future__ import annotations
+
+import unicodedata
+from typing import TYPE_CHECKING
+
+from dh2urdf.source import Mark, Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.manipulator import DHRow
+
+MAX_NAME = 200
+"""Length of a name [1]; readers of robot descriptions cut names of a thousand characters, or crash."""
+RESERVED = ("world", "base_link", "base_link_inertia", "flange", "tool0")
+"""Links that every robot description of ours has; `world` is the simulators' own."""
+END_NAMES = frozenset({"flange", "tool", "tool0", "ee", "eef", "tcp", "endeffector"})
+"""Names, without case and separators, of rows that hardly are revolute joints."""
+
+_JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
+_CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}
+_CLASSES |= {"Zl": "a line separator", "Zp": "a paragraph separator"}
+
+
+def name_fault(name: str) -> tuple[str, str] | None:
+    """Why a text is no name and what is accepted, or None."""
+    accepted = f"1 to {MAX_NAME} visible characters"
+    if not name or name.isspace():
+        return "the name is empty", accepted
+    if len(name) > MAX_NAME:
+        return f"the name {shown(name)} has {len(name)} characters", accepted
+    if name.isascii() and name.isprintable():
+        return None
+    for character in name:
+        kind = _CLASSES.get(unicodedata.category(character))
+        if character in "\ufffe\uffff":
+            kind = "no character"
+        if kind and character not in _JOINERS:
+            return f"the name {shown(name)} holds U+{ord(character):04X}, which is {kind}", accepted
+    return None
+
+
+def name_problems(rows: Sequence[DHRow], marks: Iterable[tuple[Mark | None, Mark | None]]) -> list[Problem]:
+    """What is wrong with the names of a manipulator's joints and links, taken together.
+
+    Links and joints share one set of names, with those that every description has.
+
+    Args:
+        rows: the rows.
+        marks: where the joint's and the link's name of each row stand.
+    """
+    last = rows[-1].link
+    taken: dict[str, str] = dict.fromkeys(RESERVED, "it is the name of a link that every robot description has")
+    for joint in ("base_link-base_link_inertia", f"{last}-tool0", f"{last}-flange"):
+        taken[joint] = "it is the name of a joint that the description adds"
+    alike: dict[str, str] = {}
+    problems = []
+    for row, (joint_mark, link_mark) in zip(rows, marks, strict=True):
+        for kind, name, mark in (("joint", row.joint, joint_mark), ("link", row.link, link_mark)):
+            place = f"{mark.file}:{mark.line}" if mark else "the same table"
+            if name in taken:
+                problems.append(_taken(kind, name, taken[name], row.joint, mark))
+                continue
+            taken[name] = f"a {kind} of {place} has it already"
+            folded = unicodedata.normalize("NFKC", name).casefold()
+            if (twin := alike.setdefault(folded, name)) is not name:
+                problems.append(
+                    Problem(
+                        message=f"the {kind} {shown(name)} and {shown(twin)} differ only in case or in how a letter "
+                        "is coded; they are kept apart",
+                        severity="notice",
+                        mark=mark,
+                        joint=row.joint,
+                        field=kind,
+                        found=name,
+                    )
+                )
+    return problems
+
+
+def _taken(kind: str, name: str, reason: str, joint: str, mark: Mark | None) -> Problem:
+    return Problem(
+        message=f"the {kind} cannot be named {shown(name)}: {reason}",
+        mark=mark,
+        joint=joint,
+        field=kind,
+        found=name,
+        accepted=f"a name of its own: links and joints share one set of names, and {', '.join(RESERVED)} are in it",
+        suggestion=f"name it otherwise, such as {name}_{kind}",
+    )

@@ -1,0 +1,443 @@
+"""One row of a table, as texts with their places, becomes a DH row: the same for every kind of table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, Unit, evaluate
+from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf_plugins.readers.fields import (
+    ACCEPTED_FLIPS,
+    ACCEPTED_TYPES,
+    COM_FIELDS,
+    FIELDS,
+    INERTIA_FIELDS,
+    REQUIRED,
+    TYPE_CHOICES,
+    Field,
+    flip_of,
+    joint_type,
+)
+from dh2urdf_plugins.readers.names import END_NAMES, name_fault
+
+MAX_PROBLEMS = 1000
+"""Problems of one manipulator that are collected [1]; reading it stops there."""
+NEARLY = 1e-3
+"""How near an angle has to be to a quarter turn to be taken for a rounded one, relative [1]."""
+FULL_TURN = 2 * math.pi
+LARGEST_LIMIT = 20 * math.pi
+"""Bound of a revolute joint beyond which it is taken for degrees [rad]."""
+
+_ROTARY_VARIABLES = ("q", "theta")
+_LINEAR_VARIABLES = ("q", "d")
+
+
+class Cell(NamedTuple):
+    """A text of a table and its place."""
+
+    text: str
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Units:
+    """What a table says of its units and its numbers.
+
+    Attributes:
+        length: the unit of lengths; None where nothing declares one, which means m.
+        angle: the unit of angles; None where nothing declares one, which means rad.
+        columns: the units that headers declare, by field.
+        decimal_comma: whether a comma may stand for the decimal point.
+    """
+
+    length: Unit | None = None
+    angle: Unit | None = None
+    columns: Mapping[str, Unit] = field(default_factory=dict)
+    decimal_comma: bool = False
+
+    def of(self, dimension: Dimension) -> Unit | None:
+        """The unit of numbers of a dimension that name none."""
+        if dimension is Dimension.LENGTH:
+            return self.length
+        if dimension is Dimension.ANGLE:
+            return self.angle
+        if dimension is Dimension.SPEED and self.length:
+            return Unit(f"{self.length.symbol}/s", dimension, self.length.power)
+        if dimension is Dimension.TURN_RATE and self.angle:
+            return Unit(f"{self.angle.symbol}/s", dimension, degrees=self.angle.degrees)
+        return None
+
+
+class RowReader:
+    """Reads the rows of one manipulator and collects what is wrong with them.
+
+    Attributes:
+        problems: what was found so far, errors and notices.
+        errors: how many of them are errors.
+    """
+
+    def __init__(self, units: Units, *, type_is_given: bool = True) -> None:
+        """Starts a manipulator.
+
+        Args:
+            units: the units of the table.
+            type_is_given: whether the table has types at all, so that an empty one is worth a notice.
+        """
+        self.units = units
+        self.type_is_given = type_is_given
+        self.problems: list[Problem] = []
+        self.errors = 0
+        self._cells: Mapping[str, Cell] = {}
+        self._mark: Mark | None = None
+        self._joint = ""
+        self._number = 0
+
+    def add(self, problem: Problem) -> None:
+        """Notes a problem."""
+        self.problems.append(problem)
+        self.errors += problem.severity == "error"
+
+    def read(self, number: int, cells: Mapping[str, Cell], mark: Mark) -> DHRow | None:
+        """The row that some cells are, or None where there is an error in them.
+
+        Args:
+            number: the row's number, counted from 1.
+            cells: the texts, by name of the field; an empty one was left out by the user.
+            mark: the row's place.
+        """
+        before = self.errors
+        self._cells, self._mark, self._number = cells, mark, number
+        self._joint = f"joint_{number}"
+        self._joint = self._name("joint", self._joint)
+        link = self._name("link", f"link_{number}")
+        kind = self._type()
+        for name in REQUIRED:
+            if self._absent(name):
+                cell = cells.get(name)
+                message = f"there is no {name}" if cell is None else f"the cell of {name} is empty"
+                self._error(message, name, accepted="a number, 0 included: nothing is filled in for geometry")
+        a = self._quantity("a").value
+        alpha = self._alpha()
+        d, theta, offset, sign = self._joint_variable(kind)
+        row = DHRow(
+            joint=self._joint,
+            link=link,
+            type=kind,
+            a=a,
+            alpha=alpha,
+            d=d,
+            theta=theta,
+            offset=offset,
+            sign=sign,
+            limits=self._limits(kind),
+            mass=self._positive("mass"),
+            com=self._com(),
+            inertia=self._inertia(),
+            radius=self._positive("radius"),
+            damping=self._friction("damping", kind),
+            friction=self._friction("friction", kind),
+            mark=mark,
+        )
+        return row if self.errors == before else None
+
+    # --- Problems -----------------------------------------------------------------------------------------------------
+
+    def _problem(
+        self,
+        message: str,
+        name: str,
+        *,
+        accepted: str | None = None,
+        suggestion: str | None = None,
+        notice: bool = False,
+    ) -> None:
+        cell = self._cells.get(name)
+        self.add(
+            Problem(
+                message=message,
+                severity="notice" if notice else "error",
+                mark=cell.mark if cell else self._mark,
+                joint=self._joint,
+                field=name,
+                found=cell.text if cell else None,
+                accepted=accepted,
+                suggestion=suggestion,
+            )
+        )
+
+    def _error(self, message: str, name: str, *, accepted: str | None = None, suggestion: str | None = None) -> None:
+        self._problem(message, name, accepted=accepted, suggestion=suggestion)
+
+    def _notice(self, message: str, name: str, suggestion: str | None = None) -> None:
+        self._problem(message, name, suggestion=suggestion, notice=True)
+
+    # --- Words --------------------------------------------------------------------------------------------------------
+
+    def _absent(self, name: str) -> bool:
+        cell = self._cells.get(name)
+        return cell is None or not cell.text
+
+    def _name(self, field_name: str, default: str) -> str:
+        cell = self._cells.get(field_name)
+        if cell is None:
+            return default
+        if fault := name_fault(cell.text):
+            self._error(fault[0], field_name, accepted=fault[1])
+            return default
+        return cell.text
+
+    def _type(self) -> JointType:
+        cell = self._cells.get("type")
+        if cell and cell.text:
+            kind = joint_type(cell.text)
+            if kind is None:
+                near = did_you_mean(cell.text, [word for word in TYPE_CHOICES if len(word) > 1])
+                self._error(f"{shown(cell.text)} is no type of joint", "type", accepted=ACCEPTED_TYPES, suggestion=near)
+            return kind or JointType.REVOLUTE
+        if "".join(filter(str.isalnum, self._joint.casefold())) in END_NAMES:
+            self._error(
+                f"the row {shown(self._joint)} has no type, and by its name it hardly is a revolute joint",
+                "type",
+                accepted=ACCEPTED_TYPES,
+                suggestion="write fixed if nothing moves there, or revolute if it does",
+            )
+        elif self.type_is_given:
+            self._notice("the type is empty; the joint is taken as revolute", "type")
+        return JointType.REVOLUTE
+
+    # --- Numbers ------------------------------------------------------------------------------------------------------
+
+    def _quantity(self, name: str, *, linear: bool = False, variables: tuple[str, ...] = ()) -> Quantity:
+        """What a cell says; 0 where it is empty or wrong."""
+        if self._absent(name):
+            return Quantity(0.0)
+        text = self._cells[name].text
+        what = FIELDS[name]
+        dimension = (what.linear if linear else None) or what.dimension or Dimension.NUMBER
+        unit = self.units.columns.get(name)
+        foreign = unit is not None and unit.dimension is not dimension
+        if unit is None:
+            unit = self.units.of(dimension)
+        try:
+            quantity = evaluate(text, dimension, None if foreign else unit, decimal_comma=self.units.decimal_comma)
+        except QuantityError as error:
+            self._error(error.message, name, accepted=error.accepted, suggestion=error.suggestion)
+            return Quantity(0.0)
+        if foreign and unit and quantity.value and not quantity.has_unit:
+            self._foreign_unit(name, what, dimension, unit)
+        if quantity.variable and not self._variable_fits(name, quantity, variables):
+            return Quantity(0.0)
+        return quantity
+
+    def _foreign_unit(self, name: str, what: Field, dimension: Dimension, unit: Unit) -> None:
+        kind = "prismatic" if dimension is what.linear else "revolute"
+        self._error(
+            f"{shown(self._cells[name].text)} stands in a column of {unit.symbol}, and {name} of a {kind} joint is "
+            f"{dimension}",
+            name,
+            accepted="0, or a number with its own unit, such as '100 mm' or '90 deg'",
+        )
+
+    def _variable_fits(self, name: str, quantity: Quantity, variables: tuple[str, ...]) -> bool:
+        variable = quantity.variable
+        if variable is None:
+            return True
+        text = shown(self._cells[name].text)
+        if variable.kind not in variables:
+            where = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
+            home = where.get(variable.kind, "theta of a revolute joint or in d of a prismatic one")
+            self._error(
+                f"{text} names the joint variable {variable.text}, which cannot stand in {name} of this row",
+                name,
+                accepted=f"a number here; {variable.text} may stand in {home}",
+                suggestion="give the row the type prismatic if the joint slides" if name == "d" else None,
+            )
+            return False
+        if variable.row is not None and variable.row != self._number:
+            self._error(
+                f"{text} names the variable of row {variable.row}, and this is row {self._number}",
+                name,
+                accepted=f"{variable.kind}{self._number}, or no number: rows are counted from 1, fixed ones too",
+            )
+            return False
+        return True
+
+    def _optional(self, name: str, *, linear: bool = False) -> float | None:
+        return None if self._absent(name) else self._quantity(name, linear=linear).value
+
+    def _positive(self, name: str, *, linear: bool = False) -> float | None:
+        errors = self.errors
+        number = self._optional(name, linear=linear)
+        if number is not None and number <= 0 and self.errors == errors:
+            self._error(
+                f"{shown(self._cells[name].text)} is not positive",
+                name,
+                accepted="a number above 0, or nothing: it is computed then",
+            )
+        return number
+
+    # --- Geometry -----------------------------------------------------------------------------------------------------
+
+    def _alpha(self) -> float:
+        quantity = self._quantity("alpha")
+        if abs(quantity.value) > FULL_TURN and not self._angle_unit("alpha", quantity):
+            self._error(
+                f"{shown(self._cells['alpha'].text)} is more than a full turn in rad, and no unit is declared for it",
+                "alpha",
+                accepted="at most 2π rad where no unit is declared",
+                suggestion="if these are degrees, say so: `alpha [deg]` in the header, `units: {angle: deg}`, "
+                "or `--angle-unit deg`",
+            )
+        else:
+            self._nearly_quarter_turn("alpha", quantity.value)
+        return quantity.value
+
+    def _angle_unit(self, name: str, quantity: Quantity) -> bool:
+        """Whether somebody said what unit an angle is in."""
+        return quantity.has_unit or name in self.units.columns or self.units.angle is not None
+
+    def _nearly_quarter_turn(self, name: str, angle: float) -> None:
+        turns = round(angle / HALF_PI)
+        near = abs(angle - turns * HALF_PI) <= NEARLY * abs(turns * HALF_PI)
+        if turns and near and quarter_turns(angle) is None:
+            meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
+            meant = meant if turns > 0 else f"-{meant}"
+            self._notice(
+                f"{shown(self._cells[name].text)} is kept as it is; {meant} was probably meant", name, f"write {meant}"
+            )
+
+    def _joint_variable(self, kind: JointType) -> tuple[float, float, float, int]:
+        """d, theta, offset and sign of the row [SI]."""
+        linear = kind is JointType.PRISMATIC
+        moves = kind is not JointType.FIXED
+        d = self._quantity("d", variables=_LINEAR_VARIABLES if linear else ())
+        theta = self._quantity("theta", variables=_ROTARY_VARIABLES if moves and not linear else ())
+        offset = self._quantity("offset", linear=linear).value
+        sign = self._sign()
+        if abs(theta.value) > FULL_TURN:
+            self._notice(
+                f"{shown(self._cells['theta'].text)} is more than a full turn",
+                "theta",
+                None if self._angle_unit("theta", theta) else "if these are degrees, say so: `theta [deg]`",
+            )
+        else:
+            self._nearly_quarter_turn("theta", theta.value)
+        if not linear:
+            self._nearly_quarter_turn("offset", offset)
+        if not moves and offset:
+            self._error("a fixed joint has no variable that an offset could be added to", "offset", accepted="0")
+        if not moves and sign < 0:
+            name = "flip" if "flip" in self._cells else "sign"
+            self._error("a fixed joint has no direction that could be turned", name, accepted="1, or flip false")
+        said = d if linear else theta
+        if said.variable is None:
+            return d.value, theta.value, offset, sign
+        if said.sign < 0 and sign < 0:
+            self._error(
+                f"the direction is turned twice: here, and by {shown(said.variable.text)} with a minus",
+                "flip" if "flip" in self._cells else "sign",
+                accepted="one of the two",
+            )
+        offset, sign = offset + said.value, sign * said.sign
+        return (0.0, theta.value, offset, sign) if linear else (d.value, 0.0, offset, sign)
+
+    def _sign(self) -> int:
+        if not self._absent("flip"):
+            flip = flip_of(self._cells["flip"].text)
+            if flip is None:
+                text = shown(self._cells["flip"].text)
+                self._error(f"{text} is neither true nor false", "flip", accepted=ACCEPTED_FLIPS)
+            return -1 if flip else 1
+        if self._absent("sign"):
+            return 1
+        errors = self.errors
+        sign = self._quantity("sign").value
+        if sign not in (1, -1) and self.errors == errors:
+            self._error(f"{shown(self._cells['sign'].text)} is no direction", "sign", accepted="1 or -1")
+        return -1 if sign < 0 else 1
+
+    # --- Limits -------------------------------------------------------------------------------------------------------
+
+    def _limits(self, kind: JointType) -> Limits:
+        names = ("lower", "upper", "velocity", "effort")
+        if all(self._absent(name) for name in names):
+            return NO_LIMITS
+        linear = kind is JointType.PRISMATIC
+        if kind is JointType.FIXED:
+            self._not_for("a fixed joint does not move", names)
+            return NO_LIMITS
+        velocity, effort = self._positive("velocity", linear=linear), self._positive("effort")
+        if kind is JointType.CONTINUOUS:
+            self._not_for("a continuous joint has no bounds", ("lower", "upper"))
+            return Limits(velocity=velocity, effort=effort)
+        errors = self.errors
+        lower, upper = (self._optional(name, linear=linear) for name in ("lower", "upper"))
+        for name, number, other in (("lower", lower, upper), ("upper", upper, lower)):
+            if number is None and other is not None:
+                have = "upper" if name == "lower" else "lower"
+                self._error(f"there is {have} and no {name}", name, accepted="both lower and upper, or neither")
+            elif number is not None and not linear and abs(number) > LARGEST_LIMIT:
+                self._limit_in_degrees(name)
+        if lower is not None and upper is not None and lower > upper and self.errors == errors:
+            found = f"{shown(self._cells['lower'].text)} is above upper, {shown(self._cells['upper'].text)}"
+            self._error(f"lower, {found}", "lower", accepted="lower at most upper", suggestion="are they exchanged?")
+        return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
+
+    def _limit_in_degrees(self, name: str) -> None:
+        quantity = self._quantity(name)
+        if not self._angle_unit(name, quantity):
+            self._error(
+                f"{shown(self._cells[name].text)} is more than ten turns in rad, and no unit is declared for it",
+                name,
+                accepted="at most 20π rad where no unit is declared",
+                suggestion=f"if these are degrees, say so: `{name} [deg]` in the header, `units: {{angle: deg}}`, or "
+                "`--angle-unit deg`; if the joint turns without end, give it the type continuous",
+            )
+
+    def _not_for(self, reason: str, names: tuple[str, ...]) -> None:
+        for name in names:
+            if not self._absent(name) and self._cells[name].text.strip("+-0.") not in ("", "n/a", "none"):
+                self._notice(f"{reason}; {name} {shown(self._cells[name].text)} is left out", name)
+
+    def _friction(self, name: str, kind: JointType) -> float | None:
+        if kind is JointType.FIXED:
+            self._not_for("a fixed joint does not move", (name,))
+            return None
+        number = self._optional(name)
+        if number is not None and number < 0:
+            self._error(f"{shown(self._cells[name].text)} is negative", name, accepted="0 or more")
+        return number
+
+    # --- Mass properties ----------------------------------------------------------------------------------------------
+
+    def _com(self) -> tuple[float, float, float] | None:
+        if all(self._absent(name) for name in COM_FIELDS):
+            return None
+        for name in COM_FIELDS:
+            if self._absent(name):
+                self._error(f"a part of the centre of mass is given, and {name} is not", name, accepted="all three")
+        x, y, z = (self._quantity(name).value for name in COM_FIELDS)
+        return (x, y, z)
+
+    def _inertia(self) -> Inertia | None:
+        if all(self._absent(name) for name in INERTIA_FIELDS):
+            return None
+        for name in INERTIA_FIELDS[:3]:
+            if self._absent(name):
+                message = f"a part of the inertia tensor is given, and {name} is not"
+                self._error(message, name, accepted="ixx, iyy and izz, and ixy, ixz, iyz where they are not 0")
+        if self._absent("mass"):
+            self._error(
+                "an inertia tensor is given and no mass",
+                "mass",
+                accepted="both, or neither: they are computed from the link's shape and density then",
+            )
+        return Inertia(**{name: self._quantity(name).value for name in INERTIA_FIELDS})
+
+
+NO_LIMITS = Limits()

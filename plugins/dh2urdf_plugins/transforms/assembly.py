@@ -1,0 +1,242 @@
+"""From the parts of an arm to the robot: masses, limits, the base and the frames at the tip.
+
+What both variants share. A variant says where the joints stand and what the links look like; here they get the names,
+the mass properties and the limits that every reader of robot descriptions needs.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
+from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
+from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Robot, Visual
+from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.source import Problem
+
+GRAVITY = 9.81
+"""Acceleration of gravity [m/s²]."""
+
+SAFETY = 2.0
+"""Default effort over the worst static load [1]."""
+
+LEAST_EFFORT = 10.0
+"""Smallest default effort [N·m or N]."""
+
+WEIGHTLESS = Inertial(mass=0.0, inertia=Inertia(ixx=0.0, iyy=0.0, izz=0.0))
+"""What a frame weighs; said explicitly, because PyBullet takes silence for 1 kg."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """One row as a variant places it: a joint and the link that it moves.
+
+    Attributes:
+        row: the row.
+        limits: lower and upper complete.
+        origin: the link's frame in the frame of the link before.
+        axis: of the joint, in the link's frame.
+        visuals: what is seen, in the link's frame.
+        collisions: what touches.
+        foot: a point of the joint's axis, in the link's frame [m].
+        reach: distance at most from the foot to the next joint, at any joint value [m].
+        arm: distance at most of the next joint from the joint's axis [m].
+        dh_frame: the DH frame after this row, in the link's frame; None where the variant has none.
+    """
+
+    row: DHRow
+    limits: Limits
+    origin: Origin
+    axis: Vec3
+    visuals: tuple[Visual, ...]
+    collisions: tuple[Collision, ...]
+    foot: Vec3
+    reach: float
+    arm: float
+    dh_frame: RigidTransform | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Base:
+    """The body that carries the arm.
+
+    Attributes:
+        origin: of base_link_inertia in base_link.
+        visuals: what is seen, in base_link_inertia.
+        collisions: what touches.
+    """
+
+    origin: Origin
+    visuals: tuple[Visual, ...]
+    collisions: tuple[Collision, ...]
+
+
+def complete_limits(row: DHRow) -> Limits:
+    """The limits of a row with lower, upper and velocity filled in; effort waits for the masses.
+
+    ±2π rad or ±1 m; π rad/s or 1 m/s. A continuous joint has no lower and upper, a fixed one nothing.
+    """
+    if row.type is JointType.FIXED:
+        return Limits()
+    bound, speed = (1.0, 1.0) if row.type is JointType.PRISMATIC else (math.tau, math.pi)
+    given = row.limits
+    velocity = speed if given.velocity is None else given.velocity
+    if row.type is JointType.CONTINUOUS:
+        return Limits(velocity=velocity, effort=given.effort)
+    return Limits(
+        lower=-bound if given.lower is None else given.lower,
+        upper=bound if given.upper is None else given.upper,
+        velocity=velocity,
+        effort=given.effort,
+    )
+
+
+def travel(limits: Limits) -> float:
+    """How far a prismatic joint moves its link from where it is at joint value 0 [m]."""
+    return max(abs(limits.lower or 0.0), abs(limits.upper or 0.0))
+
+
+def assemble(
+    manipulator: Manipulator,
+    *,
+    base: Base,
+    parts: Sequence[Part],
+    flange: Origin,
+    tool0: Origin,
+    density: float,
+    parameters: tuple[Parameter, ...],
+    comment: str,
+    notices: tuple[Problem, ...],
+) -> Robot:
+    """The robot of a manipulator.
+
+    Args:
+        manipulator: the table.
+        base: its foot.
+        parts: one per row, from the base outwards.
+        flange: the flange in the last link's frame.
+        tool0: the tool's frame in the last link's frame.
+        density: of links without a mass [kg/m³].
+        parameters: the numbers that formulas use.
+        comment: one line for a reader of the file.
+        notices: what a careful person would want to know.
+    """
+    bodies = [link_body(part, density) for part in parts]
+    efforts = static_efforts(parts, bodies)
+    base_body = of_mass(shape_body(base.visuals, density), manipulator.base_mass)
+    links = [
+        Link(name="base_link"),
+        Link(name="base_link_inertia", inertial=base_body, visuals=base.visuals, collisions=base.collisions),
+    ]
+    joints = [fixed_joint("base_link", "base_link_inertia", base.origin)]
+    for part, body, effort in zip(parts, bodies, efforts, strict=True):
+        row, limits = part.row, part.limits
+        if row.type is not JointType.FIXED and limits.effort is None:
+            limits = replace(limits, effort=effort)
+        joints.append(
+            Joint(
+                name=row.joint,
+                type=row.type,
+                parent=links[-1].name,
+                child=row.link,
+                origin=part.origin,
+                axis=part.axis,
+                limits=limits,
+                damping=row.damping,
+                friction=row.friction,
+                mark=row.mark,
+            )
+        )
+        links.append(Link(name=row.link, inertial=body, visuals=part.visuals, collisions=part.collisions))
+    last = links[-1].name
+    joints += [fixed_joint(last, "flange", flange), fixed_joint(last, "tool0", tool0)]
+    links += [Link(name="flange", inertial=WEIGHTLESS), Link(name="tool0", inertial=WEIGHTLESS)]
+    return Robot(
+        name=manipulator.name,
+        links=tuple(links),
+        joints=tuple(joints),
+        parameters=parameters,
+        comment=comment,
+        notices=notices,
+    )
+
+
+def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
+    """A fixed joint, named after the two links that it holds together."""
+    return Joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child, origin=origin)
+
+
+def shape_body(visuals: Sequence[Visual], density: float) -> Inertial:
+    """The mass properties of what is seen, if it were solid and of one density [kg/m³]."""
+    return compound([placed(solid(visual.geometry, density), visual.origin.transform) for visual in visuals])
+
+
+def of_mass(body: Inertial, mass: float | None) -> Inertial:
+    """A body of the same shape with another mass [kg]; the same body where none is given."""
+    if mass is None:
+        return body
+    return Inertial(mass=mass, com=body.com, inertia=scaled(body.inertia, mass / body.mass))
+
+
+def link_body(part: Part, density: float) -> Inertial:
+    """The mass properties of a link: what the table says of them, the shape's for the rest.
+
+    A mass without an inertia scales that of the shape; a centre of mass without one carries it along. Centre of mass
+    and inertia are given in the DH frame after the row, and are turned into the link's frame.
+    """
+    row, frame = part.row, part.dh_frame
+    body = of_mass(shape_body(part.visuals, density), row.mass)
+    if frame is None:
+        return body
+    com, inertia = body.com, body.inertia
+    if row.com is not None:
+        x, y, z = add(frame.translation, rotate(frame.rotation, row.com))
+        com = (x + 0.0, y + 0.0, z + 0.0)
+    if row.inertia is not None:
+        inertia = rotated(row.inertia, frame.rotation)
+    return Inertial(mass=body.mass, com=com, inertia=inertia)
+
+
+def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[float]:
+    """The default effort of every joint [N·m or N]: twice the worst static load, at least 10, rounded up to two digits.
+
+    The load is bounded for every joint vector and for every way the arm may be mounted. A revolute joint i bears at
+    most g·Σ m_j·l_ij over the links j it moves, where l_ij is the length of the way from its axis to the centre of mass
+    j along the joints in between; a prismatic one bears at most the weight g·Σ m_j. From the tip inwards both sums take
+    one step per link.
+    """
+    efforts = []
+    weight = moment = 0.0  # of all links further out, moment about the joint that carries them
+    for part, body in zip(reversed(parts), reversed(bodies), strict=True):
+        from_foot = subtract(body.com, part.foot)
+        across = norm(_cross(from_foot, part.axis))
+        if part.row.type is JointType.PRISMATIC:
+            load = weight + body.mass
+        else:
+            load = moment + weight * part.arm + body.mass * across
+        slide = travel(part.limits) if part.row.type is JointType.PRISMATIC else 0.0
+        moment += weight * part.reach + body.mass * (norm(from_foot) + slide)
+        weight += body.mass
+        efforts.append(max(LEAST_EFFORT, _two_digits_up(SAFETY * GRAVITY * load)))
+    return efforts[::-1]
+
+
+def _cross(left: Vec3, right: Vec3) -> Vec3:
+    (a, b, c), (x, y, z) = left, right
+    return (b * z - c * y, c * x - a * z, a * y - b * x)
+
+
+def _two_digits_up(number: float) -> float:
+    """A positive number rounded up to two significant digits."""
+    if not 0.0 < number < math.inf:
+        return number
+    exponent = math.floor(math.log10(number)) - 1
+    # Through text: 57 times 10**-1 would be 5.7 only by luck.
+    return float(f"{math.ceil(number * 10.0**-exponent - 1e-9)}e{exponent}")

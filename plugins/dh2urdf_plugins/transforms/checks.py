@@ -1,0 +1,195 @@
+"""What a table must fulfil before an arm can be made of it, whatever read it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Convention, DHRow, JointType
+from dh2urdf.mass_properties import inertia_problem
+from dh2urdf.number_text import format_number
+from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.source import Problem, did_you_mean
+from dh2urdf_plugins.transforms.shapes import SHAPES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
+
+SUSPICIOUS = 2e-3
+"""Distance from a quarter turn [rad] at which an angle was probably meant to be one: 3.14 and 1.57 are nearer."""
+
+PAPER_ANGLES = {"0": 0.0, "pi": math.pi, "pi/2": HALF_PI, "-pi/2": -HALF_PI}
+"""The set of the paper's equation (1), by the words that a table may use."""
+
+
+def row_problem(row: DHRow, message: str, *, field: str, found: float | None = None, **more: str) -> Problem:
+    """A problem of one field of a row."""
+    return Problem(
+        message=message,
+        mark=row.mark,
+        joint=row.joint,
+        field=field,
+        found=None if found is None else _number(found),
+        **more,  # type: ignore[arg-type] - accepted and suggestion
+    )
+
+
+def table_problems(manipulator: Manipulator) -> list[Problem]:
+    """Everything that keeps an arm from being made of a table, in the order of the rows."""
+    problems = []
+    if not manipulator.rows:
+        problems.append(Problem(message="the table has no rows", accepted="one row per joint, at least one"))
+    for name, transform in (("base", manipulator.base), ("tool", manipulator.tool)):
+        if not all(map(math.isfinite, (*transform.rotation, *transform.translation))):
+            problems.append(Problem(message=f"{name} is not finite", field=name, accepted="finite numbers"))
+    if manipulator.density is not None and not 0.0 < manipulator.density < math.inf:
+        problems.append(_positive("density", manipulator.density))
+    if manipulator.base_mass is not None and not 0.0 < manipulator.base_mass < math.inf:
+        problems.append(_positive("base.mass", manipulator.base_mass))
+    problems += _geometry_problems("geometry", manipulator.geometry)
+    problems += _geometry_problems("base.geometry", manipulator.base_geometry)
+    for row in manipulator.rows:
+        problems += _row_problems(row)
+    return problems
+
+
+def paper_problems(manipulator: Manipulator, snap: float) -> list[Problem]:
+    """What the paper's algorithm has no place for; an α within `snap` of its set is a notice."""
+    problems = []
+    exact = "the exact variant takes it"
+    if manipulator.convention is not Convention.STANDARD:
+        problems.append(
+            Problem(
+                message="the paper's variant takes the standard convention only",
+                field="convention",
+                found=manipulator.convention.value,
+                accepted=Convention.STANDARD.value,
+                suggestion=exact,
+            )
+        )
+    for row in manipulator.rows:
+        word, value = nearest_paper_angle(row.alpha)
+        if abs(row.alpha - value) > snap:
+            again = f"{_number(row.alpha)} is the same turn as {word}" if _same_turn(row.alpha, word) else exact
+            accepted = ", ".join(PAPER_ANGLES)
+            message = f"alpha is {_number(row.alpha)}, which is not in the set of the paper's variant"
+            problems.append(
+                row_problem(row, message, field="alpha", found=row.alpha, accepted=accepted, suggestion=again)
+            )
+        elif quarter_turns(row.alpha) is None:
+            message = f"alpha is {_number(row.alpha)} and was taken for {word}"
+            problems.append(row_problem(row, message, field="alpha", found=row.alpha, severity="notice"))
+        for name, allowed in (("theta", 0.0), ("offset", 0.0), ("sign", 1)):
+            if (found := getattr(row, name)) != allowed:
+                message = f"{name} is {_number(found)}, and the paper's variant has no place for it"
+                accepted = _number(allowed)
+                problems.append(
+                    row_problem(row, message, field=name, found=found, accepted=accepted, suggestion=exact)
+                )
+        if row.com is not None or row.inertia is not None:
+            message = "com and inertia hold in DH frames, which the paper's chain does not have; its boxes' are written"
+            problems.append(row_problem(row, message, field="com", severity="notice"))
+    for name, transform in (("base", manipulator.base), ("tool", manipulator.tool)):
+        if any(transform.translation) or tuple(transform.rotation) != (1, 0, 0, 0, 1, 0, 0, 0, 1):
+            message = f"the paper's variant has no place for a {name} transform"
+            problems.append(Problem(message=message, field=name, accepted=f"no {name}", suggestion=exact))
+    return problems
+
+
+def nearest_paper_angle(alpha: float) -> tuple[str, float]:
+    """The angle of the paper's set that is nearest to α, in a table's word and in rad."""
+    return min(PAPER_ANGLES.items(), key=lambda item: abs(item[1] - alpha))
+
+
+def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
+    """Angles that are kept as given although a quarter turn was probably meant."""
+    for row in manipulator.rows:
+        names = ["alpha", "theta"] + ["offset"] * (row.type in (JointType.REVOLUTE, JointType.CONTINUOUS))
+        for name in names:
+            value: float = getattr(row, name)
+            turns = round(value / HALF_PI)
+            if turns and abs(value - turns * HALF_PI) < SUSPICIOUS and quarter_turns(value) is None:
+                meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
+                message = f"{name} is {_number(value)}, which is kept as given; {meant} was probably meant"
+                yield row_problem(row, message, field=name, found=value, severity="notice")
+
+
+def unused_notices(manipulator: Manipulator) -> Iterator[Problem]:
+    """Numbers of the table that have no place in a robot description."""
+    for row in manipulator.rows:
+        said = _said(row.limits)
+        if row.type is JointType.CONTINUOUS:
+            said = [name for name in said if name in ("lower", "upper")]
+        if row.type in (JointType.CONTINUOUS, JointType.FIXED) and said:
+            message = f"a {row.type.value} joint has no {' and '.join(said)}: not used"
+            yield row_problem(row, message, field=f"limits.{said[0]}", severity="notice")
+
+
+def _row_problems(row: DHRow) -> Iterator[Problem]:
+    numbers = [(name, getattr(row, name)) for name in _NUMBERS]
+    numbers += [(f"limits.{name}", getattr(row.limits, name)) for name in _said(row.limits)]
+    numbers += [("com", value) for value in row.com or ()]
+    infinite = [(name, value) for name, value in numbers if value is not None and not math.isfinite(value)]
+    for name, value in infinite:
+        yield row_problem(row, f"{name} is not finite", field=name, found=value, accepted="a finite number")
+    if row.sign not in (1, -1):
+        yield row_problem(row, "sign is neither 1 nor -1", field="sign", found=row.sign, accepted="1, -1")
+    if row.type is JointType.FIXED:
+        for name, allowed in (("offset", 0), ("sign", 1)):
+            if (value := getattr(row, name)) != allowed:
+                message = f"a fixed joint has no joint variable that {name} could act on"
+                more = {"accepted": str(allowed), "suggestion": "put a constant turn in theta, a constant length in d"}
+                yield row_problem(row, message, field=name, found=value, **more)
+    elif (row.limits.lower is None) is not (row.limits.upper is None):
+        there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
+        message = f"the limit {there} is given without {missing}"
+        yield row_problem(row, message, field=f"limits.{missing}", accepted="both of lower and upper, or neither")
+    for name in ("mass", "radius"):
+        if (value := getattr(row, name)) is not None and value <= 0.0:
+            message = f"{name} must be greater than 0"
+            accepted = "a number greater than 0, or nothing: then it is computed"
+            yield row_problem(row, message, field=name, found=value, accepted=accepted)
+    if row.inertia and (broken := inertia_problem(row.inertia)):
+        accepted = "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
+        yield row_problem(row, broken, field="inertia", accepted=accepted)
+
+
+_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction")
+
+
+def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
+    if geometry.shape is not None and geometry.shape not in SHAPES:
+        yield Problem(
+            message=f"no link shape has the name {geometry.shape!r}",
+            field=f"{name}.shape",
+            found=geometry.shape,
+            accepted=", ".join(SHAPES),
+            suggestion=did_you_mean(geometry.shape, SHAPES),
+        )
+    if geometry.radius is not None and not 0.0 < geometry.radius < math.inf:
+        yield _positive(f"{name}.radius", geometry.radius)
+
+
+def _positive(name: str, value: float) -> Problem:
+    return Problem(
+        message=f"{name} must be greater than 0 and finite",
+        field=name,
+        found=_number(value),
+        accepted="a number greater than 0",
+    )
+
+
+def _said(limits: Limits) -> list[str]:
+    return [field.name for field in fields(limits) if getattr(limits, field.name) is not None]
+
+
+def _same_turn(angle: float, word: str) -> bool:
+    turns = quarter_turns(angle)
+    return turns is not None and (turns - round(PAPER_ANGLES[word] / HALF_PI)) % 4 == 0
+
+
+def _number(value: float) -> str:
+    return format_number(value) if math.isfinite(value) else str(value)

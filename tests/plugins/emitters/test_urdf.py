@@ -1,0 +1,218 @@
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import Limits
+from dh2urdf.robot import Link, Material, Robot, Sphere, Visual
+from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def urdf(robot: Robot) -> str:
+    (file,) = EMITTER.emit(robot, "stem", UrdfOptions())
+    return file.content.decode("utf-8")
+
+
+def renamed(robot: Robot, old: str, new: str) -> Robot:
+    """The robot with another name for a link."""
+    return replace(
+        robot,
+        links=tuple(replace(link, name=new) if link.name == old else link for link in robot.links),
+        joints=tuple(
+            replace(
+                joint,
+                parent=new if joint.parent == old else joint.parent,
+                child=new if joint.child == old else joint.child,
+            )
+            for joint in robot.joints
+        ),
+    )
+
+
+def test_the_file_has_the_stem_that_it_is_given(arm: Robot) -> None:
+    """The host chooses the file's name; the emitter adds the suffix."""
+    assert [file.name for file in EMITTER.emit(arm, "ur5_2", UrdfOptions())] == ["ur5_2.urdf"]
+
+
+def test_the_whole_file_is_known(arm: Robot) -> None:
+    """Declaration, comment, options for MuJoCo, materials, then link after joint from the base to the tip."""
+    small = replace(
+        arm,
+        links=arm.links[:3],
+        joints=arm.joints[:2],
+    )
+    assert urdf(small) == (
+        """<?xml version="1.0"?>
+<!-- made by hand -->
+<robot name="arm">
+  <mujoco>
+    <compiler fusestatic="false" discardvisual="false"/>
+  </mujoco>
+  <material name="grey">
+    <color rgba="0.5 0.5 0.5 1"/>
+  </material>
+  <material name="orange">
+    <color rgba="1 0.5 0 1"/>
+  </material>
+  <link name="base_link"/>
+  <joint name="base_link-base_link_inertia" type="fixed">
+    <origin xyz="0 0 0" rpy="0 0 0"/>
+    <parent link="base_link"/>
+    <child link="base_link_inertia"/>
+  </joint>
+  <link name="base_link_inertia">
+    <inertial>
+      <origin xyz="0 0 0.02" rpy="0 0 0"/>
+      <mass value="4"/>
+      <inertia ixx="0.25" ixy="0" ixz="0" iyy="0.25" iyz="0" izz="0.5"/>
+    </inertial>
+    <visual>
+      <origin xyz="0 0 0" rpy="0 0 0"/>
+      <geometry>
+        <cylinder radius="0.06" length="0.04"/>
+      </geometry>
+      <material name="grey"/>
+    </visual>
+  </link>
+  <joint name="lift" type="prismatic">
+    <origin xyz="0 0 0.089159" rpy="0 0 0"/>
+    <parent link="base_link_inertia"/>
+    <child link="link_1"/>
+    <axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.5" effort="100" velocity="1"/>
+    <dynamics damping="0.5"/>
+  </joint>
+  <link name="link_1">
+    <inertial>
+      <origin xyz="0 0.00001 1e-7" rpy="0 0 0"/>
+      <mass value="2.5"/>
+      <inertia ixx="1" ixy="0.1" ixz="-0.2" iyy="1.5" iyz="0" izz="2"/>
+    </inertial>
+    <visual>
+      <origin xyz="-0.2125 0 0" rpy="0 1.5707963267948966 0"/>
+      <geometry>
+        <cylinder radius="0.04" length="0.425"/>
+      </geometry>
+      <material name="orange"/>
+    </visual>
+    <visual>
+      <origin xyz="0 0 0" rpy="0 0 0"/>
+      <geometry>
+        <sphere radius="0.04"/>
+      </geometry>
+      <material name="grey"/>
+    </visual>
+    <collision>
+      <origin xyz="0 0 0" rpy="0 0 0"/>
+      <geometry>
+        <cylinder radius="0.04" length="0.345"/>
+      </geometry>
+    </collision>
+  </link>
+</robot>
+"""
+    )
+
+
+def test_joints_carry_the_limits_of_their_type(arm: Robot) -> None:
+    """Revolute and prismatic ones all four, continuous ones effort and velocity, fixed ones none."""
+    limits = {
+        joint.get("type"): None if (limit := joint.find("limit")) is None else list(limit.keys())
+        for joint in ET.fromstring(urdf(arm)).iter("joint")  # noqa: S314 - our own file
+    }
+    assert limits == {
+        "fixed": None,
+        "prismatic": ["lower", "upper", "effort", "velocity"],
+        "revolute": ["lower", "upper", "effort", "velocity"],
+        "continuous": ["effort", "velocity"],
+    }
+
+
+def test_frames_carry_an_explicit_zero_inertial(arm: Robot) -> None:
+    """PyBullet gives a link without inertial a mass of 1 kg."""
+    frames = [link for link in ET.fromstring(urdf(arm)).iter("link") if link.get("name") in {"flange", "tool0"}]  # noqa: S314
+    for frame in frames:
+        assert frame.find("inertial/mass").attrib == {"value": "0"}
+        assert set(frame.find("inertial/inertia").attrib.values()) == {"0"}
+    assert len(frames) == 2
+
+
+def test_names_are_written_as_they_are_in_utf8(arm: Robot) -> None:
+    """A person reads the name in the file; only what XML itself uses is escaped."""
+    text = urdf(renamed(arm, "tool0", "Größe 机械臂 <&>\"' ]]> ${x}"))
+    assert '<child link="Größe 机械臂 &lt;&amp;&gt;&quot;\' ]]&gt; ${x}"/>' in text
+
+
+@pytest.mark.parametrize(
+    ("name", "code_point"),
+    [
+        ("a\x00b", "U+0000"),
+        ("\x1b[2J", "U+001B"),
+        ("a\tb", "U+0009"),
+        ("a\nb", "U+000A"),
+        ("\ud800", "U+D800"),
+        ("\uffff", "U+FFFF"),
+    ],
+)
+def test_a_name_that_xml_cannot_carry_is_refused_by_its_code_point(arm: Robot, name: str, code_point: str) -> None:
+    """The message names the character and shows the text harmlessly."""
+    with pytest.raises(EmitterError, match=re.escape(code_point)) as caught:
+        urdf(renamed(arm, "link_2", name))
+    assert all(character.isprintable() or character == "\n" for character in str(caught.value))
+
+
+def test_a_missing_limit_is_refused_by_its_name(arm: Robot) -> None:
+    """Pinocchio, check_urdf and sdformat refuse a joint with an incomplete limit."""
+    joints = tuple(replace(joint, limits=Limits(lower=-1.0, upper=1.0, effort=5.0)) for joint in arm.joints)
+    with pytest.raises(EmitterError, match=r"joint 'lift', field 'limits\.velocity': a prismatic joint needs velocity"):
+        urdf(replace(arm, joints=joints))
+
+
+def test_a_material_with_two_colours_is_refused() -> None:
+    """A material is defined once; the second colour would be lost."""
+    visuals = tuple(
+        Visual(geometry=Sphere(radius=1.0), material=Material(name="paint", rgba=(red, 0.0, 0.0, 1.0)))
+        for red in (0.25, 0.5)
+    )
+    with pytest.raises(EmitterError, match="material 'paint' has two colours"):
+        urdf(Robot(name="r", links=(Link(name="l", visuals=visuals),), joints=()))
+
+
+def test_a_comment_ends_where_it_should(arm: Robot) -> None:
+    """Two hyphens and control characters, which a path may hold, do not end or garble the comment."""
+    text = urdf(replace(arm, comment="from ----><robot> \x1b[2J\n--"))
+    assert text.splitlines()[1] == r"<!-- from - - - -><robot> \x1b[2J\n- - -->"
+    assert ET.fromstring(text).tag == "robot"  # noqa: S314
+
+
+def test_a_robot_without_a_comment_has_none(arm: Robot) -> None:
+    """The root follows the declaration."""
+    assert urdf(replace(arm, comment="")).splitlines()[1] == '<robot name="arm">'
+
+
+def test_no_line_is_longer_than_readers_take(arm: Robot) -> None:
+    """PyBullet cuts a line of more than 8 kB without a word, so such a name is refused; a comment is cut."""
+    assert max(map(len, urdf(replace(arm, comment="x" * 100_000)).splitlines())) < 8000
+    with pytest.raises(EmitterError, match=r"line \d+ .* would have 8\d+ bytes"):
+        urdf(renamed(arm, "link_2", "é" * 4000))
+
+
+def test_a_thousand_joints_are_written_and_read_back(tmp_path: Path, arm: Robot) -> None:
+    """Nothing recurses over the chain, and the file is the same robot."""
+    spin = next(joint for joint in arm.joints if joint.name == "spin")
+    robot = Robot(
+        name="long",
+        links=tuple(Link(name=f"link_{i}") for i in range(1001)),
+        joints=tuple(replace(spin, name=f"joint_{i}", parent=f"link_{i}", child=f"link_{i + 1}") for i in range(1000)),
+    )
+    path = tmp_path / "long.urdf"
+    path.write_text(urdf(robot), encoding="utf-8")
+    assert EMITTER.read_back(path) == robot

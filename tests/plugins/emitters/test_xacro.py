@@ -1,0 +1,349 @@
+from __future__ import annotations
+
+import math
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Parameter, Robot
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.emitters.xacro import EMITTER, XacroOptions, angle_text, macro_name
+from dh2urdf_plugins.urdf_reader import parse_urdf
+from dh2urdf_plugins.xacro_reader import expand, read_xacro
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+NAMESPACE = "{http://www.ros.org/wiki/xacro}"
+SCENE = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="scene">{}</robot>'
+
+
+def write(robot: Robot, folder: Path, stem: str = "arm") -> Path:
+    """Writes the files of a robot; gives the one to open."""
+    files = EMITTER.emit(robot, stem, XacroOptions())
+    for file in files:
+        (folder / file.name).write_bytes(file.content)
+    return folder / files[0].name
+
+
+def scene(folder: Path, body: str) -> Robot:
+    """The robot of a file that a person writes around the macros in a folder."""
+    path = folder / "scene.urdf.xacro"
+    path.write_text(SCENE.format(body), encoding="utf-8")
+    return read_xacro(path)
+
+
+def macro_text(robot: Robot) -> str:
+    return EMITTER.emit(robot, "arm", XacroOptions())[1].content.decode("utf-8")
+
+
+def test_the_main_file_comes_first_and_the_macro_lies_beside_it(arm: Robot) -> None:
+    """The first file is the one that a person opens."""
+    assert [file.name for file in EMITTER.emit(arm, "ur5", XacroOptions())] == ["ur5.urdf.xacro", "ur5_macro.xacro"]
+
+
+def test_the_whole_top_file_is_known(arm: Robot) -> None:
+    """It is thin: an argument, the options for MuJoCo, the macro's file and its call without a parent."""
+    assert EMITTER.emit(arm, "ur5", XacroOptions())[0].content.decode() == (
+        """<?xml version="1.0"?>
+<!-- made by hand -->
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="arm">
+  <xacro:arg name="prefix" default=""/>
+  <mujoco>
+    <compiler fusestatic="false" discardvisual="false"/>
+  </mujoco>
+  <xacro:include filename="ur5_macro.xacro"/>
+  <xacro:arm prefix="$(arg prefix)">
+    <origin xyz="0 0 0" rpy="0 0 0"/>
+  </xacro:arm>
+</robot>
+"""
+    )
+
+
+def test_the_macro_begins_with_the_table_and_the_mounting_joint(arm: Robot) -> None:
+    """What a person edits stands first, named by joint and unit, inside the macro."""
+    assert macro_text(arm).startswith(
+        """<?xml version="1.0"?>
+<!-- made by hand -->
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <!-- Call it as <xacro:arm prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:arm>; """
+        """without a parent the arm is mounted on nothing, and origin is not used. -->
+  <xacro:macro name="arm" params="prefix parent:='' *origin">
+    <!-- The table: edit the arm here. Origins and shapes follow these properties; """
+        """axes, masses and inertias are numbers that do not. -->
+    <!-- joint 'lift' [m] -->
+    <xacro:property name="d_1" value="0.089159"/>
+    <!-- joint 'turn' [m] -->
+    <xacro:property name="a_2" value="-0.425"/>
+    <!-- joint 'turn' [rad] -->
+    <xacro:property name="alpha_2" value="${-pi/2}"/>
+    <xacro:unless value="${parent == ''}">
+      <joint name="${prefix}base_joint" type="fixed">
+        <xacro:insert_block name="origin"/>
+        <parent link="${parent}"/>
+        <child link="${prefix}base_link"/>
+      </joint>
+    </xacro:unless>
+    <material name="${prefix}grey">
+"""
+    )
+
+
+def test_numbers_that_follow_the_table_are_formulas(arm: Robot) -> None:
+    """Lengths and angles with a formula are written as it, multiples of π as such, all else as numbers."""
+    text = macro_text(arm)
+    for line in (
+        '<origin xyz="0 0 ${d_1}" rpy="0 0 0"/>',
+        '<origin xyz="${0.5*a_2} 0 0" rpy="0 ${pi/2} 0"/>',
+        '<origin xyz="${a_2} 0 0" rpy="${alpha_2} 0 0.3"/>',
+        '<cylinder radius="0.04" length="${fabs(a_2) - 0.08}"/>',
+        '<box size="${fabs(a_2)} 0.08 0.08"/>',
+        '<limit lower="${-2*pi}" upper="${pi/3}" effort="150" velocity="${pi}"/>',
+        '<origin xyz="0 0 0" rpy="0 ${-pi/2} ${-pi/2}"/>',
+    ):
+        assert line in text
+
+
+def test_nothing_but_the_macro_stands_at_the_scope_of_its_file(arm: Robot) -> None:
+    """A property there would be global, and two included macros would overwrite each other's."""
+    root = ET.fromstring(macro_text(arm))  # noqa: S314 - our own file
+    assert [child.tag for child in root] == [f"{NAMESPACE}macro"]
+    assert "world" not in {name for link in root.iter("link") for name in link.attrib.values()}
+
+
+def test_the_expanded_file_equals_the_urdf(arm: Robot, tmp_path: Path) -> None:
+    """Tag by tag, attribute by attribute, in order; numbers differ by rounding at most."""
+    expanded = ET.fromstring(expand(write(arm, tmp_path)))  # noqa: S314 - our own file
+    urdf = ET.fromstring(URDF.emit(arm, "arm", URDF.options())[0].content)  # noqa: S314
+    pairs = list(zip(expanded.iter(), urdf.iter(), strict=True))
+    assert len(pairs) > 100
+    for mine, theirs in pairs:
+        assert (mine.tag, len(mine), set(mine.attrib)) == (theirs.tag, len(theirs), set(theirs.attrib))
+        for key, text in mine.attrib.items():
+            assert same_text(text, theirs.attrib[key])
+
+
+def same_text(mine: str, theirs: str) -> bool:
+    """Equal, or equal numbers within 1e-15·max(1, |x|)."""
+    if mine == theirs:
+        return True
+    try:
+        pairs = list(zip(map(float, mine.split()), map(float, theirs.split()), strict=True))
+    except ValueError:
+        return False
+    return all(abs(x - y) <= 1e-15 * max(1, abs(y)) for x, y in pairs)
+
+
+def test_one_file_expands_to_the_same_robot(arm: Robot, tmp_path: Path) -> None:
+    """For standard output the macro and its call stand in one file."""
+    assert EMITTER.one_file is not None
+    (file,) = EMITTER.emit(arm, "arm", EMITTER.one_file(XacroOptions()))
+    path = tmp_path / file.name
+    path.write_bytes(file.content)
+    assert read_xacro(path) == read_xacro(write(arm, tmp_path, "other"))
+
+
+def test_the_xacro_command_expands_it_without_a_warning(arm: Robot, tmp_path: Path) -> None:
+    """A user's way: the command of the xacro package, from another folder, with an argument."""
+    path = write(arm, tmp_path / "arms [1]" if (tmp_path / "arms").mkdir() else tmp_path / "arms")
+    run = subprocess.run(
+        [sys.executable, "-c", "import xacro; xacro.main()", str(path), "prefix:=left_"],
+        capture_output=True,
+        check=True,
+        cwd=tmp_path,
+    )
+    assert run.stderr == b""
+    assert parse_urdf(run.stdout, "out").links[0].name == "left_base_link"
+
+
+def test_the_prefix_goes_before_every_name(arm: Robot, tmp_path: Path) -> None:
+    """Links, joints, materials, and the references to them; nothing else changes."""
+    plain = URDF.emit(arm, "arm", URDF.options())[0].content.decode()
+    prefixed = re.sub(r'(<(?:link|joint|material) name="|(?:parent|child) link=")', r"\1left_", plain)
+    robot = parse_urdf(expand(write(arm, tmp_path), {"prefix": "left_"}), "arm")
+    assert robot == parse_urdf(prefixed.encode(), "arm")
+
+
+def test_a_parent_gives_a_mounting_joint_with_the_origin(arm: Robot, tmp_path: Path) -> None:
+    """The arm hangs on the caller's link, whose name is not prefixed."""
+    write(arm, tmp_path)
+    robot = scene(
+        tmp_path,
+        """<xacro:include filename="arm_macro.xacro"/><link name="world"/>
+        <xacro:arm prefix="left_" parent="world"><origin xyz="0 0.5 1" rpy="0 0 ${pi/2}"/></xacro:arm>""",
+    )
+    mounting = robot.joints[0]
+    assert (mounting.name, mounting.type) == ("left_base_joint", JointType.FIXED)
+    assert (mounting.parent, mounting.child) == ("world", "left_base_link")
+    assert (mounting.origin.xyz, mounting.origin.rpy) == ((0, 0.5, 1), (0, 0, math.pi / 2))
+    assert len(robot.joints) == len(arm.joints) + 1
+
+
+def test_without_a_parent_there_is_no_mounting_joint(arm: Robot, tmp_path: Path) -> None:
+    """The default is an arm whose base_link is the root."""
+    write(arm, tmp_path)
+    body = '<xacro:include filename="arm_macro.xacro"/><xacro:arm prefix=""><origin xyz="1 0 0"/></xacro:arm>'
+    robot = scene(tmp_path, body)
+    assert [joint.name for joint in robot.joints] == [joint.name for joint in arm.joints]
+
+
+def test_the_mounting_joint_takes_no_name_of_the_table(arm: Robot, tmp_path: Path) -> None:
+    """A joint or link may be called base_joint."""
+    joints = tuple(replace(joint, name="base_joint") if joint.name == "lift" else joint for joint in arm.joints)
+    write(replace(arm, joints=joints), tmp_path)
+    body = '<xacro:include filename="arm_macro.xacro"/><xacro:arm prefix="a_" parent="w"><origin/></xacro:arm>'
+    names = [joint.name for joint in scene(tmp_path, body).joints]
+    assert names[0] == "a_base_joint_"
+    assert len(set(names)) == len(names)
+
+
+def test_two_macros_and_two_calls_do_not_disturb_each_other(arm: Robot, tmp_path: Path) -> None:
+    """Properties of one name are each macro's own, and one macro serves two arms with unique names."""
+    other = replace(
+        arm,
+        name="other",
+        parameters=tuple(replace(parameter, value=2 * parameter.value) for parameter in arm.parameters),
+    )
+    write(arm, tmp_path, "arm")
+    write(other, tmp_path, "other")
+    robot = scene(
+        tmp_path,
+        """<xacro:include filename="arm_macro.xacro"/><xacro:include filename="other_macro.xacro"/><link name="world"/>
+        <xacro:arm prefix="a_" parent="world"><origin xyz="0 1 0"/></xacro:arm>
+        <xacro:other prefix="b_" parent="world"><origin xyz="0 2 0"/></xacro:other>
+        <xacro:arm prefix="c_" parent="world"><origin xyz="0 3 0"/></xacro:arm>""",
+    )
+    names = [part.name for part in (*robot.links, *robot.joints)]
+    assert len(set(names)) == len(names)
+    at = {joint.name: joint.origin for joint in robot.joints}
+    for prefix, factor in (("a_", 1), ("b_", 2), ("c_", 1)):
+        assert at[f"{prefix}lift"].xyz == (0, 0, 0.089159 * factor)
+        assert at[f"{prefix}turn"].xyz == (-0.425 * factor, 0, 0)
+        assert at[f"{prefix}turn"].rpy == (-math.pi / 2 * factor, 0, 0.3)
+
+
+def test_an_edited_property_moves_origins_and_shapes(arm: Robot, tmp_path: Path) -> None:
+    """This is what the properties are for."""
+    path = write(arm, tmp_path)
+    macro = tmp_path / "arm_macro.xacro"
+    macro.write_text(macro.read_text().replace('value="-0.425"', 'value="-0.5"'))
+    robot = read_xacro(path)
+    (visual, _), (collision,) = robot.links[2].visuals, robot.links[2].collisions
+    assert robot.joints[2].origin.xyz == (-0.5, 0, 0)
+    assert visual.origin.xyz == (-0.25, 0, 0)
+    assert (visual.geometry.length, collision.geometry.length) == (0.5, pytest.approx(0.42))
+    assert robot.links[3].visuals[1].geometry.size == (0.5, 0.08, 0.08)
+
+
+HOSTILE = "${xacro.fatal('evaluated')} $(env HOME) $${x} $(arg prefix) '\" {a} }&<]]> xacro:eval-comments --"
+
+
+def test_nobody_evaluates_a_name(arm: Robot, tmp_path: Path) -> None:
+    """A name that is an expression, an argument or markup comes out of xacro as the same text, prefixed or not."""
+    joints = tuple(replace(joint, name=HOSTILE) if joint.name == "lift" else joint for joint in arm.joints)
+    parameters = tuple(replace(parameter, joint=HOSTILE) for parameter in arm.parameters)
+    robot = replace(arm, name=HOSTILE, joints=joints, parameters=parameters, comment=HOSTILE)
+    path = write(robot, tmp_path)
+    assert read_xacro(path) == robot
+    prefixed = parse_urdf(expand(path, {"prefix": "${1/0}$(x)"}), "arm")
+    assert prefixed.name == HOSTILE
+    assert prefixed.joints[1].name == "${1/0}$(x)" + HOSTILE
+
+
+@pytest.mark.parametrize("stem", ["a$(b)", "${c}", "a b", "[ab]*?", "é"])
+def test_a_file_name_is_no_expression_and_no_pattern(arm: Robot, tmp_path: Path, stem: str) -> None:
+    """xacro evaluates the name of an included file, and then takes it for a pattern."""
+    import os
+
+    path = write(arm, tmp_path, stem)
+    before = os.getcwd()  # noqa: PTH109
+    os.chdir(tmp_path)
+    try:
+        assert read_xacro(path).links == arm.links
+    finally:
+        os.chdir(before)
+
+
+@pytest.mark.parametrize(
+    ("robot", "stem", "macro"),
+    [
+        ("ur5", "x", "ur5"),
+        ("_UR-10e", "x", "_UR-10e"),
+        ("my arm", "my_arm", "my_arm"),
+        ("my arm", "my arm", "my_arm"),
+        ("机械臂", "robot_3", "robot_3"),
+        ("ur5.v2", "ur5.v2", "ur5_v2"),
+        ("2link", "2link", "_2link"),
+        ("include", "include", "_include"),
+        ("call", "call", "_call"),
+        ("", "", "_"),
+    ],
+)
+def test_the_macro_has_the_robots_name_where_xacro_can_take_it(robot: str, stem: str, macro: str) -> None:
+    """Else the file's, with what a tag cannot hold replaced; xacro's own elements are no macros."""
+    assert macro_name(robot, stem) == macro
+
+
+@given(robot=st.text(), stem=st.text())
+def test_a_macro_name_is_always_a_tag(robot: str, stem: str) -> None:
+    """Whatever the names are, the macro can be called."""
+    tag = macro_name(robot, stem)
+    assert ET.fromstring(f"<{tag}/>").tag == tag  # noqa: S314
+
+
+@pytest.mark.parametrize("name", ["prefix", "pi", "max", "lambda", "a b", "__a", "2a", "${x}"])
+def test_a_parameter_that_is_no_property_is_refused(arm: Robot, name: str) -> None:
+    """xacro takes identifiers, and the macro's own parameters must not be hidden."""
+    parameters = (Parameter(name=name, value=1.0, unit="m", joint="lift"),)
+    with pytest.raises(EmitterError, match="cannot be a xacro property"):
+        EMITTER.emit(replace(arm, parameters=parameters), "arm", XacroOptions())
+
+
+@pytest.mark.parametrize(
+    ("angle", "text"),
+    [
+        (0.0, "0"),
+        (-0.0, "0"),
+        (math.pi, "${pi}"),
+        (-math.pi, "${-pi}"),
+        (2 * math.pi, "${2*pi}"),
+        (math.pi / 2, "${pi/2}"),
+        (-3 * math.pi / 2, "${-3*pi/2}"),
+        (math.pi / 3, "${pi/3}"),
+        (-3 * math.pi / 4, "${-3*pi/4}"),
+        (math.radians(30), "${pi/6}"),
+        (1.5708, "1.5708"),
+        (math.nextafter(math.pi / 2, 2), "1.5707963267948968"),
+        (1e16, "1e16"),
+    ],
+)
+def test_multiples_of_pi_are_readable(angle: float, text: str) -> None:
+    """Only the very double that xacro computes is written so; nothing is rounded to it."""
+    assert angle_text(angle) == text
+
+
+@given(st.floats(-100, 100) | st.builds(lambda k, m: k * math.pi / m, st.integers(-99, 99), st.integers(1, 12)))
+def test_the_text_of_an_angle_is_the_angle(angle: float) -> None:
+    """Evaluated as xacro does, it is the same double."""
+    assert eval(angle_text(angle).strip("${}"), {"pi": math.pi}) == angle  # noqa: S307 - our own text
+
+
+def test_a_thousand_joints_expand(arm: Robot, tmp_path: Path) -> None:
+    """Nothing recurses over the chain."""
+    turn, link = arm.joints[2], arm.links[2]
+    robot = replace(
+        arm,
+        links=tuple(replace(link, name=f"link_{i}") for i in range(1001)),
+        joints=tuple(replace(turn, name=f"joint_{i}", parent=f"link_{i}", child=f"link_{i + 1}") for i in range(1000)),
+    )
+    assert len(read_xacro(write(robot, tmp_path)).joints) == 1000

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+SKIPPING = {
+    "skip": "def test_it():\n    pytest.skip('no such tool')",
+    "fixture": "@pytest.fixture\ndef tool():\n    pytest.skip('no such tool')\ndef test_it(tool): ...",
+    "mark": "@pytest.mark.skipif(True, reason='no such tool')\ndef test_it(): ...",
+    "package": "def test_it():\n    pytest.importorskip('no_such_package', reason='no such tool')",
+    "module": "pytest.importorskip('no_such_package', reason='no such tool')\ndef test_it(): ...",
+}
+
+
+def run_tests(tests: dict[str, str], folder: Path, *, require_all: bool) -> str:
+    """What pytest prints about tests, one per file, under the project's conftest.py."""
+    shutil.copy(Path(__file__).with_name("conftest.py"), folder)
+    for name, test in tests.items():
+        (folder / f"test_{name}.py").write_text(f"import pytest\n{test}\n")
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-ra", "-p", "no:cacheprovider", "--rootdir", str(folder), str(folder)],
+        env={**os.environ, "DH2URDF_REQUIRE_ALL": "1" if require_all else "", "PYTEST_ADDOPTS": "", "COLUMNS": "200"},
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    ).stdout
+
+
+def test_a_skip_is_a_failure_where_everything_has_to_be_there(tmp_path: Path) -> None:
+    """With DH2URDF_REQUIRE_ALL=1 no test is skipped, however it asks for it, and the failure says why it would be."""
+    asking_at_run_time = {name: test for name, test in SKIPPING.items() if name != "module"}
+    printed = run_tests(asking_at_run_time, tmp_path, require_all=True)
+    assert "2 failed, 2 errors in" in printed  # pytest calls what fails before the test begins an error
+    assert printed.count("DH2URDF_REQUIRE_ALL=1 allows no skipped test: ") >= 4
+    assert printed.count("no such tool") >= 4
+
+
+def test_a_skipped_module_is_a_failure_too(tmp_path: Path) -> None:
+    """A test file that skips itself while it is collected fails the run as well."""
+    printed = run_tests({"module": SKIPPING["module"]}, tmp_path, require_all=True)
+    assert "1 error in" in printed
+    assert "DH2URDF_REQUIRE_ALL=1 allows no skipped test: " in printed
+    assert "no such tool" in printed
+
+
+def test_a_skip_is_a_skip_elsewhere(tmp_path: Path) -> None:
+    """Without the switch a test that needs what is not installed is skipped."""
+    assert "5 skipped in" in run_tests(SKIPPING, tmp_path, require_all=False)
+
+
+def test_an_expected_failure_is_no_skip(tmp_path: Path) -> None:
+    """A test that is known to fail may fail, with the switch too."""
+    known = "@pytest.mark.xfail\ndef test_it():\n    assert False"
+    assert "1 xfailed in" in run_tests({"known": known}, tmp_path, require_all=True)

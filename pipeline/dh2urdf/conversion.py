@@ -8,33 +8,53 @@ from __future__ import annotations
 import traceback
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from dh2urdf.errors import Dh2UrdfError, EmitterError, ProofError, RobotError, StageError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.output import put_in_place, staging, write_files
 from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
+from dh2urdf.registry import RECORDS, Catalog, load
+from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
-from dh2urdf.source import Problem
-from dh2urdf.stages import Emitter, Loader, Transform
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import EmittedFile, Emitter, Kind, Loader, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from dh2urdf.manipulator import Manipulator
     from dh2urdf.proof import Poses
-    from dh2urdf.robot import Robot
 
+O = TypeVar("O")  # noqa: E741 - the options type of a stage
+T = TypeVar("T")
 S = TypeVar("S", Transform[Any], Emitter[Any], Loader[Any])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Call(Generic[S]):
-    """A stage with the options that this run gives it."""
+    """A stage with the options that this run gives it.
+
+    To another process it goes by name: a worker has the same plugins installed, and no stage need be picklable.
+    """
 
     stage: S
     options: Any
+
+    def __reduce__(self) -> tuple[Callable[[Kind, str, Any], Call[Any]], tuple[Kind, str, Any]]:
+        kind = next(kind for kind, record in RECORDS.items() if isinstance(self.stage, record))
+        return _installed_call, (kind, self.stage.name, self.options)
+
+
+def _installed_call(kind: Kind, name: str, options: Any) -> Call[Any]:  # noqa: ANN401 - the stage's own
+    return Call(stage=_installed().get(kind, name), options=options)
+
+
+@cache
+def _installed() -> Catalog:
+    return load()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +119,7 @@ def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Rob
         ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
     """
     with blaming("transform", transform.stage.name):
-        robot = transform.stage.transform(manipulator, transform.options)
+        robot = a_record(transform.stage.transform(manipulator, transform.options), Robot)
     problems = [problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in check_robot(robot)]
     if any(problem.severity == "error" for problem in problems):
         raise RobotError(problems)
@@ -138,12 +158,15 @@ def write_robot(
         for call in recipe.emitters:
             emitter = call.stage
             with blaming("emitter", emitter.name):
-                files = list(emitter.emit(robot, stem, call.options))
+                files = [a_record(file, EmittedFile) for file in emitter.emit(robot, stem, call.options)]
+            if not files:
+                raise EmitterError(f"the emitter {emitter.name!r} gave no file")
             if main_file is not None and not written:
                 files[0] = replace(files[0], name=main_file)
             for file in files:
-                if (other := taken.setdefault(file.name, emitter.name)) != emitter.name:
-                    raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {file.name!r}")
+                if other := taken.get(file.name.casefold()):  # as on file systems that ignore case
+                    raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
+                taken[file.name.casefold()] = emitter.name
             write_files(folder, files)
             proof = None
             if emitter.read_back and (prove_costly or not emitter.costly_proof):
@@ -158,7 +181,7 @@ def write_robot(
                 for file in files
             )
             written.append(Written(stage=emitter.name, files=facts, proof=proof))
-        put_in_place(folder, list(taken), directory)
+        put_in_place(folder, [file.name for emitted in written for file in emitted.files], directory)
     return tuple(written)
 
 
@@ -168,7 +191,7 @@ def _prove_file(
     if emitter.read_back is None:
         return None
     with blaming("emitter", emitter.name):
-        described = emitter.read_back(path)
+        described = a_record(emitter.read_back(path), Robot)
     proof = prove(manipulator, described, poses)
     if recipe.keeps_kinematics and not proof.holds:
         raise ProofError(
@@ -185,6 +208,30 @@ def _prove_file(
     return proof
 
 
+def read_items(reader: Reader[O], path: Path, options: O) -> Iterator[Manipulator | Rejected]:
+    """What a reader yields of a file, one by one.
+
+    Raises:
+        TableError: the file as a whole cannot be read.
+        StageError: the reader raised something else.
+    """
+    with blaming("reader", reader.name):
+        for item in reader.read(path, options):
+            yield a_record(item, Manipulator, Rejected)
+
+
+def a_record(value: T, *kinds: type[Any]) -> T:
+    """What a stage gave, which is of one of these kinds.
+
+    Raises:
+        TypeError: it is something else, which a third party's stage may well give.
+    """
+    if not isinstance(value, kinds):
+        wanted = " or ".join(f"{kind.__module__}.{kind.__name__}" for kind in kinds)
+        raise TypeError(f"it gave {type(value).__name__}, not {wanted}")
+    return value
+
+
 @contextmanager
 def blaming(kind: str, name: str) -> Iterator[None]:
     """Turn whatever a stage raises, unless it is an error of dh2urdf already, into one that names the stage.
@@ -196,6 +243,6 @@ def blaming(kind: str, name: str) -> Iterator[None]:
         yield
     except Dh2UrdfError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         text = "".join(traceback.format_exception(error))
         raise StageError(f"{kind} {name!r}", f"{type(error).__name__}: {error}", text) from error

@@ -61,8 +61,8 @@ class _ProblemsError(Dh2UrdfError):
 
     def __str__(self) -> str:
         lines = [str(problem) for problem in self.problems[:SCREENFUL]]
-        if more := len(self.problems) - SCREENFUL:
-            lines += [f"and {more} more problems"] if more > 0 else []
+        if (more := len(self.problems) - SCREENFUL) > 0:
+            lines.append(f"and {more} more problem{'s' if more > 1 else ''}")
         return "\n".join(lines)
 
 

@@ -13,7 +13,6 @@ import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Inertia
-from dh2urdf.number_text import format_number
 from dh2urdf.robot import Box, Cylinder, Inertial, Sphere
 from dh2urdf.rotations import Vec3, add, multiply, rotate, subtract, transpose
 
@@ -87,7 +86,11 @@ def compound(bodies: Sequence[Inertial]) -> Inertial:
     mass = sum(body.mass for body in bodies)
     if not mass:
         raise ValueError("a compound needs a mass")
-    cx, cy, cz = (sum(body.mass * body.com[k] for body in bodies) / mass + 0.0 for k in range(3))
+    # From the first body's centre on: a coordinate that all bodies share stays what it is, to the last bit.
+    first = bodies[0].com
+    cx, cy, cz = (
+        first[k] + sum(body.mass * (body.com[k] - first[k]) for body in bodies) / mass + 0.0 for k in range(3)
+    )
     ixx = iyy = izz = ixy = ixz = iyz = 0.0
     for body in bodies:
         m, own = body.mass, body.inertia
@@ -144,16 +147,15 @@ def inertia_problem(inertia: Inertia) -> str | None:
     if _positive_definite(elements) and _positive_definite(second_moments):
         return None
     low, middle, high = principal_moments(inertia)
-    texts = [format_number(moment) for moment in (low, middle, high)]
     if low <= 0.0:
         return (
-            f"the inertia is not positive definite: its principal moments are {texts[0]}, {texts[1]} and {texts[2]} "
-            "kg·m², and those of a body are greater than 0"
+            f"the inertia is not positive definite: its principal moments are {low:.9g}, {middle:.9g} and "
+            f"{high:.9g} kg·m², and those of a body are greater than 0"
         )
     if low + middle < high * (1.0 - _ROUNDING):
         return (
             f"the inertia breaks the triangle inequality: of the principal moments of a body none is greater than the "
-            f"sum of the other two, but {texts[0]} + {texts[1]} < {texts[2]} kg·m²"
+            f"sum of the other two, but {low:.9g} + {middle:.9g} < {high:.9g} kg·m²"
         )
     return None
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 import unicodedata
 from contextlib import contextmanager
+from errno import EISDIR
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,8 +34,9 @@ def safe_stem(name: str) -> str:
     """
     composed = unicodedata.normalize("NFC", name)
     stem = "".join(c if c.isalnum() or c in ".-+_" else "_" for c in composed).strip("._-") or "robot"
-    if stem.split(".")[0].casefold() in _DEVICES:
-        stem = f"{stem}_"
+    device, dot, rest = stem.partition(".")
+    if device.casefold() in _DEVICES:  # with any suffix
+        stem = f"{device}_{dot}{rest}"
     if len(stem.encode()) > LONGEST_STEM:
         digest = sha256(name.encode(errors="surrogatepass")).hexdigest()[:12]
         stem = f"{stem.encode()[: LONGEST_STEM - 13].decode(errors='ignore')}-{digest}"
@@ -105,8 +108,12 @@ def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
     """Move files from a staging folder to where they belong, each replacing an older one at once.
 
     Raises:
-        OutputError: a file cannot be moved.
+        OutputError: a file cannot be moved; where a folder stands in the way of one, none is.
     """
+    for name in names:
+        with reporting_os_errors(directory / name):
+            if (directory / name).is_dir():
+                raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
     for name in names:
         with reporting_os_errors(directory / name):
             (folder / name).replace(directory / name)
@@ -128,10 +135,10 @@ def reporting_os_errors(path: Path) -> Iterator[None]:
     """Turn what the operating system says of a path into one line.
 
     Raises:
-        OutputError: whatever OSError came.
+        OutputError: whatever OSError came, or the ValueError of a path that no system has.
     """
     try:
         yield
-    except OSError as error:
-        reason = error.strerror or str(error)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
         raise OutputError(Problem(message=f"cannot write {shown(str(path), 200)}: {reason}")) from error

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint, Robot
+    from dh2urdf.rotations import RigidTransform
 
 Poses: TypeAlias = tuple[tuple[float, ...], ...]
 
@@ -102,21 +103,21 @@ def prove(manipulator: Manipulator, written: Robot, poses: Sequence[Sequence[flo
                 robot=manipulator.name,
             )
         )
-    worst_position, worst_angle, worst_q = 0.0, 0.0, tuple(poses[0]) if poses else ()
-    for q in poses:
-        truth, found = forward_kinematics(manipulator, q), chain.forward_kinematics(q)
-        position, angle = position_error(truth, found), angle_error(truth, found)
-        if position > worst_position or (worst_position == 0.0 and angle > worst_angle):
-            worst_q = tuple(q)
-        worst_position = max(worst_position, position)
-        worst_angle = max(worst_angle, angle)
+    errors = [(*_errors(forward_kinematics(manipulator, q), chain.forward_kinematics(q)), tuple(q)) for q in poses]
+    worst_position, _, worst_q = max(errors, default=(0.0, 0.0, ()))
     return Proof(
         position_error=worst_position,
-        angle_error=worst_angle,
+        angle_error=max((angle for _, angle, _ in errors), default=0.0),
         q=worst_q,
         tolerance=TOLERANCE * max(1.0, reach(manipulator) + _travel(manipulator, poses)),
         poses=len(poses),
     )
+
+
+def _errors(truth: RigidTransform, found: RigidTransform) -> tuple[float, float]:
+    """Position error [m] and angle error [rad]; infinite where a description holds what is not a number."""
+    position, angle = position_error(truth, found), angle_error(truth, found)
+    return (math.inf if math.isnan(position) else position, math.inf if math.isnan(angle) else angle)
 
 
 def _range(joint: Joint | None) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import pluggy
 
 from dh2urdf import hookspecs
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
 if TYPE_CHECKING:
@@ -69,8 +69,11 @@ class Catalog:
             try:
                 self._manager.register(plugin.module, key)
                 self._manager.check_pending()
+                if not self._manager.get_hookcallers(plugin.module):
+                    raise TypeError("it has no hook of dh2urdf: each needs the decorator dh2urdf.hookspecs.hookimpl")
             except Exception as error:  # noqa: BLE001 - whatever a plugin does wrong is its own fault, and named
-                self._manager.unregister(name=key)
+                if key not in self._plugins and self._manager.has_plugin(key):
+                    self._manager.unregister(name=key)
                 self._broken.append(_broken(plugin.name, plugin.distribution, error))
             else:
                 self._plugins[key] = plugin
@@ -107,33 +110,33 @@ class Catalog:
         """
         found = [item for item in self.provided(kind) if item.stage.name == name]
         if not found:
-            for broken in self._broken:
-                raise BrokenPluginError(
-                    broken.plugin,
-                    broken.distribution,
-                    f"{broken.reason}; no other plugin provides the {kind} {name!r}",
-                    broken.traceback,
-                )
-            raise UnknownStageError(kind, name, [item.stage.name for item in self.provided(kind)])
+            installed = [item.stage.name for item in self.provided(kind)]
+            near = did_you_mean(name, installed)
+            self._blame_broken(f"no other plugin provides the {kind} {name!r}{f'; {near}' if near else ''}")
+            raise UnknownStageError(kind, name, installed)
         return self._only(kind, name, found).stage
 
     def reader_for(self, path: Path) -> Reader[Any]:
         """The reader whose suffixes a path has.
 
         Raises:
-            InputError: no installed reader takes the suffix.
-            StageConflictError: two readers take it.
+            InputError: no installed reader takes the suffix, or several do.
+            BrokenPluginError: none does, and a plugin that may provide one is broken.
+            StageConflictError: two plugins claim the reader's name.
         """
-        return self._by_suffix("reader", path, "`stage: NAME` beside the path chooses a reader")
+        reader: Reader[Any] = self._by_suffix("reader", path, "`stage: NAME` beside the path chooses a reader")
+        return reader
 
     def emitter_for(self, path: Path) -> Emitter[Any]:
         """The emitter whose suffixes a path has; the longest suffix wins (`.urdf.xacro` is xacro).
 
         Raises:
-            InputError: no installed emitter writes the suffix.
-            StageConflictError: two emitters write it.
+            InputError: no installed emitter writes the suffix, or several do.
+            BrokenPluginError: none does, and a plugin that may provide one is broken.
+            StageConflictError: two plugins claim the emitter's name.
         """
-        return self._by_suffix("emitter", path, "`--to NAME` chooses an emitter")
+        emitter: Emitter[Any] = self._by_suffix("emitter", path, "`--to NAME` chooses an emitter")
+        return emitter
 
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind
         name = path.name.lower()
@@ -144,17 +147,35 @@ class Catalog:
             if name.endswith(suffix) and name != suffix
         ]
         if not claims:
-            suffixes = sorted(s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ()))
+            suffixes = sorted({s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ())})
+            accepted = f"a file name that ends in {', '.join(suffixes)}"
+            self._blame_broken(f"no other plugin takes the file {shown(path.name)}; accepted: {accepted}")
             raise InputError(
                 Problem(
-                    message=f"no {kind} is known for the file {path.name!r}",
+                    message=f"no {kind} is known for the file {shown(path.name)}",
                     found=path.suffix or path.name,
-                    accepted=f"a file name that ends in {', '.join(suffixes)}",
+                    accepted=accepted,
                     suggestion=advice,
                 )
             )
         longest = max(length for length, _ in claims)
-        return self._only(kind, name, [item for length, item in claims if length == longest]).stage
+        best = [item for length, item in claims if length == longest]
+        if len({item.stage.name for item in best}) > 1:
+            stages = " and ".join(f"{item.stage.name!r} of {item.plugin.distribution}" for item in best)
+            raise InputError(
+                Problem(
+                    message=f"several {kind}s take the file {shown(path.name)}: {stages}",
+                    found=path.name[-longest:],
+                    suggestion=advice,
+                )
+            )
+        return self._only(kind, best[0].stage.name, best).stage
+
+    def _blame_broken(self, missing: str) -> None:
+        """Where something is missing, and a plugin that may have it is broken, the plugin is what to mend."""
+        for broken in self._broken:
+            reason = f"{broken.reason}; {missing}"
+            raise BrokenPluginError(broken.plugin, broken.distribution, reason, broken.traceback)
 
     @staticmethod
     def _only(kind: Kind, name: str, claims: Sequence[Provided]) -> Provided:
@@ -177,7 +198,7 @@ class Catalog:
                             f"not a dh2urdf.stages.{RECORDS[kind].__name__}"
                         )
                     found.append(Provided(kind=kind, stage=stage, plugin=plugin))
-        except Exception as error:  # noqa: BLE001 - whatever a plugin does wrong is its own fault, and named
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever a plugin does is its own fault, and named
             self._broken.append(_broken(plugin.name, plugin.distribution, error))
             return
         yield from found
@@ -197,12 +218,12 @@ def load() -> Catalog:
         name = f"{point.name} = {point.value}"
         try:
             plugins.append(Plugin(name=name, distribution=distribution, module=point.load()))
-        except Exception as error:  # noqa: BLE001 - an import runs anything, and may raise anything
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - an import runs anything, and may raise anything
             broken.append(_broken(name, distribution, error))
     return Catalog(plugins, broken)
 
 
-def _broken(name: str, distribution: str, error: Exception) -> BrokenPluginError:
+def _broken(name: str, distribution: str, error: BaseException) -> BrokenPluginError:
     return BrokenPluginError(
         name, distribution, f"{type(error).__name__}: {error}", "".join(traceback.format_exception(error))
     )

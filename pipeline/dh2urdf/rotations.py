@@ -182,23 +182,25 @@ def nearest_rotation(matrix: Rotation) -> tuple[Rotation, float]:
     if _determinant(rotation) < 0:
         return rotation, max(2.0, deviation)
     residual = deviation
-    for _ in range(_NEWTON_STEPS if deviation < 0.1 else 0):  # noqa: PLR2004 - well within its convergence
+    for _ in range(_NEWTON_STEPS if deviation < _CONVERGES else 0):
         if residual <= 4 * _QUARTER_TURN_TOLERANCE:
             break
         gram = multiply(transpose(rotation), rotation)
-        correction = [(3.0 * (index % 4 == 0) - element) / 2 for index, element in enumerate(gram)]
-        rotation = multiply(rotation, tuple(correction))  # type: ignore[arg-type] - nine of them
+        a, b, c, d, e, f, g, h, i = (-element / 2 for element in gram)
+        rotation = multiply(rotation, (a + 1.5, b, c, d, e + 1.5, f, g, h, i + 1.5))
         residual = _deviation(rotation)
     return _without_rounding(rotation), deviation
 
 
 _NEWTON_STEPS = 6
+_CONVERGES = 0.1
 
 
 def _without_rounding(matrix: Rotation) -> Rotation:
-    whole = (float(round(x)) if math.isfinite(x) else x for x in matrix)
-    pairs = zip(matrix, whole, strict=True)
-    return tuple(w if abs(x - w) <= _QUARTER_TURN_TOLERANCE else x for x, w in pairs)  # type: ignore[return-value]
+    a, b, c, d, e, f, g, h, i = (
+        float(round(x)) if math.isfinite(x) and abs(x - round(x)) <= _QUARTER_TURN_TOLERANCE else x for x in matrix
+    )
+    return (a, b, c, d, e, f, g, h, i)
 
 
 def _deviation(matrix: Rotation) -> float:

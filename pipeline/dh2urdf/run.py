@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from dh2urdf.conversion import Call, Recipe, Written, blaming, make_robot, write_robot
+from dh2urdf.conversion import Call, Recipe, Written, blaming, make_robot, read_items, write_robot
 from dh2urdf.errors import (
     ConfigError,
     InputError,
@@ -24,11 +24,11 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.output import Stems
 from dh2urdf.proof import joint_vectors
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Executor, Loader, LoadReport, LoadRequest, Reader, Rejected
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from dh2urdf.config import RunConfig, StageCall
     from dh2urdf.registry import Catalog
@@ -115,9 +115,9 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
 
     Raises:
         ConfigError: something in the run file is wrong; all of it is said at once.
-        PluginError: the run needs a plugin that is broken.
+        PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
-    problems: list[Problem] = []
+    problems: list[Problem] = list(config.problems)
 
     def resolve(kind: Any, call: StageCall) -> Call[Any] | None:  # noqa: ANN401 - a kind of stage
         try:
@@ -136,7 +136,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
             except InputError as error:
                 problems.extend(problem.about(mark=given.mark) for problem in error.problems)
                 continue
-            call = resolve("reader", replace_stage(given, name))
+            call = resolve("reader", given.read_by(name))
             if call is None:
                 break
             inputs.append((path, call.stage, call.options))
@@ -144,26 +144,17 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     emitters = [resolve("emitter", call) for call in config.emitters]
     loaders = [resolve("loader", call) for call in config.loaders]
     executor = resolve("executor", config.execution)
-    formats = [call.stage for call in config.emitters]
-    for given, loader in zip(config.loaders, loaders, strict=True):
-        if loader is not None and not set(loader.stage.formats) & set(formats):
-            problems.append(
-                Problem(
-                    message=f"the loader {loader.stage.name!r} has no file to load",
-                    mark=given.mark,
-                    field="loaders",
-                    found=", ".join(formats),
-                    accepted=f"one of the emitters {', '.join(loader.stage.formats)} in the section `emitters`",
-                )
-            )
+    problems += _without_file(config, loaders)
     if problems or transform is None or executor is None:
-        raise ConfigError(problems)
+        raise ConfigError(in_file_order(problems))
     recipe = Recipe(
         transform=transform,
         emitters=tuple(call for call in emitters if call),
         loaders=tuple(call for call in loaders if call),
         poses=config.poses,
     )
+    for loader in recipe.loaders:
+        loader.stage.require(loader.options)
     return Plan(
         inputs=tuple(inputs),
         recipe=recipe,
@@ -171,6 +162,20 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         executor=executor.stage,
         executor_options=executor.options,
     )
+
+
+def _without_file(config: RunConfig, loaders: Sequence[Call[Loader[Any]] | None]) -> Iterator[Problem]:
+    """The loaders that take no file which the run writes."""
+    formats = [call.stage for call in config.emitters]
+    for asked, loader in zip(config.loaders, loaders, strict=True):
+        if loader is not None and not set(loader.stage.formats) & set(formats):
+            yield Problem(
+                message=f"the loader {loader.stage.name!r} has no file to load",
+                mark=asked.mark,
+                field="loaders",
+                found=", ".join(formats),
+                accepted=f"one of the emitters {', '.join(loader.stage.formats)} in the section `emitters`",
+            )
 
 
 def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None] | None = None) -> list[Outcome]:
@@ -213,13 +218,12 @@ def tasks(plan: Plan) -> Iterator[Task]:
 def _read(path: Path, reader: Reader[Any], options: Any) -> Iterator[Manipulator | Rejected]:  # noqa: ANN401 - the reader's own
     """What a reader yields; what it raises ends this input, not the run."""
     try:
-        with blaming("reader", reader.name):
-            empty = True
-            for item in reader.read(path, options):
-                empty = False
-                yield item
-            if empty:
-                raise TableError(Problem(message="there is no manipulator in it", mark=Mark(file=str(path))))
+        empty = True
+        for item in read_items(reader, path, options):
+            empty = False
+            yield item
+        if empty:
+            raise TableError(Problem(message="there is no manipulator in it", mark=Mark(file=str(path))))
     except (TableError, StageError) as error:
         yield Rejected(name=path.stem, problems=error.problems, mark=Mark(file=str(path)))
 

@@ -90,6 +90,15 @@ class Problem:
         return replace(self, robot=self.robot or robot, mark=self.mark or mark)
 
 
+def in_file_order(problems: Iterable[Problem]) -> list[Problem]:
+    """Problems by line and column; those without a place, and those of one place, keep their order."""
+
+    def place(problem: Problem) -> tuple[int, int]:
+        return (problem.mark.line or 0, problem.mark.column or 0) if problem.mark else (0, 0)
+
+    return sorted(problems, key=place)
+
+
 def shown(text: str, limit: int = SHOWN_TEXT) -> str:
     """A text as a message repeats it: quoted, control characters escaped, cut where it is long.
 

@@ -51,6 +51,7 @@ class Reader(Generic[O]):
         suffixes: file suffixes that choose it, in lower case with the dot.
         options: its options dataclass.
         read: yields the manipulators of a file one by one, without holding them.
+        schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
 
     `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
     one manipulator of several cannot.
@@ -61,6 +62,7 @@ class Reader(Generic[O]):
     read: Callable[[Path, O], Iterator[Manipulator | Rejected]]
     options: type[O]
     suffixes: tuple[str, ...] = ()
+    schema: Callable[[], dict[str, Any]] | None = None
 
 
 def _always(_options: object) -> bool:
@@ -197,6 +199,10 @@ def _nothing(_request: LoadRequest, _output: str) -> tuple[Problem, ...]:
     return ()
 
 
+def _all_there(_options: object) -> None:
+    return None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loader(Generic[O]):
     """Loads a written file into a simulator and reports what the simulator says.
@@ -213,6 +219,8 @@ class Loader(Generic[O]):
         picture: whether these options ask for a picture.
         read_output: the findings in what the simulator printed while `load` ran: its warnings, without those that it
             gives for good files too. Called with the whole output after the child process has ended, well or badly.
+        require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `load`
+            needs with these options is not installed, without importing it (`importlib.util.find_spec`).
         time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
             ends it, by closing a window.
     """
@@ -225,6 +233,7 @@ class Loader(Generic[O]):
     poses: Callable[[O], int]
     picture: Callable[[O], bool]
     read_output: Callable[[LoadRequest, str], Sequence[Problem]] = _nothing
+    require: Callable[[O], None] = _all_there
     time_limit: Callable[[O], float | None] = _two_minutes
 
 

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 MAX_BYTES = 2**30
 """Size of a file that is still read at once [B]."""
 
+LONG_PATH = 200
+"""Characters of a path that a message repeats [1]."""
+
 _ENCODINGS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
 _UNACCEPTABLE = re.compile(r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -30,20 +33,19 @@ def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int 
     """
     check_file(path, error)
     try:
-        with path.open("rb") as stream:
-            content = stream.read(limit + 1)
+        size = path.stat().st_size
+        if size <= limit:
+            return path.read_bytes()
     except OSError as reason:
         raise error(_unreadable(path, reason)) from None
-    if len(content) > limit:
-        raise error(
-            Problem(
-                message="the file is too large to be read at once",
-                mark=Mark(file=str(path)),
-                accepted=f"at most {limit / 2**20:.0f} MiB",
-                suggestion="split it into several files",
-            )
+    raise error(
+        Problem(
+            message=f"the file has {size / 2**20:.0f} MiB, too much to be read at once",
+            mark=Mark(file=str(path)),
+            accepted=f"at most {limit / 2**20:.0f} MiB",
+            suggestion="split it into several files",
         )
-    return content
+    )
 
 
 def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
@@ -64,16 +66,17 @@ def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
 
 
 def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
-    mark = Mark(file=shown(str(path), 400)[1:-1])
+    mark = Mark(file=shown(str(path), LONG_PATH)[1:-1])
     if isinstance(reason, FileNotFoundError):
         if path.is_symlink():
             return Problem(
-                message=f"this link leads to {shown(str(path.readlink()))}, where there is no file", mark=mark
+                message=f"this link leads to {shown(str(path.readlink()), LONG_PATH)}, where there is no file",
+                mark=mark,
             )
         if not path.parent.is_dir():
-            return Problem(message=f"there is no folder {shown(str(path.parent))}", mark=mark)
+            return Problem(message=f"there is no folder {shown(str(path.parent), LONG_PATH)}", mark=mark)
         names = sorted(entry.name for entry in path.parent.iterdir())
-        near = get_close_matches(path.name, names, n=3, cutoff=0.6)
+        near = get_close_matches(path.name, names, n=3, cutoff=0.7)
         suggestion = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else None
         return Problem(message="there is no such file", mark=mark, suggestion=suggestion)
     why = reason.strerror if isinstance(reason, OSError) and reason.strerror else str(reason)

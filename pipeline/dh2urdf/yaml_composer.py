@@ -88,6 +88,16 @@ class Composer:
             yield from self._items()
         except yaml.YAMLError as reason:
             self._stop(syntax_problem(reason, self.text, self.file))
+        except (ValueError, OverflowError):  # PyYAML's own parser does not check what \U stands for; libyaml does.
+            place = Mark(file=self.file, line=self.parser.line + 1, column=self.parser.column + 1)
+            self._stop(
+                Problem(
+                    message="the escape \\U before this place stands for no character",
+                    mark=place,
+                    accepted="\\U00000000 to \\U0010FFFF",
+                    suggestion="write the character itself",
+                )
+            )
 
     def _items(self) -> Iterator[Item]:
         stack = self.stack

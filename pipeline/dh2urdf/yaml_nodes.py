@@ -27,8 +27,8 @@ class Node:
     Attributes:
         value: the value as the YAML 1.2 core schema has it.
         file: the file it stands in.
-        line: where the value starts, from 1.
-        column: where the value starts, from 1.
+        line: where the value starts, from 1; 0 for a value without a place.
+        column: where the value starts, from 1; 0 for a value without a place.
         text: what a scalar says, before it became a number or a truth value; None for a mapping or a list.
         quoted: whether a scalar stands in quotes or is a block of text, so that it can only be a string.
         key_places: line and column of each key of a mapping.
@@ -45,7 +45,7 @@ class Node:
     @property
     def mark(self) -> Mark:
         """Where the value starts."""
-        return Mark(file=self.file, line=self.line, column=self.column)
+        return Mark(file=self.file, line=self.line or None, column=self.column or None)
 
     @property
     def key_marks(self) -> dict[str, Mark]:
@@ -53,9 +53,13 @@ class Node:
         return {key: self.key_mark(key) for key in self.key_places}
 
     def key_mark(self, key: str) -> Mark:
-        """Where a key of the mapping stands."""
-        line, column = self.key_places[key]
-        return Mark(file=self.file, line=line, column=column)
+        """Where a key of the mapping stands; where it stands nowhere, its value's place."""
+        if key in self.key_places:
+            line, column = self.key_places[key]
+            return Mark(file=self.file, line=line, column=column)
+        if isinstance(self.value, dict) and key in self.value:
+            return self.value[key].mark
+        return self.mark
 
     def plain(self) -> Any:  # noqa: ANN401 - any value that YAML can hold
         """The value as plain dictionaries, lists and scalars; its depth is at most `MAX_DEPTH`."""
@@ -71,9 +75,9 @@ class Node:
             case dict():
                 return "a mapping"
             case list():
-                return "a list"
+                return f"a list of {len(self.value)}" if self.value else "an empty list"
             case None:
-                return "nothing"
+                return "an empty value"
             case bool():
                 return f"the truth value {self.text}"
             case int() | float():
@@ -110,7 +114,7 @@ def expect_mapping(node: Node, what: str, error: type[InputError] = ConfigError)
         return node.value
     raise error(
         Problem(
-            message=f"{what} is a mapping of names and values, and this is {node.describe()}",
+            message=f"{what} must be a mapping of names and values, not {node.describe()}",
             mark=node.mark,
             found=node.text,
             accepted="lines such as `name: value`",

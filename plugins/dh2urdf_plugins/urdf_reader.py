@@ -234,7 +234,7 @@ class _UrdfReader:
         return numbers
 
     def _mark(self, element: etree._Element) -> Mark:
-        return Mark(file=self._file, line=element.sourceline)
+        return Mark(file=self._file, line=element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
 
     def _error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
         return ProofError(Problem(message=message, accepted=accepted, mark=self._mark(element)))

@@ -1,4 +1,6 @@
-"""Functions that `test_isolation.py` runs in child processes: in a module of their own, so that the child finds them."""
+"""Functions that `test_isolation.py` runs in child processes, in a module that the child can import."""
+
+# ruff: noqa: T201 - what is printed in a child is what these functions are about
 
 from __future__ import annotations
 

@@ -49,8 +49,13 @@ def request_for(tmp_path: Path) -> Any:
 
 def is_running(pid: int) -> bool:
     """Whether a process runs; one that nobody has waited for yet does not."""
-    state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False).stdout
-    return bool(state.strip()) and not state.startswith("Z")
+    try:
+        if Path("/proc/self/stat").exists():
+            return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+        os.kill(pid, 0)
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return True
 
 
 def wait_until(condition: Any) -> bool:
@@ -131,7 +136,7 @@ def test_crash_after_the_value_does_not_take_it_back(functions: ModuleType) -> N
 
 def test_exceptions_keep_their_type(functions: ModuleType) -> None:
     """An exception comes back in its own type, with the child's traceback in its cause."""
-    with pytest.raises(ValueError, match="^not this value$") as caught:
+    with pytest.raises(ValueError, match="not this value") as caught:
         run_in_child(functions.raise_value_error, timeout=LONG)
     cause = caught.value.__cause__
     assert isinstance(cause, ChildFailure)
@@ -180,8 +185,8 @@ def test_module_missing_in_the_child_is_named(tmp_path: Path, monkeypatch: pytes
 def test_time_limit_ends_the_whole_group(functions: ModuleType, tmp_path: Path) -> None:
     """A child that hangs is killed at the limit, together with what it started itself."""
     pids = tmp_path / "pids"
-    with pytest.raises(LoaderError, match="did not finish within 5 s"):
-        run_in_child(functions.hang, str(pids), timeout=5)
+    with pytest.raises(LoaderError, match="did not finish within 3 s"):
+        run_in_child(functions.hang, str(pids), timeout=3)
     assert not any(is_running(int(pid)) for pid in pids.read_text().split())
 
 

@@ -76,7 +76,7 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
 )
 @click.option("--debug", is_flag=True, help="Show the traceback of an error.")
 def dh2urdf(debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
-    r"""Turn tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm.
+    """Turn tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm.
 
     \b
     dh2urdf convert ur5.csv -o ur5.urdf      one table

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.conversion import Call, Recipe, make_robot, write_robot
+from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.options import make_options
 from dh2urdf.output import safe_stem
@@ -49,7 +49,7 @@ def command(
     settings: tuple[str, ...],
     **flags: str | None,
 ) -> int:
-    r"""Turn TABLE into a robot description and prove that it is the same arm.
+    """Turn TABLE into a robot description and prove that it is the same arm.
 
     The reader goes by TABLE's suffix, the format by FILE's. `dh2urdf plugins` lists the stages and their options.
 
@@ -75,7 +75,7 @@ def command(
     options = _options(stages, given, settings)
     if target is None and emitter.one_file:
         options["emitter"] = emitter.one_file(options["emitter"])
-    manipulator = _choose(reader.read(table, options["reader"]), robot, table)
+    manipulator = _choose(read_items(reader, table, options["reader"]), robot, table)
     recipe = Recipe(
         transform=Call(stage=transform, options=options["transform"]),
         emitters=(Call(stage=emitter, options=options["emitter"]),),
@@ -90,7 +90,7 @@ def command(
         return 0
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         written = write_robot(manipulator, made, recipe, directory=Path(folder), stem=safe_stem(manipulator.name))
-        click.get_binary_stream("stdout").write((Path(folder) / written[0].files[0].name).read_bytes())
+        click.echo((Path(folder) / written[0].files[0].name).read_bytes(), nl=False)
     return 0
 
 

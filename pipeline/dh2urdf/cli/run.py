@@ -36,7 +36,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dry_run: bool,  # noqa: FBT001 - click hands flags over so
     as_json: bool,  # noqa: FBT001
 ) -> int:
-    r"""Do the run that the YAML file CONFIG describes.
+    """Do the run that the YAML file CONFIG describes.
 
     Every manipulator is read, transformed, written, read back and compared with the DH product of its table; the
     loaders then ask the simulators. The output folder holds the files, report.json and timing.json.
@@ -55,7 +55,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if not dry_run:
         write_reports(plan.directory, outcomes, time.perf_counter() - started)
     if as_json:
-        click.get_binary_stream("stdout").write(to_text(run_report(outcomes)))
+        click.echo(to_text(run_report(outcomes)), nl=False)
         return exit_status(outcomes)
     from dh2urdf.cli.summary import print_summary
 

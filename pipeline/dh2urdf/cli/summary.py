@@ -24,7 +24,7 @@ def print_summary(outcomes: Sequence[Outcome], directory: Path, *, dry_run: bool
         console = Console(highlight=False, width=140)
     emitters = list(dict.fromkeys(written.stage for outcome in outcomes for written in outcome.written))
     loaders = list(dict.fromkeys(name for outcome in outcomes for name in outcome.loads))
-    table = Table(title="largest distance of tool0 from the DH product [m]" if emitters else None)
+    table = Table(title="largest distance of tool0 from the DH product, in metres" if emitters else None)
     table.add_column("manipulator", overflow="fold")
     table.add_column("status")
     for name in (*emitters, *loaders):

@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING, Literal
 
 from lxml import etree
 
+from dh2urdf.errors import EmitterError
+from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.urdf_tree import Notation, append_mujoco_options, append_robot, serialise
 from dh2urdf_plugins.urdf_reader import read_urdf
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Robot
+
+LONGEST_LINE = 8000
+"""Bytes of one line [1]: PyBullet cuts a longer one in silence."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,13 +33,29 @@ def emit(robot: Robot, stem: str, _options: UrdfOptions) -> tuple[EmittedFile]:
     """The URDF of a robot, as ``<stem>.urdf``.
 
     Raises:
-        EmitterError: XML cannot hold one of its names, or the robot lacks what URDF requires.
+        EmitterError: XML cannot hold one of its names, a name makes a line longer than readers take, or the robot lacks
+            what URDF requires.
     """
     notation = Notation()
     root = etree.Element("robot", name=notation.text(robot.name))
     append_mujoco_options(root)
     append_robot(root, robot, notation)
-    return (EmittedFile(name=f"{stem}.urdf", content=serialise(root, robot.comment)),)
+    content = serialise(root, robot.comment)
+    _check_lines(content)
+    return (EmittedFile(name=f"{stem}.urdf", content=content),)
+
+
+def _check_lines(content: bytes) -> None:
+    for number, line in enumerate(content.splitlines(), start=1):
+        if len(line) > LONGEST_LINE:
+            raise EmitterError(
+                Problem(
+                    message=f"line {number} of the robot description would have {len(line)} bytes",
+                    found=shown(line.decode("utf-8").strip()),
+                    accepted=f"at most {LONGEST_LINE} bytes: PyBullet cuts a longer line without a word",
+                    suggestion="shorten the names",
+                )
+            )
 
 
 EMITTER = Emitter(

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
 
-LONGEST_LINE = 8000
-"""Bytes of one line [1]: PyBullet cuts a longer one without a word."""
-
 LONGEST_COMMENT = 1000
 """Characters of one comment [1]."""
 
@@ -103,31 +100,15 @@ def append_comment(parent: etree._Element, text: str) -> None:
 
 
 def serialise(root: etree._Element, comment: str = "") -> bytes:
-    """The file of a tree: UTF-8, two spaces per level, one element per line, a comment above the root.
-
-    Raises:
-        EmitterError: a line is longer than every reader takes.
-    """
+    """The file of a tree: UTF-8, two spaces per level, one element per line, a comment above the root."""
     etree.indent(root, "  ")
     head = etree.tostring(_comment(comment), encoding="UTF-8") + b"\n" if comment else b""
-    content = b'<?xml version="1.0"?>\n' + head + etree.tostring(root, encoding="UTF-8", xml_declaration=False) + b"\n"
-    for number, line in enumerate(content.split(b"\n"), start=1):
-        if len(line) > LONGEST_LINE:
-            raise EmitterError(
-                Problem(
-                    message=f"line {number} of the robot description would have {len(line)} bytes",
-                    found=shown(line.decode("utf-8").strip()),
-                    accepted=f"at most {LONGEST_LINE} bytes: PyBullet cuts a longer line",
-                    suggestion="shorten the names",
-                )
-            )
-    return content
+    return b'<?xml version="1.0"?>\n' + head + etree.tostring(root, encoding="UTF-8", xml_declaration=False) + b"\n"
 
 
 def _comment(text: str) -> etree._Comment:
-    """A comment that ends where it should (XML 1.0, section 2.5: no ``--``) and that xacro takes for nothing else."""
-    plain = shown(text, LONGEST_COMMENT)[1:-1]
-    plain = re.sub("-(?=-)", "- ", plain).replace("xacro:eval-comments", "xacro: eval-comments")
+    """A comment that ends where it should: XML 1.0, section 2.5, allows no ``--`` in it."""
+    plain = re.sub("-(?=-)", "- ", shown(text, LONGEST_COMMENT)[1:-1])
     return etree.Comment(f" {plain} ")
 
 

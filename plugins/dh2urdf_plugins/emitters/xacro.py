@@ -12,6 +12,7 @@ import glob
 import math
 import re
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 from keyword import iskeyword
 from typing import TYPE_CHECKING
 
@@ -45,7 +46,7 @@ _XACRO_ELEMENTS = frozenset(
     {"arg", "attribute", "call", "element", "if", "include", "insert_block", "macro", "property", "unless"}
 )
 # What formulas and the macro itself mean by these words; a property of that name would hide it.
-_WORDS_IN_USE = frozenset({"prefix", "parent", "origin", "pi", "abs", "fabs", "max", "sin", "cos"})
+_WORDS_IN_USE = frozenset({"prefix", "parent", "origin", "pi", "abs", "fabs", "max", "sin", "cos", "atan2"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,20 +171,22 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, notation: Xac
 
 
 def _append_properties(macro: etree._Element, parameters: Sequence[Parameter]) -> None:
-    """Appends the numbers of the table, each joint's after a comment that names it."""
+    """Appends the numbers of the table, each joint's after a comment that names it, them and their units."""
     if not parameters:
         return
     append_comment(
         macro,
         "The table: edit the arm here. Origins and shapes follow these properties; "
-        "axes, masses and inertias are numbers that do not.",
+        "axes, limits, masses and inertias are numbers that do not.",
     )
-    heading = None
-    for parameter in parameters:
-        if (now := f"joint {shown(parameter.joint)} [{parameter.unit}]") != heading:
-            append_comment(macro, heading := now)
-        value = angle_text(parameter.value) if parameter.unit == "rad" else format_number(parameter.value)
-        _append(macro, "property", name=_property_name(parameter), value=value)
+    for joint, group in groupby(parameters, key=lambda parameter: parameter.joint):
+        row = list(group)
+        units = dict.fromkeys(parameter.unit for parameter in row)
+        listed = "; ".join(f"{', '.join(p.name for p in row if p.unit == unit)} [{unit}]" for unit in units)
+        append_comment(macro, f"joint {shown(joint)}: {listed}")
+        for parameter in row:
+            value = angle_text(parameter.value) if parameter.unit == "rad" else format_number(parameter.value)
+            _append(macro, "property", name=_property_name(parameter), value=value)
 
 
 def _property_name(parameter: Parameter) -> str:

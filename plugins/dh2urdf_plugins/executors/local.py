@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections import deque
 from dataclasses import dataclass, field
 from itertools import islice
@@ -12,7 +13,7 @@ from dh2urdf.stages import Executor
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from concurrent.futures import Future
+    from concurrent.futures import Future, ProcessPoolExecutor
 
 CHUNK = 16
 """Manipulators that a process takes at once: handing one over costs about as much as making it."""
@@ -60,20 +61,44 @@ def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], wo
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_start_worker)
     under_way: deque[Future[list[Any]]] = deque()
     try:
-        under_way.extend(pool.submit(_map_chunk, function, chunk) for chunk in islice(chunks, AHEAD * workers))
+        under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, AHEAD * workers))
         while under_way:
             results = under_way.popleft().result()
-            under_way.extend(pool.submit(_map_chunk, function, chunk) for chunk in islice(chunks, 1))
+            under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, 1))
             yield from results
     finally:
         pool.shutdown(cancel_futures=True)
 
 
+# Ctrl-C reaches all processes of a terminal. It ends a worker's work, and a worker that has none, or that is just being
+# started, stays silent: the run tells it, once.
+
+
+def _submit(pool: ProcessPoolExecutor, function: Callable[[Any], Any], chunk: list[Any]) -> Future[list[Any]]:
+    if not hasattr(signal, "pthread_sigmask"):
+        return pool.submit(_map_chunk, function, chunk)
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # A process that starts here inherits it.
+    try:
+        return pool.submit(_map_chunk, function, chunk)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
+def _start_worker() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
 def _map_chunk(function: Callable[[Any], Any], chunk: list[Any]) -> list[Any]:
-    return [function(task) for task in chunk]
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return [function(task) for task in chunk]
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _chunks(first: list[Any], rest: Iterator[Any]) -> Iterator[list[Any]]:

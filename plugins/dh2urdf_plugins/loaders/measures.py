@@ -72,10 +72,8 @@ def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
 
     Links that fixed joints hold together are one body; a body and the next one always meet at their joint.
     """
-    body = {}
+    body = {link.name: link.name for link in robot.links}
     neighbours = set()
-    for link in robot.links:
-        body.setdefault(link.name, link.name)
     for joint in robot.joints:  # Parents before children.
         if joint.type is JointType.FIXED:
             body[joint.child] = body[joint.parent]

@@ -1,62 +1,21 @@
-"""PyBullet: loads the written URDF, measures the arm that the simulator holds, and lets it hold its own weight.
-
-PyBullet is no validator: it takes the faults of a description in silence, prints through C, or crashes. So the arm is
-asked what it became (its joints, masses, inertias, and where tool0 is), and all of that is compared with the robot
-that was written. Its source is https://github.com/bulletphysics/bullet3, in examples/SharedMemory and
-examples/Importers/ImportURDFDemo.
-"""
+"""The loader `pybullet`: loads the written URDF into PyBullet, measures the arm, and reads what PyBullet prints."""
 
 from __future__ import annotations
 
 import importlib
-import math
+import importlib.util
 import re
 import time
 from dataclasses import dataclass, field
-from functools import partial
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.errors import LoaderError, MissingDependencyError
-from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, Vec3, multiply, norm, rotate, subtract, transpose
+from dh2urdf.errors import MissingDependencyError
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader, LoadReport
-from dh2urdf_plugins.loaders.measures import (
-    GRAVITY,
-    HOLD_SECONDS,
-    HOLD_STAYS,
-    SINGLE_PRECISION,
-    hold_start,
-    pose_error,
-    reach,
-    tensor,
-    touching_pairs,
-)
-from dh2urdf_plugins.loaders.pybullet_picture import picture_pose, write_picture
+from dh2urdf_plugins.loaders.pybullet_arm import Arm
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from dh2urdf.robot import Joint
     from dh2urdf.stages import LoadRequest
-
-TIME_STEP = 1 / 240
-"""PyBullet's usual time step [s]."""
-MARGIN = 0.001
-"""By how much Bullet thickens a cylinder or a mesh in its search for contacts [m]."""
-
-_ROUNDINGS = 4
-"""Largest error of a measured pose, in roundings of the arm's reach (or of a half turn) to single precision [1].
-
-PyBullet 3.2 computes link poses in double precision, but `getLinkState` gives them out by way of single precision: the
-pose of the centre of mass and the inertial frame are rounded, the one inverted, and the two multiplied.
-"""
-_PRINCIPAL_AXES = 2e-6
-"""Largest error of an inertia [1], as a share of the trace: PyBullet turns the tensor to its principal axes by Jacobi
-rotations, which end when the products are below 1e-6 of the trace."""
-_SHOWN_PAIRS = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +25,21 @@ class PyBulletOptions:
     poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
     picture: bool = field(default=True, metadata={"help": "write a picture of the arm beside its files"})
     gui: bool = field(default=False, metadata={"help": "show the arm in a window, and wait until it is closed"})
+
+    def __post_init__(self) -> None:
+        if self.poses < 1:
+            raise ValueError("poses is a number from 1 on")
+
+
+def require(options: PyBulletOptions) -> None:
+    """Ask whether PyBullet, and Pillow for a picture, are there, without importing them.
+
+    Raises:
+        MissingDependencyError: one of them is not installed.
+    """
+    for module, package in (("pybullet", "pybullet"), *([("PIL", "pillow")] if options.picture else [])):
+        if importlib.util.find_spec(module) is None:
+            raise _missing(package)
 
 
 def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
@@ -80,7 +54,7 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
         _import("PIL.Image", "pillow")
     bullet.connect(bullet.GUI if options.gui else bullet.DIRECT)
     try:
-        report = _Arm(bullet, request).report()
+        report = Arm(bullet, request).report()
         while options.gui and bullet.isConnected():  # Closing the window ends the connection.
             time.sleep(0.1)
     finally:
@@ -93,309 +67,11 @@ def _import(module: str, package: str) -> Any:  # noqa: ANN401 - a module withou
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MissingDependencyError("loader 'pybullet'", package, "dh2urdf[pybullet]") from error
+        raise _missing(package) from error
 
 
-class _Arm:
-    """The arm as PyBullet holds it, beside the robot that was written."""
-
-    def __init__(self, bullet: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
-        self.bullet, self.request, self.robot = bullet, request, request.robot
-        self.problem = partial(Problem, robot=request.manipulator.name, mark=request.manipulator.mark)
-        bullet.setPhysicsEngineParameter(enableFileCaching=0)  # Or a rewritten file would give the old arm again.
-        try:
-            self.body = bullet.loadURDF(
-                str(request.path.resolve()), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE
-            )
-        except bullet.error as error:
-            raise LoaderError(self.problem(message=f"PyBullet cannot load the file: {error}")) from error
-        infos = [bullet.getJointInfo(self.body, index) for index in range(bullet.getNumJoints(self.body))]
-        self.moving = [info for info in infos if info[2] != bullet.JOINT_FIXED]
-        self.joints = {_text(info[1]): info[0] for info in infos}
-        self.links = {_text(info[12]): info[0] for info in infos}
-
-    def report(self) -> LoadReport:
-        """Measure everything.
-
-        Raises:
-            LoaderError: PyBullet holds another arm.
-        """
-        joints, problems = self._compare_joints()
-        masses, more_problems = self._compare_masses()
-        problems += more_problems
-        if problems:  # Without the right joints there is nothing to move.
-            raise LoaderError(problems)
-        report = {"simulator": "PyBullet", "version": version("pybullet"), "joints": joints, **masses}
-        if not self._has_poses():
-            return LoadReport(**report, findings=(self._too_many_joints(),))
-        report |= self._compare_poses()
-        hold, findings = self._hold()
-        if self.request.picture:
-            self.set_joints(picture_pose(self.robot))
-            write_picture(self.bullet, self.robot, self._frames(), self.request.picture)
-            report["picture"] = self.request.picture.name
-        return LoadReport(**report, hold=hold, findings=findings)
-
-    def set_joints(self, q: Sequence[float]) -> None:
-        """Put the arm at a joint vector, at rest."""
-        for joint, value in zip(self.robot.moving_joints, q, strict=True):
-            self.bullet.resetJointState(self.body, self.joints[joint.name], value)
-
-    # Joints
-
-    def _compare_joints(self) -> tuple[tuple[dict[str, Any], ...], list[Problem]]:
-        """The moving joints as PyBullet has them, and where they differ from the robot's."""
-        held = {joint["name"]: joint for joint in map(self._held_joint, self.moving)}
-        problems = [
-            self.problem(message="PyBullet has a joint that was not written", found=name)
-            for name in held
-            if name not in {joint.name for joint in self.robot.moving_joints}
-        ]
-        for joint in self.robot.moving_joints:
-            if joint.name not in held:
-                problems.append(self.problem(message="PyBullet has lost the joint", joint=joint.name))
-                continue
-            for key, written in _written_joint(joint).items():
-                if not _same(found := held[joint.name][key], written):
-                    problems.append(
-                        self.problem(
-                            message=f"PyBullet has {key} {_shown(found)} where {_shown(written)} was written",
-                            joint=joint.name,
-                            field=key,
-                            found=_shown(found),
-                            accepted=_shown(written),
-                        )
-                    )
-        return tuple(held.values()), problems
-
-    def _held_joint(self, info: Sequence[Any]) -> dict[str, Any]:
-        """A joint as PyBullet has it; its axis is held in the inertial frame, and turned back to the link frame."""
-        lower, upper = info[8], info[9]
-        endless = info[2] == self.bullet.JOINT_REVOLUTE and lower > upper
-        names = {self.bullet.JOINT_REVOLUTE: "revolute", self.bullet.JOINT_PRISMATIC: "prismatic"}
-        inertial_frame = _rotation(self.bullet.getDynamicsInfo(self.body, info[0])[4])
-        return {
-            "name": _text(info[1]),
-            "type": "continuous" if endless else names.get(info[2], f"number {info[2]}"),
-            "axis": tuple(round(element, 12) + 0.0 for element in rotate(inertial_frame, info[13])),
-            "lower": None if endless else lower,
-            "upper": None if endless else upper,
-            "velocity": info[11],
-            "effort": info[10],
-        }
-
-    # Masses
-
-    def _compare_masses(self) -> tuple[dict[str, float], list[Problem]]:
-        """The mass of the arm and the largest errors of a link's, and where they are larger than PyBullet's arithmetic.
-
-        The root is left out: it is the world's, and PyBullet makes it weightless.
-        """
-        problems: list[Problem] = []
-        mass = mass_error = inertia_error = 0.0
-        for link in self.robot.links[1:]:
-            if link.name not in self.links:
-                problems.append(self.problem(message=f"PyBullet has lost the link {shown(link.name)}"))
-                continue
-            written = link.inertial or Inertial(mass=0.0)
-            wanted = tensor(written.inertia)
-            found, _, principal, com, orientation = self.bullet.getDynamicsInfo(self.body, self.links[link.name])[:5]
-            axes = _rotation(orientation)
-            held = multiply(multiply(axes, (principal[0], 0, 0, 0, principal[1], 0, 0, 0, principal[2])), transpose(axes))
-            errors = {
-                "mass": (abs(found - written.mass), SINGLE_PRECISION * written.mass, "kg"),
-                "com": (norm(subtract(com, written.com)), SINGLE_PRECISION * norm(written.com), "m"),
-                "inertia": (
-                    max(abs(is_ - was) for is_, was in zip(held, wanted, strict=True)),
-                    _PRINCIPAL_AXES * (wanted[0] + wanted[4] + wanted[8]),
-                    "kg·m²",
-                ),
-            }
-            problems += [
-                self.problem(
-                    message=f"PyBullet has another {name} of the link {shown(link.name)}: it differs by {error:.3g} {unit}",
-                    field=name,
-                    found=f"{error:.3g} {unit}",
-                    accepted=f"at most {bound:.3g} {unit}",
-                )
-                for name, (error, bound, unit) in errors.items()
-                if not error <= bound  # NaN is not right either.
-            ]
-            mass += found
-            mass_error = max(mass_error, errors["mass"][0])
-            inertia_error = max(inertia_error, errors["inertia"][0])
-        return {"mass": mass, "mass_error": mass_error, "inertia_error": inertia_error}, problems
-
-    # Poses
-
-    def _has_poses(self) -> bool:
-        try:
-            self._frame(max(self.links.values()))
-        except self.bullet.error:
-            return False
-        return True
-
-    def _too_many_joints(self) -> Problem:
-        count = len(self.moving)
-        return self.problem(
-            message=f"PyBullet gives no poses of an arm with {count} moving joints: only joints and masses were compared",
-            severity="notice",
-            found=str(count),
-            accepted="at most 127 moving joints",
-        )
-
-    def _frame(self, link: int) -> RigidTransform:
-        """The frame of a link in the world."""
-        state = self.bullet.getLinkState(self.body, link, computeForwardKinematics=1)
-        return RigidTransform(_rotation(state[5]), state[4])
-
-    def _frames(self) -> dict[str, RigidTransform]:
-        """The frames of all links in the world; the root stands in its origin."""
-        return {
-            link.name: self._frame(self.links[link.name]) if link.name in self.links else IDENTITY
-            for link in self.robot.links
-        }
-
-    def _compare_poses(self) -> dict[str, Any]:
-        """The largest errors of tool0, and at which joint vector.
-
-        Raises:
-            LoaderError: they are larger than PyBullet's arithmetic.
-        """
-        tool = self.links["tool0"]
-        tolerance = _ROUNDINGS * SINGLE_PRECISION * reach(self.robot)
-        angle_tolerance = _ROUNDINGS * SINGLE_PRECISION * math.pi
-        worst, worst_angle, q_worst = 0.0, 0.0, ()
-        for q, expected in zip(self.request.poses, self.request.expected, strict=True):
-            self.set_joints(q)
-            distance, angle = pose_error(self._frame(tool), expected)
-            if not (distance <= tolerance and angle <= angle_tolerance):
-                raise LoaderError(
-                    self.problem(
-                        message=f"PyBullet has tool0 {distance:.3g} m and {angle:.3g} rad away from where the table has it, "
-                        f"at q = ({', '.join(map(str, q))})",
-                        found=f"{distance:.3g} m, {angle:.3g} rad",
-                        accepted=f"at most {tolerance:.3g} m and {angle_tolerance:.3g} rad, the error of single precision",
-                    )
-                )
-            if distance >= worst:
-                worst, q_worst = distance, q
-            worst_angle = max(worst_angle, angle)
-        return {
-            "position_error": worst,
-            "angle_error": worst_angle,
-            "tolerance": tolerance,
-            "angle_tolerance": angle_tolerance,
-            "q": tuple(q_worst),
-            "poses": len(self.request.poses),
-        }
-
-    # The hold test
-
-    def _hold(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-        """Whether the motors, with the efforts that were written, keep the arm where it is under gravity."""
-        bullet, joints = self.bullet, self.robot.moving_joints
-        start = hold_start(self.robot)
-        self.set_joints(start)
-        contacts = [pair for pair in touching_pairs(self.robot) if self._touch(*pair)]
-        bullet.setTimeStep(TIME_STEP)
-        bullet.setGravity(0, 0, -GRAVITY)
-        for joint, value in zip(joints, start, strict=True):
-            bullet.setJointMotorControl2(
-                self.body,
-                self.joints[joint.name],
-                bullet.POSITION_CONTROL,
-                targetPosition=value,
-                force=joint.limits.effort or 0.0,
-            )
-        indices = [self.joints[joint.name] for joint in joints]
-        displacement = [0.0] * len(joints)
-        for _ in range(round(HOLD_SECONDS / TIME_STEP)):
-            bullet.stepSimulation()
-            for number, state in enumerate(bullet.getJointStates(self.body, indices)):
-                moved = abs(state[0] - start[number])
-                displacement[number] = max(displacement[number], moved if math.isfinite(moved) else math.inf)
-        largest = max(displacement, default=0.0)
-        weakest = joints[displacement.index(largest)] if joints else None
-        hold = {
-            "seconds": HOLD_SECONDS,
-            "start": start,
-            "largest_displacement": largest if math.isfinite(largest) else None,
-            "joint": weakest.name if weakest else None,
-            "threshold": HOLD_STAYS,
-            "stayed": largest <= HOLD_STAYS,
-            "contacts": contacts,
-        }
-        return hold, tuple(self._hold_findings(weakest, largest, contacts))
-
-    def _touch(self, first: str, second: str) -> bool:
-        """Whether the shapes of two links overlap, by more than Bullet's margin around each."""
-        points = self.bullet.getClosestPoints(self.body, self.body, 0.0, self.links[first], self.links[second])
-        return any(point[8] < -2.0 * MARGIN for point in points)
-
-    def _hold_findings(
-        self, weakest: Joint | None, largest: float, contacts: Sequence[tuple[str, str]]
-    ) -> Iterator[Problem]:
-        if weakest and largest > HOLD_STAYS:
-            unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
-            by = f"{largest:.3g} {unit}" if math.isfinite(largest) else "without end"
-            yield self.problem(
-                message=f"the arm did not stay where it was in {HOLD_SECONDS:g} s under gravity: this joint moved by {by}",
-                severity="notice",
-                joint=weakest.name,
-                field="limits.effort",
-                found=str(weakest.limits.effort),
-                suggestion="give the joint the effort that its motor has",
-            )
-        if contacts:
-            pairs = [f"{shown(first)} and {shown(second)}" for first, second in contacts[:_SHOWN_PAIRS]]
-            pairs += [f"{more} more pairs"] if (more := len(contacts) - _SHOWN_PAIRS) > 0 else []
-            yield self.problem(
-                message=f"collision shapes of the arm overlap at the start of the hold test: {', '.join(pairs)}",
-                severity="notice",
-                suggestion="switch the arm's contacts with itself off, or give these links a smaller radius",
-            )
-
-
-def _written_joint(joint: Joint) -> dict[str, Any]:
-    """What PyBullet should have of a joint."""
-    bounded = joint.type is not JointType.CONTINUOUS
-    return {
-        "type": joint.type.value,
-        "axis": joint.axis,
-        "lower": joint.limits.lower if bounded else None,
-        "upper": joint.limits.upper if bounded else None,
-        "velocity": joint.limits.velocity,
-        "effort": joint.limits.effort,
-    }
-
-
-def _same(found: Any, written: Any) -> bool:  # noqa: ANN401 - words, numbers and vectors
-    """Whether two values of a joint are the same within single precision."""
-    if isinstance(written, tuple):
-        return math.dist(found, written) <= _ROUNDINGS * SINGLE_PRECISION
-    if isinstance(written, float):
-        return found is not None and abs(found - written) <= SINGLE_PRECISION * abs(written)
-    return bool(found == written)
-
-
-def _shown(value: Any) -> str:  # noqa: ANN401 - words, numbers and vectors
-    return f"({', '.join(map(str, value))})" if isinstance(value, tuple) else str(value)
-
-
-def _text(name: bytes) -> str:
-    return name.decode("utf-8", "replace")
-
-
-def _rotation(quaternion: Sequence[float]) -> Rotation:
-    """The rotation of a quaternion (x, y, z, w); it need not be normalised to the last digit."""
-    x, y, z, w = quaternion
-    s = 2.0 / (x * x + y * y + z * z + w * w)
-    return (
-        *(1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)),
-        *(s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)),
-        *(s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)),
-    )
+def _missing(package: str) -> MissingDependencyError:
+    return MissingDependencyError("loader 'pybullet'", package, "dh2urdf[pybullet]")
 
 
 # What PyBullet prints: "b3Warning[file,line]:", a line end and the text; often the next message follows without one.
@@ -405,31 +81,28 @@ _NO_INERTIA = "No inertial data for link"
 
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
-    """The warnings and errors that PyBullet printed.
+    """The warnings and errors that PyBullet printed, each once, in the order of printing.
 
-    It says of every link without an inertial that it will weigh 1 kg, the link's name in a message of its own. Of the
-    empty root, which weighs nothing in a world that holds it, that is expected.
+    PyBullet gives the name of the link or joint that it speaks of in a message of its own. Of the empty root it says
+    that it has no inertial and will weigh 1 kg, which is expected: the world holds the root, and it weighs nothing.
     """
-    said: dict[str, str] = {}  # In the order of printing, each once: PyBullet repeats itself.
-    messages = iter(_MESSAGE.findall(output))
-    for kind, text in messages:
-        if text.startswith(_NO_INERTIA):
-            _, link = next(messages, ("", ""))
-            if link == request.robot.links[0].name:
-                continue
-            said[f"{text}: {link}"] = kind
+    robot = request.robot
+    names = {*(link.name for link in robot.links), *(joint.name for joint in robot.joints)}
+    said: list[tuple[str, str]] = []
+    for kind, text in _MESSAGE.findall(output):
+        if text in names and said:
+            said[-1] = (said[-1][0], f"{said[-1][1]}: {text}")
         elif text:
-            said[text] = kind
-    for line in _MESSAGE.sub("", output).splitlines():
-        if _COMPLAINT.search(line):
-            said[line.strip()] = "Warning"
+            said.append((kind, text))
+    said += [("Warning", line.strip()) for line in _MESSAGE.sub("", output).splitlines() if _COMPLAINT.search(line)]
     return tuple(
         Problem(
             message=f"PyBullet printed {shown(text, 200)}",
             severity="error" if kind == "Error" else "notice",
             robot=request.manipulator.name,
         )
-        for text, kind in said.items()
+        for kind, text in dict.fromkeys(said)
+        if not (text.startswith(_NO_INERTIA) and text.endswith(f": {robot.links[0].name}"))
     )
 
 
@@ -442,5 +115,6 @@ LOADER = Loader(
     poses=lambda options: options.poses,
     picture=lambda options: options.picture,
     read_output=read_output,
+    require=require,
     time_limit=lambda options: None if options.gui else 300.0,
 )

@@ -18,7 +18,7 @@ class Field:
 
     Attributes:
         name: what the project calls it.
-        headers: what tables call it, as `_key` has them; the first is the one that messages name.
+        headers: what tables call it, in words.
         dimension: what it measures; None for words.
         linear: what it measures in the row of a prismatic joint, where that is something else.
     """
@@ -32,25 +32,25 @@ class Field:
 def _fields() -> dict[str, Field]:
     number, length, angle = Dimension.NUMBER, Dimension.LENGTH, Dimension.ANGLE
     fields = [
-        Field("robot", ("robot", "manipulator", "model", "robotname", "manipulatorname", "modelname")),
-        Field("convention", ("convention", "dhconvention")),
+        Field("robot", ("robot", "manipulator", "model", "robot name", "manipulator name", "model name")),
+        Field("convention", ("convention", "dh convention")),
         Field("index", ("i", "#", "index", "no", "nr")),
-        Field("joint", ("joint", "jointname", "name")),
-        Field("link", ("link", "linkname")),
-        Field("type", ("type", "jointtype", "kind", "sigma", "σ")),
-        Field("a", ("a", "r", "linklength"), length),
-        Field("alpha", ("alpha", "α", "twist", "linktwist", "twistangle"), angle),
-        Field("d", ("d", "linkoffset"), length),
-        Field("theta", ("theta", "θ", "jointangle"), angle),
-        Field("offset", ("offset", "jointoffset"), angle, length),
+        Field("joint", ("joint", "joint name", "name")),
+        Field("link", ("link", "link name")),
+        Field("type", ("type", "joint type", "kind", "sigma", "σ")),
+        Field("a", ("a", "r", "link length"), length),
+        Field("alpha", ("alpha", "α", "twist", "link twist", "twist angle"), angle),
+        Field("d", ("d", "link offset"), length),
+        Field("theta", ("theta", "θ", "joint angle"), angle),
+        Field("offset", ("offset", "joint offset"), angle, length),
         Field("sign", ("sign", "direction"), number),
         Field("flip", ("flip", "flipped")),
-        Field("lower", ("lower", "qmin", "min", "lowerlimit", "limitlower"), angle, length),
-        Field("upper", ("upper", "qmax", "max", "upperlimit", "limitupper"), angle, length),
-        Field("velocity", ("velocity", "maxvelocity", "velocitylimit"), Dimension.TURN_RATE, Dimension.SPEED),
-        Field("effort", ("effort", "maxeffort", "effortlimit"), Dimension.EFFORT),
+        Field("lower", ("lower", "q_min", "min", "lower limit", "limit lower"), angle, length),
+        Field("upper", ("upper", "q_max", "max", "upper limit", "limit upper"), angle, length),
+        Field("velocity", ("velocity", "max velocity", "velocity limit"), Dimension.TURN_RATE, Dimension.SPEED),
+        Field("effort", ("effort", "max effort", "effort limit"), Dimension.EFFORT),
         Field("mass", ("mass", "m"), Dimension.MASS),
-        *(Field(f"com_{axis}", (f"com{axis}",), length) for axis in "xyz"),
+        *(Field(f"com_{axis}", (f"com_{axis}",), length) for axis in "xyz"),
         *(Field(name, (name,), Dimension.INERTIA) for name in INERTIA_FIELDS),
         Field("radius", ("radius",), length),
         Field("damping", ("damping",), Dimension.DAMPING),
@@ -73,11 +73,21 @@ UNHELD_GEOMETRY = {
 }
 """Headers of geometry that no field holds: refused where a cell is not 0."""
 
-_WORDS = {word: field for field in FIELDS.values() for word in field.headers}
+_SEPARATORS = re.compile(r"[\s_.*{}-]")
+
+
+def _key(plain: str) -> str:
+    return _SEPARATORS.sub("", plain)
+
+
+_WORDS = {_key(word): field for field in FIELDS.values() for word in field.headers}
 _INDEXED = ("a", "r", "alpha", "α", "d", "theta", "θ")
 _INDEX = re.compile(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]\s*(-\s*1|m1)?\s*[\]}})]*")
 _BRACKETED = re.compile(r"(.*[^\s])\s*[\[(]([^\[\]()]*)[\])]")
 _LOOSE_UNIT = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_-]+|(?=°))([^\s_/,°-]+(?:/s)?|°(?:/s)?)")
+
+
+_SURE = 4
 
 
 class Header(NamedTuple):
@@ -87,13 +97,13 @@ class Header(NamedTuple):
         field: the field that it names; None where no field is called so.
         key: the header without its unit, and without case and separators.
         unit: the unit that it names.
-        index: ``i``, or ``i-1`` for a parameter of the link before, as the modified convention has them.
+        link: ``i``, or ``i-1`` for a parameter of the link before, as the modified convention has them.
     """
 
     field: Field | None
     key: str
     unit: str | None = None
-    index: str | None = None
+    link: str | None = None
 
 
 @lru_cache(maxsize=1024)
@@ -120,20 +130,14 @@ def read_header(text: str) -> Header:
 
 def _named(plain: str) -> Header:
     if match := _INDEX.fullmatch(plain):
-        return Header(_WORDS[match[1]], match[1], index="i-1" if match[2] else "i")
+        return Header(_WORDS[match[1]], match[1], link="i-1" if match[2] else "i")
     key = _key(plain)
     return Header(_WORDS.get(key), key)
 
 
-def _key(plain: str) -> str:
-    return re.sub(r"[\s_.{}-]", "", plain)
-
-
-def misspelt(key: str) -> str | None:
-    """The header of four letters or more that a word is one slip away from, if any."""
-    if not 3 <= len(key) <= 20:  # noqa: PLR2004 - one slip from four letters; the longest header and some
-        return None
-    return next((word for word in _WORDS if len(word) > 3 and one_slip(key, word)), None)  # noqa: PLR2004 - so above
+def misspelt(key: str) -> Field | None:
+    """The field one of whose headers, of four letters or more, is one slip away from a word."""
+    return next((field for word, field in _WORDS.items() if len(word) >= _SURE and one_slip(key, word)), None)
 
 
 def one_slip(left: str, right: str) -> bool:
@@ -160,10 +164,10 @@ _TYPES = {
 }
 _CONVENTIONS = {
     Convention.STANDARD: ("standard", "dh", "sdh", "classic", "classical", "distal", "spong", "paul"),
-    Convention.MODIFIED: ("modified", "mdh", "modifieddh", "craig", "proximal"),
+    Convention.MODIFIED: ("modified", "mdh", "modified dh", "craig", "proximal"),
 }
 _TYPE_WORDS = {word: kind for kind, words in _TYPES.items() for word in words}
-_CONVENTION_WORDS = {word: kind for kind, words in _CONVENTIONS.items() for word in words} | {
+_CONVENTION_WORDS = {_key(word): kind for kind, words in _CONVENTIONS.items() for word in words} | {
     "standarddh": Convention.STANDARD,
     "classicdh": Convention.STANDARD,
     "denavithartenberg": Convention.STANDARD,

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, Unit, evaluate
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.fields import (
@@ -25,6 +23,12 @@ from dh2urdf_plugins.readers.fields import (
 )
 from dh2urdf_plugins.readers.names import END_NAMES, name_fault
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dh2urdf.quantities import Unit
+    from dh2urdf_plugins.readers.cells import Cell, Units
+
 MAX_PROBLEMS = 1000
 """Problems of one manipulator that are collected [1]; reading it stops there."""
 NEARLY = 1e-3
@@ -35,42 +39,6 @@ LARGEST_LIMIT = 20 * math.pi
 
 _ROTARY_VARIABLES = ("q", "theta")
 _LINEAR_VARIABLES = ("q", "d")
-
-
-class Cell(NamedTuple):
-    """A text of a table and its place."""
-
-    text: str
-    mark: Mark
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Units:
-    """What a table says of its units and its numbers.
-
-    Attributes:
-        length: the unit of lengths; None where nothing declares one, which means m.
-        angle: the unit of angles; None where nothing declares one, which means rad.
-        columns: the units that headers declare, by field.
-        decimal_comma: whether a comma may stand for the decimal point.
-    """
-
-    length: Unit | None = None
-    angle: Unit | None = None
-    columns: Mapping[str, Unit] = field(default_factory=dict)
-    decimal_comma: bool = False
-
-    def of(self, dimension: Dimension) -> Unit | None:
-        """The unit of numbers of a dimension that name none."""
-        if dimension is Dimension.LENGTH:
-            return self.length
-        if dimension is Dimension.ANGLE:
-            return self.angle
-        if dimension is Dimension.SPEED and self.length:
-            return Unit(f"{self.length.symbol}/s", dimension, self.length.power)
-        if dimension is Dimension.TURN_RATE and self.angle:
-            return Unit(f"{self.angle.symbol}/s", dimension, degrees=self.angle.degrees)
-        return None
 
 
 class RowReader:
@@ -119,7 +87,7 @@ class RowReader:
         for name in REQUIRED:
             if self._absent(name):
                 cell = cells.get(name)
-                message = f"there is no {name}" if cell is None else f"the cell of {name} is empty"
+                message = f"there is no {name}" if cell is None else f"{name} is empty"
                 self._error(message, name, accepted="a number, 0 included: nothing is filled in for geometry")
         a = self._quantity("a").value
         alpha = self._alpha()
@@ -277,7 +245,7 @@ class RowReader:
             self._error(
                 f"{shown(self._cells[name].text)} is not positive",
                 name,
-                accepted="a number above 0, or nothing: it is computed then",
+                accepted="a number above 0, or nothing where it is not known",
             )
         return number
 

@@ -46,7 +46,7 @@ class Part:
         visuals: what is seen, in the link's frame.
         collisions: what touches.
         foot: a point of the joint's axis, in the link's frame [m].
-        reach: distance at most from the foot to the next joint, at any joint value [m].
+        reach: distance at most to the next joint, from where the foot is at joint value 0 [m].
         arm: distance at most of the next joint from the joint's axis [m].
         dh_frame: the DH frame after this row, in the link's frame; None where the variant has none.
     """
@@ -98,9 +98,21 @@ def complete_limits(row: DHRow) -> Limits:
     )
 
 
-def travel(limits: Limits) -> float:
-    """How far a prismatic joint moves its link from where it is at joint value 0 [m]."""
+def travel(joint_type: JointType, limits: Limits) -> float:
+    """How far a joint moves its link along its axis from where it is at joint value 0, at most [m]."""
+    if joint_type is not JointType.PRISMATIC:
+        return 0.0
     return max(abs(limits.lower or 0.0), abs(limits.upper or 0.0))
+
+
+def parameters(manipulator: Manipulator, *, angles: bool = False) -> tuple[Parameter, ...]:
+    """The numbers that formulas use: the lengths of every row and, if asked for, its angles."""
+    units = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"} if angles else {"a": "m", "d": "m"}
+    return tuple(
+        Parameter(name=f"{name}_{number}", value=getattr(row, name) + 0.0, unit=unit, joint=row.joint)
+        for number, row in enumerate(manipulator.rows, start=1)
+        for name, unit in units.items()
+    )
 
 
 def assemble(
@@ -221,10 +233,11 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
             load = weight + body.mass
         else:
             load = moment + weight * part.arm + body.mass * across
-        slide = travel(part.limits) if part.row.type is JointType.PRISMATIC else 0.0
+        slide = travel(part.row.type, part.limits)
         moment += weight * part.reach + body.mass * (norm(from_foot) + slide)
         weight += body.mass
-        efforts.append(max(LEAST_EFFORT, _two_digits_up(SAFETY * GRAVITY * load)))
+        needed = SAFETY * GRAVITY * load
+        efforts.append(_two_digits_up(needed) if needed > LEAST_EFFORT else LEAST_EFFORT)
     return efforts[::-1]
 
 
@@ -234,8 +247,8 @@ def _cross(left: Vec3, right: Vec3) -> Vec3:
 
 
 def _two_digits_up(number: float) -> float:
-    """A positive number rounded up to two significant digits."""
-    if not 0.0 < number < math.inf:
+    """A number greater than 1 rounded up to two significant digits."""
+    if not math.isfinite(number):
         return number
     exponent = math.floor(math.log10(number)) - 1
     # Through text: 57 times 10**-1 would be 5.7 only by luck.

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.mass_properties import inertia_problem
-from dh2urdf.number_text import format_number
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.transforms.shapes import SHAPES
@@ -25,15 +24,26 @@ PAPER_ANGLES = {"0": 0.0, "pi": math.pi, "pi/2": HALF_PI, "-pi/2": -HALF_PI}
 """The set of the paper's equation (1), by the words that a table may use."""
 
 
-def row_problem(row: DHRow, message: str, *, field: str, found: float | None = None, **more: str) -> Problem:
+def row_problem(
+    row: DHRow,
+    message: str,
+    *,
+    field: str,
+    found: float | None = None,
+    accepted: str | None = None,
+    suggestion: str | None = None,
+    severity: Literal["error", "notice"] = "error",
+) -> Problem:
     """A problem of one field of a row."""
     return Problem(
         message=message,
+        severity=severity,
         mark=row.mark,
         joint=row.joint,
         field=field,
-        found=None if found is None else _number(found),
-        **more,  # type: ignore[arg-type] - accepted and suggestion
+        found=None if found is None else f"{found:.12g}",
+        accepted=accepted,
+        suggestion=suggestion,
     )
 
 
@@ -73,22 +83,25 @@ def paper_problems(manipulator: Manipulator, snap: float) -> list[Problem]:
     for row in manipulator.rows:
         word, value = nearest_paper_angle(row.alpha)
         if abs(row.alpha - value) > snap:
-            again = f"{_number(row.alpha)} is the same turn as {word}" if _same_turn(row.alpha, word) else exact
-            accepted = ", ".join(PAPER_ANGLES)
-            message = f"alpha is {_number(row.alpha)}, which is not in the set of the paper's variant"
+            same = _same_turn(row.alpha)
             problems.append(
-                row_problem(row, message, field="alpha", found=row.alpha, accepted=accepted, suggestion=again)
+                row_problem(
+                    row,
+                    f"alpha is {row.alpha:.12g}, which is not in the set of the paper's variant",
+                    field="alpha",
+                    found=row.alpha,
+                    accepted=", ".join(PAPER_ANGLES),
+                    suggestion=f"{same} is the same turn" if same else exact,
+                )
             )
         elif quarter_turns(row.alpha) is None:
-            message = f"alpha is {_number(row.alpha)} and was taken for {word}"
+            message = f"alpha is {row.alpha:.12g} and was taken for {word}"
             problems.append(row_problem(row, message, field="alpha", found=row.alpha, severity="notice"))
         for name, allowed in (("theta", 0.0), ("offset", 0.0), ("sign", 1)):
             if (found := getattr(row, name)) != allowed:
-                message = f"{name} is {_number(found)}, and the paper's variant has no place for it"
-                accepted = _number(allowed)
-                problems.append(
-                    row_problem(row, message, field=name, found=found, accepted=accepted, suggestion=exact)
-                )
+                message = f"{name} is {found:.12g}, and the paper's variant has no place for it"
+                accepted = f"{allowed:.12g}"
+                problems.append(row_problem(row, message, field=name, found=found, accepted=accepted, suggestion=exact))
         if row.com is not None or row.inertia is not None:
             message = "com and inertia hold in DH frames, which the paper's chain does not have; its boxes' are written"
             problems.append(row_problem(row, message, field="com", severity="notice"))
@@ -113,7 +126,7 @@ def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
             turns = round(value / HALF_PI)
             if turns and abs(value - turns * HALF_PI) < SUSPICIOUS and quarter_turns(value) is None:
                 meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
-                message = f"{name} is {_number(value)}, which is kept as given; {meant} was probably meant"
+                message = f"{name} is {value:.12g}, which is kept as given; {meant} was probably meant"
                 yield row_problem(row, message, field=name, found=value, severity="notice")
 
 
@@ -141,8 +154,8 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
         for name, allowed in (("offset", 0), ("sign", 1)):
             if (value := getattr(row, name)) != allowed:
                 message = f"a fixed joint has no joint variable that {name} could act on"
-                more = {"accepted": str(allowed), "suggestion": "put a constant turn in theta, a constant length in d"}
-                yield row_problem(row, message, field=name, found=value, **more)
+                place = "put a constant turn in theta, a constant length in d"
+                yield row_problem(row, message, field=name, found=value, accepted=str(allowed), suggestion=place)
     elif (row.limits.lower is None) is not (row.limits.upper is None):
         there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
         message = f"the limit {there} is given without {missing}"
@@ -153,7 +166,9 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
             accepted = "a number greater than 0, or nothing: then it is computed"
             yield row_problem(row, message, field=name, found=value, accepted=accepted)
     if row.inertia and (broken := inertia_problem(row.inertia)):
-        accepted = "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
+        accepted = (
+            "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
+        )
         yield row_problem(row, broken, field="inertia", accepted=accepted)
 
 
@@ -177,7 +192,7 @@ def _positive(name: str, value: float) -> Problem:
     return Problem(
         message=f"{name} must be greater than 0 and finite",
         field=name,
-        found=_number(value),
+        found=f"{value:.12g}",
         accepted="a number greater than 0",
     )
 
@@ -186,10 +201,7 @@ def _said(limits: Limits) -> list[str]:
     return [field.name for field in fields(limits) if getattr(limits, field.name) is not None]
 
 
-def _same_turn(angle: float, word: str) -> bool:
+def _same_turn(angle: float) -> str | None:
+    """The word of the paper's set for the same turn as an angle outside it, such as pi for -pi."""
     turns = quarter_turns(angle)
-    return turns is not None and (turns - round(PAPER_ANGLES[word] / HALF_PI)) % 4 == 0
-
-
-def _number(value: float) -> str:
-    return format_number(value) if math.isfinite(value) else str(value)
+    return None if turns is None else ("0", "pi/2", "pi", "-pi/2")[turns % 4]

@@ -1,14 +1,8 @@
-"""The exact α-swap: a chain whose forward kinematics is the DH product, for every table.
+"""The exact α-swap: a robot whose forward kinematics is the DH product, for every table.
 
-The paper's idea, made right: if all link frames are drawn parallel to the base frame at q = 0, each α turns the joint
-axes and lengths of all that follows. Here they are turned by the whole rotation accumulated so far, with its signs.
-
-`aligned_frames` draws the links so. `standard_frames` and `modified_frames` keep the frames of the DH table instead
-and put the turns into rpy. All three give one `LinkFrame` per row; `arm_parts` makes joints and bodies of them.
-
-In both conventions a link is an L, the offset d along its joint's axis and the length a along the common normal after
-it. A row of the standard convention says both; in the modified one a stands in the row of the next joint, and the
-first row's a belongs to the base.
+The paper's idea, made right. If all link frames are drawn parallel to the base frame at q = 0, each α turns the joint
+axes and the lengths of all that follows; here they are turned by the whole rotation accumulated so far, signs
+included. `frames` says where everything is; here it becomes joints and bodies.
 """
 
 from __future__ import annotations
@@ -16,140 +10,164 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics import dh_transform, joint_variables
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.robot import Parameter
-from dh2urdf.rotations import (
-    HALF_PI,
-    IDENTITY_ROTATION,
-    X_AXIS,
-    Z_AXIS,
-    ZERO,
-    RigidTransform,
-    Rotation,
-    Vec3,
-    cos_sin,
-    multiply,
-    rotate,
-    rotation_x,
-    rotation_z,
-    rpy_from_rotation,
-    scale,
+from dh2urdf.robot import Collision
+from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
+from dh2urdf_plugins.transforms.checks import angle_notices, unused_notices
+from dh2urdf_plugins.transforms.formulas import Quantity, origin, plus, times, values
+from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, standard_frames
+from dh2urdf_plugins.transforms.shapes import (
+    BASE_COLOUR,
+    BASE_WIDTH,
+    LINK_COLOURS,
+    Segment,
+    Style,
+    caps,
+    collisions,
+    default_radius,
+    housing,
+    pedestal,
+    visuals,
 )
-from dh2urdf_plugins.transforms.formulas import (
-    HALF,
-    NO_VECTOR,
-    NOTHING,
-    Quantities,
-    Quantity,
-    constants,
-    cos_sin_of,
-    origin,
-    plus,
-    rpy_of,
-    times,
-)
-from dh2urdf_plugins.transforms.shapes import direction_rpy
 
 if TYPE_CHECKING:
-    from dh2urdf.manipulator import DHRow, Manipulator
-
-# The flange's x axis points out of the arm, as in ROS-Industrial: rpy (0, -π/2, -π/2) from the last DH frame.
-FLANGE_RPY = (0.0, -HALF_PI, -HALF_PI)
-_FLANGE = multiply(rotation_z(0.0, -1.0), (0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0))
-
-_ONE = Quantity(1.0)
-_X = constants(X_AXIS)
-_Z = constants(Z_AXIS)
-_ALONG_X = constants((0.0, HALF_PI, 0.0))
-_ROUNDING = 1e-15
+    from dh2urdf.manipulator import DHRow, Limits, Manipulator
+    from dh2urdf.robot import Robot, Visual
+    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.formulas import Quantities
+    from dh2urdf_plugins.transforms.frames import Frames, LinkFrame
 
 
-class Pose(NamedTuple):
-    """A frame in another one: position [m], roll, pitch and yaw [rad]."""
+class Rail(NamedTuple):
+    """What a prismatic joint runs on, in the frame of the link before it."""
 
-    xyz: Quantities
-    rpy: Quantities
-
-
-class Axis(NamedTuple):
-    """A line in space: a point [m], a unit vector, and the orientation of a body whose z axis lies along it [rad]."""
-
-    at: Quantities
-    along: Quantities
-    rpy: Quantities
+    visuals: tuple[Visual, ...] = ()
+    collisions: tuple[Collision, ...] = ()
 
 
-class LinkFrame(NamedTuple):
-    """Where a row's joint and link are.
-
-    Attributes:
-        joint: the link's frame in the frame of the link before.
-        axis: the joint's axis in the link's frame, with the joint's sign.
-        outer: the joint's axis, without the sign, in the frame of the link before, at d = 0.
-        offset: the segment d in the link's frame: its foot, z, and the length.
-        middle: the middle of the segment d.
-        normal: the segment a in the link's frame: the corner between d and a, and x.
-        dh_frame: the DH frame after the row, in the link's frame.
-    """
-
-    joint: Pose
-    axis: Vec3
-    outer: Axis
-    offset: Axis
-    middle: Quantities
-    normal: Axis
-    dh_frame: RigidTransform
-
-
-class Frames(NamedTuple):
-    """All frames of an arm.
-
-    Attributes:
-        base: base_link_inertia in base_link.
-        foot: the first joint's axis and, as `front`, the x axis of the frame before it, in base_link_inertia.
-        front: see `foot`.
-        links: one per row.
-        flange: in the last link's frame.
-        tool0: in the last link's frame.
-    """
-
-    base: Pose
-    foot: Axis
-    front: Axis
-    links: list[LinkFrame]
-    flange: Pose
-    tool0: Pose
-
-
-class RowQuantities(NamedTuple):
-    """A row with its formulas: the joint's variables at q = 0."""
-
-    a: Quantity
-    alpha: Quantity
-    d: Quantity
-    theta: Quantity
-    named_theta: Quantity
-
-
-def row_quantities(number: int, row: DHRow) -> RowQuantities:
-    """A row's lengths and angles as quantities, named after the row's number from 1."""
-    theta, d = Quantity.parameter(f"theta_{number}", row.theta), Quantity.parameter(f"d_{number}", row.d)
-    offset = Quantity(row.offset)
-    return RowQuantities(
-        a=Quantity.parameter(f"a_{number}", row.a),
-        alpha=Quantity.parameter(f"alpha_{number}", row.alpha),
-        d=d + offset if row.type is JointType.PRISMATIC else d,
-        theta=theta + offset if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) else theta,
-        named_theta=theta,
+def exact(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
+    """The robot of a manipulator, with the kinematics of its table."""
+    frames = _frames(manipulator, options)
+    limits = [complete_limits(row) for row in manipulator.rows]
+    base_style, styles = _styles(manipulator, options, frames, limits)
+    rails = [
+        _rail(row, frame, bounds, style)
+        for row, frame, bounds, style in zip(manipulator.rows, frames.links, limits, styles, strict=True)
+    ]
+    carried = [*rails[1:], Rail()]
+    parts = [_part(*row) for row in zip(manipulator.rows, frames.links, limits, styles, carried, strict=True)]
+    return assemble(
+        manipulator,
+        base=_base(frames, base_style, rails[0], touches=options.base_collision),
+        parts=parts,
+        flange=origin(*frames.flange),
+        tool0=origin(*frames.tool0),
+        density=manipulator.density or options.density,
+        parameters=parameters(manipulator, angles=options.frames == "dh"),
+        comment=(
+            f"{manipulator.name}: made by dh2urdf from a DH table of the {manipulator.convention.value} convention "
+            f"(alpha-swap, exact, {options.frames} frames)"
+        ),
+        notices=(*angle_notices(manipulator), *unused_notices(manipulator)),
     )
 
 
-def parameters(manipulator: Manipulator, *, angles: bool) -> tuple[Parameter, ...]:
-    """The numbers that a person may edit: lengths and, in `dh` frames, angles."""
-    units = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"} if angles else {"a": "m", "d": "m"}
-    return tuple(
-        Parameter(name=f"{name}_{number}", value=getattr(row, name) + 0.0, unit=unit, joint=row.joint)
-        for number, row in enumerate(manipulator.rows, start=1)
-        for name, unit in units.items()
+def _frames(manipulator: Manipulator, options: AlphaSwapOptions) -> Frames:
+    if options.frames == "aligned":
+        return aligned_frames(manipulator)
+    return (modified_frames if manipulator.convention is Convention.MODIFIED else standard_frames)(manipulator)
+
+
+def _styles(
+    manipulator: Manipulator, options: AlphaSwapOptions, frames: Frames, limits: list[Limits]
+) -> tuple[Style, list[Style]]:
+    """How the base and every link is drawn: what the row says, else the table, else the run, else what fits the arm."""
+    table, base = manipulator.geometry, manipulator.base_geometry
+    shape = table.shape or options.shape
+    radius = table.radius or options.radius
+    if radius is None:
+        lengths = [frames.front.length.value]
+        for row, frame, bounds in zip(manipulator.rows, frames.links, limits, strict=True):
+            low, high = _range(row, bounds)
+            prismatic = row.type is JointType.PRISMATIC
+            lengths += [high - low if prismatic else frame.offset.length.value, frame.normal.length.value]
+        radius = default_radius([abs(length) for length in lengths])
+    base_style = Style(
+        shape=base.shape or shape,
+        radius=base.radius / BASE_WIDTH if base.radius else radius,
+        material=BASE_COLOUR,
     )
+    styles = [
+        Style(shape=shape, radius=row.radius or radius, material=LINK_COLOURS[number % len(LINK_COLOURS)])
+        for number, row in enumerate(manipulator.rows)
+    ]
+    return base_style, styles
+
+
+def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail) -> Part:
+    """A joint and its link, which carries the rail of the next joint."""
+    prismatic = row.type is JointType.PRISMATIC
+    # The offset of a prismatic joint is drawn as the rail that the link before carries.
+    segments = [frame.normal] if prismatic else [frame.offset, frame.normal]
+    seen = visuals(segments, style)
+    if style.shape == "capsule":
+        seen += caps(_ends(frame, style, offset=not prismatic), style)
+    if prismatic or not seen:
+        seen = (housing(frame.corner, frame.offset.rpy, style), *seen)
+    normal, delta = frame.normal.length.value, frame.offset.length.value
+    low, high = _range(row, limits)
+    return Part(
+        row=row,
+        limits=limits,
+        origin=origin(*frame.joint),
+        axis=frame.axis,
+        visuals=seen + rail.visuals,
+        collisions=collisions(segments, style) + rail.collisions,
+        foot=values(frame.foot),
+        reach=math.hypot(max(abs(delta + low), abs(delta + high)), normal),
+        arm=abs(normal),
+        dh_frame=frame.dh_frame,
+    )
+
+
+def _ends(frame: LinkFrame, style: Style, *, offset: bool) -> list[Quantities]:
+    """The ends of the drawn segments, their common corner once."""
+    offset, normal = offset and style.draws(frame.offset), style.draws(frame.normal)
+    drawn = ((offset, frame.foot), (offset or normal, frame.corner), (normal, frame.end))
+    return [point for is_drawn, point in drawn if is_drawn]
+
+
+def _rail(row: DHRow, frame: LinkFrame, limits: Limits, style: Style) -> Rail:
+    """The rail of a prismatic joint, from its lower to its upper limit and down to the joint's foot."""
+    if row.type is not JointType.PRISMATIC:
+        return Rail()
+    at, along, rpy = frame.rail
+    delta, (low, high) = frame.offset.length, _range(row, limits)
+    middle = plus(at, times(delta + Quantity(0.5 * (low + high)), along))
+    segments = [Segment(middle, Quantity(high - low), rpy)]
+    if delta.value + low > 0.0:
+        segments.append(Segment.between(at, along, delta + Quantity(low), rpy))
+    elif delta.value + high < 0.0:
+        segments.append(Segment.between(at, along, delta + Quantity(high), rpy))
+    thin = Style(shape=style.shape, radius=0.5 * style.radius, material=BASE_COLOUR)
+    return Rail(visuals(segments, thin), collisions(segments, thin))
+
+
+def _range(row: DHRow, limits: Limits) -> tuple[float, float]:
+    """How far the joint value changes δ, downwards and upwards [m]; only a prismatic joint's does."""
+    if row.type is not JointType.PRISMATIC or limits.lower is None or limits.upper is None:
+        return 0.0, 0.0
+    ends = (row.sign * limits.lower, row.sign * limits.upper)
+    return (min(ends), max(ends))
+
+
+def _base(frames: Frames, style: Style, rail: Rail, *, touches: bool) -> Base:
+    """The pedestal, with the segment a before the first joint and the rail of the first joint where there are such."""
+    stand = pedestal(*frames.pedestal, style)
+    seen = (stand, *visuals([frames.front], style), *rail.visuals)
+    touch = (
+        Collision(geometry=stand.geometry, origin=stand.origin),
+        *collisions([frames.front], style),
+        *rail.collisions,
+    )
+    return Base(origin=origin(*frames.base), visuals=seen, collisions=touch if touches else ())

@@ -12,10 +12,15 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.robot import Origin
-from dh2urdf.rotations import HALF_PI, Vec3, quarter_turns
+from dh2urdf.rotations import HALF_PI, quarter_turns
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.rotations import Vec3
 
 _SUM, _PRODUCT, _ATOM = range(3)  # how tightly a formula holds together
 
@@ -73,8 +78,9 @@ class Quantity:
                 if not factor.value:
                     return NOTHING
                 return rest if factor.value > 0.0 else -rest
-        left, left_rank, left_negative = self._parts()
-        right, right_rank, right_negative = other._parts()
+        first, second = (other, self) if other.constant else (self, other)
+        left, left_rank, left_negative = first._parts()
+        right, right_rank, right_negative = second._parts()
         left = f"({left})" if left_rank == _SUM else left
         right = right if right_rank == _ATOM else f"({right})"
         negative = left_negative is not right_negative
@@ -95,7 +101,7 @@ HALF = Quantity(0.5)
 NO_VECTOR: Quantities = (NOTHING, NOTHING, NOTHING)
 
 
-def constants(vector: Vec3) -> Quantities:
+def constants(vector: Sequence[float]) -> Quantities:
     """A vector that no parameter changes."""
     return (Quantity(vector[0]), Quantity(vector[1]), Quantity(vector[2]))
 
@@ -155,14 +161,15 @@ def rpy_of(r: tuple[Quantity, ...]) -> Quantities:
 def origin(xyz: Quantities, rpy: Quantities = NO_VECTOR) -> Origin:
     """The origin [m, rad] with its formulas; those of a part that no parameter changes are left out."""
     return Origin(
-        xyz=_values(xyz),
-        rpy=_values(rpy),
+        xyz=values(xyz),
+        rpy=values(rpy),
         xyz_formula=None if all(number.constant for number in xyz) else _formulas(xyz),
         rpy_formula=None if all(number.constant for number in rpy) else _formulas(rpy),
     )
 
 
-def _values(vector: Quantities) -> Vec3:
+def values(vector: Quantities) -> Vec3:
+    """The numbers of a vector, without -0.0."""
     return (vector[0].value + 0.0, vector[1].value + 0.0, vector[2].value + 0.0)
 
 

@@ -25,6 +25,9 @@ SHAPES: tuple[str, ...] = get_args(Shape)
 DEFAULT_RADIUS = 0.04
 """Radius of links at most [m]; a tenth of the longest segment where that is smaller."""
 
+BASE_WIDTH = 1.5
+"""Radius of the base in radii of a link [1]; it is one radius high."""
+
 SHORTEST = 1e-3
 """Length of a body in radii [1]; what is not longer is nothing to draw."""
 
@@ -35,6 +38,7 @@ BASE_COLOUR = Material(name="graphite", rgba=(0.2, 0.21, 0.23, 1.0))
 LINK_COLOURS = (
     Material(name="silver", rgba=(0.78, 0.8, 0.82, 1.0)),
     Material(name="blue", rgba=(0.16, 0.42, 0.68, 1.0)),
+    Material(name="orange", rgba=(0.93, 0.5, 0.13, 1.0)),
 )
 
 
@@ -54,7 +58,7 @@ class Segment(NamedTuple):
     @classmethod
     def between(cls, start: Quantities, direction: Quantities, length: Quantity, rpy: Quantities) -> Segment:
         """The segment that begins at a point and runs a signed length along a direction."""
-        return cls(plus(start, times(HALF, times(length, direction))), length, rpy)
+        return cls(plus(start, times(length, times(HALF, direction))), length, rpy)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,12 +66,12 @@ class Style:
     """How a link is drawn.
 
     Attributes:
-        shape: of its segments.
+        shape: of its segments, one of `SHAPES`.
         radius: radius, or half the thickness of a box [m].
         material: its colour.
     """
 
-    shape: Shape
+    shape: str
     radius: float
     material: Material
 
@@ -75,6 +79,10 @@ class Style:
     def shortest(self) -> float:
         """Length up to which there is nothing to draw [m]."""
         return SHORTEST * self.radius
+
+    def draws(self, segment: Segment) -> bool:
+        """Whether a segment is long enough to be drawn."""
+        return abs(segment.length.value) > self.shortest
 
 
 def default_radius(segments: list[float]) -> float:
@@ -96,22 +104,19 @@ def direction_rpy(direction: Vec3) -> Vec3:
 
 def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
     """The bodies of segments; those that are too short to see are left out."""
-    drawn = [segment for segment in segments if abs(segment.length.value) > style.shortest]
-    bodies = [
+    return tuple(
         Visual(
             geometry=_prism(style, length_of(segment.length, least=style.shortest)),
             origin=origin(segment.centre, segment.rpy),
             material=style.material,
         )
-        for segment in drawn
-    ]
-    return tuple(bodies)
+        for segment in segments
+        if style.draws(segment)
+    )
 
 
 def caps(points: list[Quantities], style: Style) -> tuple[Visual, ...]:
-    """The spheres at the ends of a capsule's segments; none for other shapes."""
-    if style.shape != "capsule":
-        return ()
+    """The spheres at the ends of a capsule's segments."""
     return tuple(
         Visual(geometry=Sphere(radius=style.radius), origin=origin(point), material=style.material) for point in points
     )
@@ -143,12 +148,11 @@ def housing(at: Quantities, rpy: Quantities, style: Style) -> Visual:
     return Visual(geometry=geometry, origin=origin(at, rpy), material=style.material)
 
 
-def pedestal(at: Quantities, up: Quantities, rpy: Quantities, style: Style) -> tuple[Visual, Collision]:
+def pedestal(at: Quantities, up: Quantities, rpy: Quantities, style: Style) -> Visual:
     """The body of the base, standing at a point: 1.5 radii in radius, one radius high."""
-    wide = Style(shape=style.shape, radius=1.5 * style.radius, material=style.material)
+    wide = Style(shape=style.shape, radius=BASE_WIDTH * style.radius, material=style.material)
     segment = Segment.between(at, up, Quantity(style.radius), rpy)
-    geometry, place = _prism(wide, segment.length), origin(segment.centre, rpy)
-    return Visual(geometry=geometry, origin=place, material=style.material), Collision(geometry=geometry, origin=place)
+    return Visual(geometry=_prism(wide, segment.length), origin=origin(segment.centre, rpy), material=style.material)
 
 
 def _prism(style: Style, length: Quantity) -> Box | Cylinder:

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import json
 import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.robot import (
     Box,
     Collision,
@@ -20,6 +23,10 @@ from dh2urdf.robot import (
     Sphere,
     Visual,
 )
+from dh2urdf.rotations import RigidTransform
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 GREY = Material(name="grey", rgba=(0.5, 0.5, 0.5, 1.0))
 ORANGE = Material(name="orange", rgba=(1.0, 0.5, 0.0, 1.0))
@@ -121,4 +128,48 @@ def arm() -> Robot:
             ),
             Joint(name="link_3-tool0", type=JointType.FIXED, parent="link_3", child="tool0"),
         ),
+    )
+
+
+@pytest.fixture(scope="session")
+def published() -> dict[str, dict[str, Any]]:
+    """The published tables with the poses that their publishers computed, by their names."""
+    facts = json.loads((Path(__file__).parents[2] / "reference" / "robots.json").read_text(encoding="utf-8"))
+    return {arm["id"]: arm for arm in facts["robots"]}
+
+
+@pytest.fixture(scope="session")
+def table(published: dict[str, dict[str, Any]]) -> Callable[..., Manipulator]:
+    """The manipulator of a published table, with shapes of one thickness whatever is edited in it."""
+
+    def manipulator(name: str, **fields: Any) -> Manipulator:
+        facts = published[name]
+        rows = tuple(
+            DHRow(
+                joint=f"joint_{i}",
+                link=f"link_{i}",
+                type=JointType(row["type"]),
+                sign=-1 if row["flip"] else 1,
+                limits=Limits(lower=row["qlim"][0], upper=row["qlim"][1]) if row.get("qlim") else Limits(),
+                **{key: row[key] or 0.0 for key in ("a", "alpha", "d", "theta", "offset")},
+            )
+            for i, row in enumerate(facts["rows"], start=1)
+        )
+        frames = {end: rigid(facts[end]) for end in ("base", "tool") if facts[end]}
+        return Manipulator(
+            name=name,
+            convention=Convention(facts["convention"]),
+            rows=rows,
+            geometry=LinkGeometry(radius=0.01),
+            **frames,
+            **fields,
+        )
+
+    return manipulator
+
+
+def rigid(matrix: list[list[float]]) -> RigidTransform:
+    return RigidTransform(
+        rotation=tuple(element for row in matrix[:3] for element in row[:3]),
+        translation=tuple(row[3] for row in matrix[:3]),
     )

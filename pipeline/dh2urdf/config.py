@@ -1,0 +1,354 @@
+"""The run file: what goes in, which stages do what, where the output goes.
+
+Only the file's own structure is checked here. Whether a stage exists and takes its options is known to whoever has the
+catalog of stages (`dh2urdf.run.make_plan`), so a `RunConfig` carries its problems along, and all of them, of both
+kinds, are said at once.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.documents import Node, expect_mapping, read_yaml
+from dh2urdf.errors import ConfigError
+from dh2urdf.options import COMMAND_LINE
+from dh2urdf.settings import with_setting
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.textfiles import LONG_PATH, check_file
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+SECTIONS = ("inputs", "transform", "emitters", "loaders", "output", "execution", "proof")
+LATER_SECTIONS = ("cells", "variations")
+"""Sections of the run file's design that this version does not know yet."""
+DEFAULT_TRANSFORM = "alpha-swap"
+DEFAULT_EMITTER = "urdf"
+DEFAULT_EXECUTOR = "local"
+DEFAULT_POSES = 32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StageCall:
+    """A stage as a run file asks for it.
+
+    Attributes:
+        stage: its name.
+        options: its options as they are written; `dh2urdf.options.make_options` checks them.
+        mark: where the stage is named.
+    """
+
+    stage: str
+    options: Node | None = None
+    mark: Mark | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputCall:
+    """Files that one reader reads with the same options.
+
+    Attributes:
+        paths: the files, in the order of their names where they come from a pattern.
+        stage: name of the reader; None leaves it to each file's suffix.
+        options: the reader's options as they are written.
+        mark: where the input stands.
+    """
+
+    paths: tuple[Path, ...]
+    stage: str | None = None
+    options: Node | None = None
+    mark: Mark | None = None
+
+    def read_by(self, reader: str) -> StageCall:
+        """The call of a reader with the options of this input."""
+        return StageCall(stage=reader, options=self.options, mark=self.mark)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunConfig:
+    """A run file.
+
+    Attributes:
+        inputs: what is read.
+        transform: what makes robots of manipulators.
+        emitters: what writes files.
+        loaders: what loads the files into simulators.
+        execution: what does the work.
+        directory: where the output goes.
+        poses: random joint vectors at which each written file is compared with its table.
+        problems: what is wrong with the file; nothing may start while there is any.
+    """
+
+    inputs: tuple[InputCall, ...]
+    transform: StageCall
+    emitters: tuple[StageCall, ...]
+    loaders: tuple[StageCall, ...]
+    execution: StageCall
+    directory: Path
+    poses: int = DEFAULT_POSES
+    problems: tuple[Problem, ...] = ()
+
+
+def load_config(path: Path, overrides: Sequence[str] = ()) -> RunConfig:
+    """A run file with changes from the command line.
+
+    Args:
+        path: the run file.
+        overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
+
+    Returns:
+        The run file; `RunConfig.problems` says what is wrong with its structure.
+
+    Raises:
+        ConfigError: the file cannot be read, or is not a YAML mapping.
+    """
+    root = read_yaml(path)
+    expect_mapping(root, "a run file")
+    problems: list[Problem] = []
+    for setting in overrides:
+        try:
+            root = with_setting(_written_out(root), setting, SECTIONS)
+        except ConfigError as error:
+            problems.extend(error.problems)
+    return _Sections(_written_out(root), path, problems).config()
+
+
+# --- One form for what may be written in two -------------------------------------------------------------------------
+
+
+def _written_out(root: Node) -> Node:
+    """The run file with every list and mapping written out: `emitters: urdf` is `emitters: [{stage: urdf}]`.
+
+    Sections that are absent or empty get their defaults, so that `--set` finds them.
+    """
+    given = {key: node for key, node in expect_mapping(root, "a run file").items() if node.value is not None}
+    sections = {
+        **given,
+        "inputs": _list_of(given.get("inputs"), "path", root),
+        "transform": _mapping_of(given.get("transform", _text(DEFAULT_TRANSFORM, root)), "stage"),
+        "emitters": _list_of(given.get("emitters", _text(DEFAULT_EMITTER, root)), "stage", root),
+        "loaders": _list_of(given.get("loaders"), "stage", root),
+        "execution": _mapping_of(given.get("execution", _text(DEFAULT_EXECUTOR, root)), "stage"),
+        "output": given.get("output", _mapping({}, root)),
+        "proof": given.get("proof", _mapping({}, root)),
+    }
+    return _mapping(sections, root)
+
+
+def _text(text: str, at: Node) -> Node:
+    return Node(text, at.file, at.line, at.column, text)
+
+
+def _mapping(entries: dict[str, Node], at: Node) -> Node:
+    return Node(entries, at.file, at.line, at.column, key_places=at.key_places)
+
+
+def _list_of(node: Node | None, key: str, root: Node) -> Node:
+    entries = [] if node is None else node.value if isinstance(node.value, list) else [node]
+    at = node or root
+    return Node([_mapping_of(entry, key) for entry in entries], at.file, at.line, at.column)
+
+
+def _mapping_of(node: Node, key: str) -> Node:
+    return node if isinstance(node.value, (dict, list)) or node.value is None else _mapping({key: node}, node)
+
+
+# --- The sections -----------------------------------------------------------------------------------------------------
+
+
+class _Sections:
+    """Reads the sections of a run file and gathers what is wrong with them."""
+
+    def __init__(self, root: Node, path: Path, problems: list[Problem]) -> None:
+        self.root = root
+        self.path = path
+        self.problems = problems
+
+    def config(self) -> RunConfig:
+        """The run file."""
+        sections = self._entries(self.root, SECTIONS, "")
+        output = self._entries(sections["output"], ("directory",), "output")
+        proof = self._entries(sections["proof"], ("poses",), "proof")
+        directory = self._path_text(output.get("directory"), "output.directory")
+        return RunConfig(
+            inputs=tuple(self._inputs(sections["inputs"])),
+            transform=self._call(sections["transform"], "transform", DEFAULT_TRANSFORM)
+            or StageCall(stage=DEFAULT_TRANSFORM),
+            emitters=tuple(self._calls(sections["emitters"], "emitters", needed="something must be written")),
+            loaders=tuple(self._calls(sections["loaders"], "loaders")),
+            execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR)
+            or StageCall(stage=DEFAULT_EXECUTOR),
+            directory=self._resolved(*directory) if directory else self.path.parent / "build" / self.path.stem,
+            poses=self._poses(proof.get("poses")),
+            problems=tuple(self.problems),
+        )
+
+    def _inputs(self, section: Node) -> Iterator[InputCall]:
+        entries = section.value if isinstance(section.value, list) else []
+        if not entries:
+            self._say(
+                "there is nothing to read",
+                section,
+                "inputs",
+                accepted="at least one table, such as `inputs: [{path: tables/ur5.csv}]`",
+            )
+        for index, node in enumerate(entries):
+            field = f"inputs.{index}"
+            given = self._entries(node, ("path", "stage", "options"), field)
+            path = self._path_text(given.get("path"), f"{field}.path")
+            if "path" not in given and isinstance(node.value, dict):
+                self._say("this input has no path", node, field, accepted="`path: FILE`, where FILE may be a pattern")
+            if path is None:
+                continue
+            yield InputCall(
+                paths=tuple(self._files(*path, f"{field}.path")),
+                stage=self._name(given.get("stage"), f"{field}.stage"),
+                options=self._options(given.get("options"), f"{field}.options"),
+                mark=given.get("stage", given["path"]).mark,
+            )
+
+    def _calls(self, section: Node, field: str, needed: str = "") -> Iterator[StageCall]:
+        entries = section.value if isinstance(section.value, list) else []
+        if needed and not entries:
+            self._say(f"the list is empty, and {needed}", section, field, accepted="at least one stage")
+        seen: dict[str, Mark | None] = {}
+        for index, node in enumerate(entries):
+            call = self._call(node, f"{field}.{index}")
+            if call is None:
+                continue
+            if call.stage in seen:
+                self._say(
+                    f"the stage {shown(call.stage)} stands twice: both would make the same files",
+                    node,
+                    field,
+                    accepted="each stage once",
+                    suggestion=f"it stands first at {seen[call.stage]}",
+                )
+                continue
+            seen[call.stage] = call.mark
+            yield call
+
+    def _call(self, node: Node, field: str, default: str | None = None) -> StageCall | None:
+        """One stage and its options; None where it is not said which."""
+        before = len(self.problems)
+        given = self._entries(node, ("stage", "options"), field)
+        if default is None and "stage" not in given and len(self.problems) == before:
+            self._say("it is not said which stage is meant", node, field, accepted="`stage: NAME`")
+        name = self._name(given.get("stage"), f"{field}.stage") or default
+        options = self._options(given.get("options"), f"{field}.options")
+        return StageCall(stage=name, options=options, mark=given.get("stage", node).mark) if name else None
+
+    def _options(self, node: Node | None, field: str) -> Node | None:
+        if node is None or node.value is None:
+            return None
+        if isinstance(node.value, dict):
+            return node
+        self._say(f"options cannot be {node.describe()}", node, field, accepted="a mapping such as {frames: dh}")
+        return None
+
+    def _poses(self, node: Node | None) -> int:
+        if node is None or node.value is None:
+            return DEFAULT_POSES
+        if isinstance(node.value, int) and not isinstance(node.value, bool) and node.value >= 1:
+            return node.value
+        self._say(
+            f"the number of poses cannot be {node.describe()}", node, "proof.poses", accepted="a number from 1 on"
+        )
+        return DEFAULT_POSES
+
+    # --- Paths
+
+    def _path_text(self, node: Node | None, field: str) -> tuple[str, Node] | None:
+        text = self._name(node, field)
+        if node is None or text is None:
+            return None
+        if "\0" in text:
+            self._say("a path cannot hold the character U+0000", node, field)
+            return None
+        return text, node
+
+    def _resolved(self, text: str, node: Node) -> Path:
+        """A path of the run file is relative to it, one of the command line to the working directory."""
+        path = self._folder(node) / text
+        tidy = Path(os.path.normpath(path))  # `configs/../build` reads as `build`, unless `configs` is a link
+        return tidy if tidy.resolve() == path.resolve() else path
+
+    def _folder(self, node: Node) -> Path:
+        return Path() if node.file == COMMAND_LINE.file else self.path.parent
+
+    def _files(self, text: str, node: Node, field: str) -> Iterator[Path]:
+        """The files of a path or pattern, in the order of their names."""
+        path = self._resolved(text, node)
+        if not glob.has_magic(text) or os.path.exists(path):  # noqa: PTH110 - it takes any text; Path.exists raises
+            paths = [path]
+        else:
+            names = sorted(glob.glob(text, root_dir=self._folder(node), recursive=True))  # noqa: PTH207 - absolute too
+            paths = [file for name in names if not (file := self._resolved(name, node)).is_dir()]
+            if not paths:
+                folder = self._folder(node).absolute()
+                self._say(f"no file matches {shown(text)} in the folder {shown(str(folder), LONG_PATH)}", node, field)
+        for file in paths:
+            try:
+                check_file(file)
+            except ConfigError as error:
+                why = error.problems[0]
+                self._say(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=why.suggestion)
+            else:
+                yield file
+
+    # --- What is wrong
+
+    def _entries(self, node: Node, known: Sequence[str], field: str) -> dict[str, Node]:
+        """The entries of a mapping that has no other keys than the known ones."""
+        if not isinstance(node.value, dict):
+            accepted = f"a mapping of {', '.join(known)}"
+            self._say(f"this cannot be {node.describe()}", node, field, accepted=accepted)
+            return {}
+        for key in node.value:
+            if key in known:
+                continue
+            if not field and key in LATER_SECTIONS:
+                message = f"this version of dh2urdf does not know the section {shown(key)} yet"
+                suggestion: str | None = "remove it"
+            else:
+                message = f"a run file has no {shown(key)} here"
+                near = did_you_mean(key, known)
+                suggestion = near or ("the options of a stage stand under `options:`" if "options" in known else None)
+            self.problems.append(
+                Problem(
+                    message=message,
+                    mark=node.key_mark(key),
+                    field=f"{field}.{key}".lstrip("."),
+                    found=key,
+                    accepted=", ".join(known),
+                    suggestion=suggestion,
+                )
+            )
+        return node.value
+
+    def _name(self, node: Node | None, field: str) -> str | None:
+        """A text that must not be empty."""
+        if node is None:
+            return None
+        if isinstance(node.value, (dict, list)) or node.value is None or not node.text:
+            self._say(f"this cannot be {node.describe()}", node, field, accepted="a text")
+            return None
+        return node.text
+
+    def _say(
+        self, message: str, node: Node, field: str, *, accepted: str | None = None, suggestion: str | None = None
+    ) -> None:
+        self.problems.append(
+            Problem(
+                message=message,
+                mark=node.mark,
+                field=field or None,
+                found=node.text,
+                accepted=accepted,
+                suggestion=suggestion,
+            )
+        )

@@ -1,0 +1,163 @@
+"""JSON Schemas of run files and of tables, from the stages that are installed: editors complete and check with them.
+
+A schema knows types, not texts: where a text is wanted, the program also takes the bare number ``007`` as its text,
+and the schema asks for quotes.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.config import DEFAULT_EMITTER, DEFAULT_EXECUTOR, DEFAULT_POSES, DEFAULT_TRANSFORM
+from dh2urdf.errors import ConfigError
+from dh2urdf.option_types import type_hints
+
+if TYPE_CHECKING:
+    from dh2urdf.registry import Catalog
+    from dh2urdf.stages import Kind, Stage
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+def run_schema(catalog: Catalog) -> dict[str, Any]:
+    """The JSON Schema (2020-12) of a run file, for the stages that are installed."""
+    options: dict[str, Any] = {}
+    for kind in ("reader", "transform", "emitter", "loader", "executor"):
+        for stage in _stages(catalog, kind):
+            options |= _options_schemas(kind, stage)
+    inputs = _either(_text("a table, or a pattern such as tables/*.csv"), _input(catalog))
+    sections = {
+        "inputs": _one_or_more(inputs, "the tables that are read"),
+        "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM),
+        "emitters": _one_or_more(_stage(catalog, "emitter", "what writes files"), f"{DEFAULT_EMITTER} by default"),
+        "loaders": _one_or_more(_stage(catalog, "loader", "what loads the files"), "none by default", least=0),
+        "output": _mapping({"directory": _text("where the output goes, from the folder of the run file")}),
+        "execution": _stage(catalog, "executor", "what does the work", DEFAULT_EXECUTOR),
+        "proof": _mapping(
+            {
+                "poses": {
+                    "type": "integer",
+                    "minimum": 1,
+                    "default": DEFAULT_POSES,
+                    "description": "random joint vectors at which each file is compared with its table",
+                }
+            }
+        ),
+    }
+    return {
+        "$schema": DIALECT,
+        "title": "run file of dh2urdf",
+        **_mapping({name: _or_null(section) for name, section in sections.items()} | {"inputs": sections["inputs"]}),
+        "required": ["inputs"],
+        "$defs": options,
+    }
+
+
+def table_schema(catalog: Catalog) -> dict[str, Any]:
+    """The JSON Schema (2020-12) of a table, as the readers that have one give it.
+
+    Raises:
+        ConfigError: no reader has one.
+    """
+    schemas = {reader.name: reader.schema() for reader in _stages(catalog, "reader") if reader.schema}
+    if not schemas:
+        raise ConfigError("no reader that is installed has a schema of its tables")
+    if len(schemas) == 1:
+        return next(iter(schemas.values()))
+    # An $id of its own lets the references inside each schema go to its own definitions.
+    return {
+        "$schema": DIALECT,
+        "anyOf": [{**schema, "$id": f"urn:dh2urdf:table:{name}"} for name, schema in schemas.items()],
+    }
+
+
+def _stages(catalog: Catalog, kind: Kind) -> list[Any]:
+    return [provided.stage for provided in catalog.provided(kind)]
+
+
+def _stage(catalog: Catalog, kind: Kind, description: str, default: str | None = None) -> dict[str, Any]:
+    """A stage and its options, or its name alone; a default stage need not be named."""
+    stages = _stages(catalog, kind)
+    names = {"enum": [stage.name for stage in stages], "description": description}
+    call = _mapping({"stage": names, "options": {}})
+    call["allOf"] = [
+        _if_then({"properties": {"stage": {"const": stage.name}}}, kind, stage, named=stage.name != default)
+        for stage in stages
+    ]
+    return _either(names, call if default else {**call, "required": ["stage"]})
+
+
+def _input(catalog: Catalog) -> dict[str, Any]:
+    """An input: its reader is named, or goes by the suffix of the path."""
+    stages = _stages(catalog, "reader")
+    names = {"enum": [stage.name for stage in stages], "description": "the reader; by the path's suffix if absent"}
+    call = _mapping({"path": _text("a table, or a pattern such as tables/*.csv"), "stage": names, "options": {}})
+    call["required"] = ["path"]
+    call["allOf"] = []
+    for stage in stages:
+        by_name = {"properties": {"stage": {"const": stage.name}}, "required": ["stage"]}
+        suffixes = "|".join(suffix.replace(".", r"\.") for suffix in getattr(stage, "suffixes", ()))
+        by_suffix = {"properties": {"path": {"pattern": f"({suffixes})$"}}, "not": {"required": ["stage"]}}
+        condition = _either(by_name, by_suffix) if suffixes else by_name
+        call["allOf"].append(_if_then(condition, "reader", stage, named=False))
+    return call
+
+
+def _if_then(condition: dict[str, Any], kind: Kind, stage: Stage, *, named: bool) -> dict[str, Any]:
+    if named:
+        condition = {**condition, "required": ["stage"]}
+    options = _or_null({"$ref": f"#/$defs/{_definition(kind, stage)}"})
+    return {"if": condition, "then": {"properties": {"options": options}}}
+
+
+def _definition(kind: Kind, stage: Stage) -> str:
+    return f"{kind}.{stage.name}"
+
+
+def _options_schemas(kind: Kind, stage: Stage) -> dict[str, Any]:
+    """The definitions that a stage's options need, their own first."""
+    from pydantic import TypeAdapter
+    from pydantic.errors import PydanticUserError
+
+    name = _definition(kind, stage)
+    try:
+        schema = TypeAdapter(stage.options).json_schema(ref_template=f"#/$defs/{name}.{{model}}")
+    except (PydanticUserError, NameError):  # The program refuses such a stage when it is used; a schema says nothing.
+        return {name: {"type": "object"}}
+    inner = schema.pop("$defs", {})
+    schema.pop("title", None)
+    schema["description"] = stage.summary
+    helps = {field.name: field.metadata.get("help") for field in stage.options.__dataclass_fields__.values()}
+    for option in type_hints(stage.options):
+        described = schema["properties"][option]
+        described.pop("title", None)
+        if helps[option]:
+            described["description"] = helps[option]
+    definitions = {name: schema, **{f"{name}.{model}": definition for model, definition in inner.items()}}
+    for definition in definitions.values():
+        if definition.get("type") == "object":
+            definition["additionalProperties"] = False
+    return definitions
+
+
+# --- Shorthands of the schema language --------------------------------------------------------------------------------
+
+
+def _text(description: str) -> dict[str, Any]:
+    return {"type": "string", "minLength": 1, "description": description}
+
+
+def _mapping(properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "properties": properties, "additionalProperties": False}
+
+
+def _either(*schemas: dict[str, Any]) -> dict[str, Any]:
+    return {"anyOf": list(schemas)}
+
+
+def _or_null(schema: dict[str, Any]) -> dict[str, Any]:
+    return _either(schema, {"type": "null"})
+
+
+def _one_or_more(entry: dict[str, Any], description: str, least: int = 1) -> dict[str, Any]:
+    return _either(entry, {"type": "array", "items": entry, "minItems": least}) | {"description": description}

@@ -1,0 +1,304 @@
+"""Reads Denavit-Hartenberg tables as CSV, one manipulator or a million in a file.
+
+The file is never held as a whole: its lines come in blocks, its rows in batches, and the rows of one manipulator
+are read together, by `plain_rows` where nothing about them is remarkable, and with all care where something is.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from itertools import chain, groupby
+from operator import itemgetter
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import Reader, Rejected
+from dh2urdf_plugins.readers.cells import Cell
+from dh2urdf_plugins.readers.csv_cells import CsvCells, check_index
+from dh2urdf_plugins.readers.csv_header import SPACES, Top, read_top, undeclared_units, unit_problems
+from dh2urdf_plugins.readers.csv_lines import CsvLines
+from dh2urdf_plugins.readers.names import MAX_NAME
+from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf_plugins.readers.rows import RowReader
+from dh2urdf_plugins.readers.statements import Statements, TableOptions
+from dh2urdf_plugins.readers.tables import ReadRow, manipulator, stopped
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
+
+
+def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a CSV file.
+
+    Args:
+        path: the file.
+        options: what the table does not say itself.
+
+    Yields:
+        Each manipulator, or what is wrong with it.
+
+    Raises:
+        TableError: the file is no table at all, or its header or its quotes are wrong.
+    """
+    lines = CsvLines(path)
+    top = read_top(lines, str(path))
+    yield from _Table(path, options, lines, top).manipulators()
+
+
+READER: Reader[TableOptions] = Reader(
+    name="csv",
+    summary="tables with one row per joint, cells separated by commas, semicolons or tabs; many manipulators in a file",
+    read=read,
+    options=TableOptions,
+    suffixes=(".csv", ".tsv"),
+)
+
+
+class _Rows:
+    """The rows of one manipulator as they stand in the file.
+
+    Attributes:
+        name: the manipulator's name.
+        lines: the line of each row.
+        cells: the cells of each row.
+        torn: whether other rows of the same manipulator stand elsewhere.
+        nameless: whether the robot column is empty in some of them.
+    """
+
+    __slots__ = ("cells", "lines", "name", "nameless", "torn")
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.lines: list[int] = []
+        self.cells: list[list[str]] = []
+        self.torn = False
+        self.nameless = False
+
+
+class _Table:
+    """One file that is being read."""
+
+    def __init__(self, path: Path, options: TableOptions, lines: CsvLines, top: Top) -> None:
+        self.path = path
+        self.file = str(path)
+        self.lines = lines
+        self.columns = columns = top.columns
+        self.statements = Statements()
+        self.notices: list[Problem] = [*columns.notices]
+        self.name = self._state(top, options)
+        self.units = replace(self.statements.units(), columns=columns.units, decimal_comma=columns.delimiter != ",")
+        self.notices += undeclared_units(columns, self.units, self.file)
+        self.robot_column = self._column("robot")
+        self.plain_table = self.statements.convention is not None and "convention" not in columns.fields
+        self.has_type = "type" in columns.fields
+        self.cells = CsvCells(columns, lines)
+        self.plain = PlainRows(columns, self.units, self.file)
+        self.seen: set[str] = set()
+
+    def _column(self, name: str) -> int | None:
+        return self.columns.fields.index(name) if name in self.columns.fields else None
+
+    def _state(self, top: Top, options: TableOptions) -> Cell:
+        """Takes what comment lines, headers and options say of the whole table; gives the manipulator's name."""
+        columns, said, problems = self.columns, top.statements, list[Problem]()
+        if units := said.get("units"):
+            self.statements.say_units(units, problems.append)
+        if convention := said.get("convention"):
+            self.statements.say_convention(Cell(convention.text or "", convention.mark), problems.append)
+        if columns.modified is not None:
+            header = Cell(columns.headers[columns.modified], Mark(file=self.file, line=columns.line))
+            if self.statements.convention is None and options.convention is None:
+                message = f"the header {shown(header.text)} means the modified (Craig) convention"
+                self.notices.append(
+                    Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
+                )
+            self.statements.say_which(Convention.MODIFIED, header, problems.append)
+        self.statements.say_options(options, problems.append)
+        problems += unit_problems(columns, (self.statements.length, self.statements.angle), self.file)
+        for what in ("base", "tool"):
+            if node := said.get(what):
+                self.statements.say_transform(node, what, problems.append)
+        self.statements.say_option_transforms(options, problems.append)
+        if defaults := said.get("defaults"):
+            self.statements.say_defaults(defaults, problems.append)
+        errors = [problem for problem in problems if problem.severity == "error"]
+        if errors:
+            raise TableError(errors)
+        self.notices += problems
+        name = said.get("name")
+        return Cell(name.text or "", name.mark) if name else Cell(self.path.stem, Mark(file=self.file))
+
+    # --- Rows ---------------------------------------------------------------------------------------------------------
+
+    def manipulators(self) -> Iterator[Manipulator | Rejected]:
+        """Reads all rows."""
+        any_rows = False
+        for groups in self._groups():
+            any_rows = any_rows or bool(groups)
+            while groups and (self.notices or not self.plain_table):
+                yield self._careful(groups.pop(0))
+            yield from self._plain(groups) or map(self._any, groups)
+        if not any_rows:
+            yield self._careful(_Rows(self.name.text))
+
+    def _groups(self) -> Iterator[list[_Rows]]:
+        """The rows of manipulators that are complete, batch by batch."""
+        rows = _Rows(self.name.text)
+        for lines, batch in self.lines.records(self.columns.delimiter):
+            finished = []
+            for name, some_lines, some_rows in self._by_robot(*_without_blank(lines, batch, len(self.columns.fields))):
+                if not name and rows.lines:  # a cell that a spreadsheet has merged with the one above, perhaps
+                    rows.nameless = True
+                elif name != rows.name or not rows.lines:
+                    finished.append(rows)
+                    rows = _Rows(name)
+                rows.lines.extend(some_lines)
+                rows.cells.extend(some_rows)
+            yield self._whole(finished, rows)
+        yield self._whole([rows])
+
+    def _by_robot(
+        self, lines: Sequence[int], batch: list[list[str]]
+    ) -> Iterator[tuple[str, Sequence[int], list[list[str]]]]:
+        """Runs of rows with the same name of the manipulator."""
+        column = self.robot_column
+        if column is None:
+            yield self.name.text, lines, batch
+            return
+        key: Callable[[list[str]], str] = itemgetter(column)
+        if batch and min(map(len, batch)) <= column:
+
+            def key(cells: list[str]) -> str:
+                """A short row is refused later; until then it goes without a name."""
+                return cells[column] if len(cells) > column else ""
+
+        start = 0
+        for name, some in groupby(batch, key):
+            rows = list(some)
+            yield name.strip(SPACES), lines[start : start + len(rows)], rows
+            start += len(rows)
+
+    def _whole(self, groups: list[_Rows], *unfinished: _Rows) -> list[_Rows]:
+        """Marks the manipulators whose rows do not all stand together, as far as a batch shows it in time."""
+        groups = [rows for rows in groups if rows.lines]
+        if self.robot_column is not None:
+            count = Counter(rows.name for rows in (*groups, *unfinished))
+            for rows in groups:
+                rows.torn = count[rows.name] > 1 or rows.name in self.seen
+            self.seen.update(rows.name for rows in groups)
+        return groups
+
+    def _any(self, rows: _Rows) -> Manipulator | Rejected:
+        plain = self._plain([rows])
+        return plain[0] if plain else self._careful(rows)
+
+    def _plain(self, groups: list[_Rows]) -> list[Manipulator] | None:
+        """Manipulators about which there is nothing to say, read fast; None where there may be something."""
+        for rows in groups:
+            name = rows.name
+            if (
+                rows.torn
+                or rows.nameless
+                or not name
+                or len(name) > MAX_NAME
+                or not (name.isascii() and name.isprintable())
+            ):
+                return None
+        cells = list(chain.from_iterable(rows.cells for rows in groups))
+        lines = chain.from_iterable(rows.lines for rows in groups)
+        if not cells or (read := self.plain.read(cells, lines, [len(rows.lines) for rows in groups])) is None:
+            return None
+        return [
+            self.statements.manipulator(rows.name, arm, arm[0].mark) for rows, arm in zip(groups, read, strict=True)
+        ]
+
+    # --- Rows, with care ----------------------------------------------------------------------------------------------
+
+    def _careful(self, rows: _Rows) -> Manipulator | Rejected:
+        """A manipulator, or everything that is wrong with it."""
+        reader = RowReader(self.units, type_is_given=self.has_type)
+        for notice in self.notices:
+            reader.add(notice)
+        mark = Mark(file=self.file, line=rows.lines[0] if rows.lines else None)
+        name = self.name
+        if self.robot_column is not None and rows.lines:
+            column = self.lines.column(rows.lines[0], rows.cells[0], self.robot_column, self.columns.delimiter)
+            name = Cell(rows.name, replace(mark, column=column))
+        if rows.torn:
+            reader.add(_torn(name))
+        statements = replace(self.statements)
+        read = self._read_rows(rows, statements, reader)
+        if problem := self.cells.ambiguous_point():
+            reader.add(problem)
+        self.plain_table &= not self.cells.has_decimal_commas
+        result = manipulator(name, statements, read, reader, mark)
+        if isinstance(result, Manipulator):
+            self.notices = []  # what is to be said of the file is said once, with the first manipulator
+        return result
+
+    def _read_rows(self, rows: _Rows, statements: Statements, reader: RowReader) -> list[ReadRow]:
+        """The rows as far as they can be read, and what they say of the convention."""
+        read: list[ReadRow] = []
+        numbered = self._numbered(rows)
+        for number, (line, texts) in enumerate(zip(rows.lines, rows.cells, strict=True), start=1):
+            mark = Mark(file=self.file, line=line)
+            cells = self.cells.read(texts, line, number, reader)
+            if cells is None:
+                read.append(ReadRow(None))
+                continue
+            if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
+                reader.add(_nameless(robot, rows.name, number))
+            if convention := cells.pop("convention", None):
+                statements.say_convention(convention, reader.add)
+            index = cells.pop("index", None)
+            if index and numbered:
+                check_index(index, number, reader)
+            elif index:
+                cells["joint"] = index
+            row = reader.read(number, cells, mark)
+            joint, link = cells.get("joint"), cells.get("link")
+            read.append(ReadRow(row, joint.mark if joint else mark, link.mark if link else mark))
+            if stopped(reader, mark):
+                break
+        return read
+
+    def _numbered(self, rows: _Rows) -> bool:
+        """Whether the index column holds numbers; where there is no joint column it may hold names instead."""
+        column = self._column("index")
+        if column is None or "joint" in self.columns.fields or not rows.cells or len(rows.cells[0]) <= column:
+            return True
+        return rows.cells[0][column].strip(SPACES).isdecimal()
+
+
+def _nameless(robot: Cell, name: str, number: int) -> Problem:
+    return Problem(
+        message=f"row {number} does not say which manipulator it belongs to; the row above says {shown(name)}",
+        mark=robot.mark,
+        joint=f"joint_{number}",
+        field="robot",
+        found=robot.text,
+        accepted="the name of the manipulator in every row",
+        suggestion="a spreadsheet that has merged cells leaves all but the first of them empty",
+    )
+
+
+def _torn(name: Cell) -> Problem:
+    return Problem(
+        message=f"rows of {shown(name.text)} stand in several places of the file",
+        mark=name.mark,
+        field="robot",
+        found=name.text,
+        accepted="all rows of a manipulator together",
+    )
+
+
+def _without_blank(lines: Sequence[int], batch: list[list[str]], width: int) -> tuple[Sequence[int], list[list[str]]]:
+    """The rows that hold anything."""
+    if set(map(len, batch)) == {width} and all(map(itemgetter(0), batch)):
+        return lines, batch
+    pairs = [(line, cells) for line, cells in zip(lines, batch, strict=True) if any(map(str.strip, cells))]
+    return [line for line, _ in pairs], [cells for _, cells in pairs]

@@ -1,0 +1,168 @@
+"""The cells of CSV rows by field, and what can be wrong with a row before any of them is read."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.cells import Cell
+from dh2urdf_plugins.readers.csv_header import DELIMITERS, SPACES, SPREADSHEET_ERROR
+from dh2urdf_plugins.readers.fields import FIELDS
+
+if TYPE_CHECKING:
+    from dh2urdf_plugins.readers.csv_header import Columns
+    from dh2urdf_plugins.readers.csv_lines import CsvLines
+    from dh2urdf_plugins.readers.rows import RowReader
+
+_DOTTED = re.compile(r"[+-]?[1-9][0-9]{0,2}\.[0-9]{3}")
+_WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+")
+_LONGEST_INDEX = 9
+
+
+class CsvCells:
+    """Tells the cells of rows apart, and notes what is wrong with them as cells."""
+
+    def __init__(self, columns: Columns, lines: CsvLines) -> None:
+        """Takes the columns of the table and its lines, which know where a cell stands."""
+        self.columns = columns
+        self.lines = lines
+        self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
+        self._comma: Cell | None = None
+        self._dotted: tuple[Cell, int] | None = None
+
+    @property
+    def has_decimal_commas(self) -> bool:
+        """Whether a number with a decimal comma has been seen."""
+        return self._comma is not None
+
+    def read(self, texts: list[str], line: int, number: int, reader: RowReader) -> dict[str, Cell] | None:
+        """The cells of a row by field, or None where they cannot be told apart.
+
+        Args:
+            texts: the cells as they stand in the file.
+            line: the line of the row.
+            number: the number of the row within its manipulator.
+            reader: what takes the problems.
+        """
+        columns, joint = self.columns, f"joint_{number}"
+        if len(texts) < self.needed or any(map(str.strip, texts[len(columns.headers) :])):
+            reader.add(self._ragged(texts, line, number))
+            return None
+        cells = {}
+        for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
+            if name is None and index not in columns.unheld:
+                continue
+            place = Mark(
+                file=self.lines.file, line=line, column=self.lines.column(line, texts, index, columns.delimiter)
+            )
+            cell = Cell(text.strip(SPACES), place)
+            if "\n" in cell.text:
+                reader.add(_several_lines(cell, name, joint))
+                return None
+            if name is None:
+                self._unheld(cell, index, joint, reader)
+                continue
+            if name in ("joint", "link") and SPREADSHEET_ERROR.match(cell.text):
+                reader.add(_spreadsheet_error(cell, name, joint))
+            cells[name] = cell
+            if columns.delimiter != "," and FIELDS[name].dimension is not None:
+                self._look_for_commas(cell, number)
+        return cells
+
+    def _ragged(self, texts: list[str], line: int, number: int) -> Problem:
+        delimiter, headers = self.columns.delimiter, self.columns.headers
+        comma = delimiter == "," and len(texts) > len(headers)
+        return Problem(
+            message=f"row {number} has {len(texts)} cells, and the header has {len(headers)} columns",
+            mark=Mark(file=self.lines.file, line=line),
+            joint=f"joint_{number}",
+            accepted=f"one cell for each column, with a {DELIMITERS[delimiter]} between them",
+            suggestion="is there a decimal comma in it, or a comma in a text without quotes?" if comma else None,
+        )
+
+    def _unheld(self, cell: Cell, index: int, joint: str, reader: RowReader) -> None:
+        """Refuses geometry that no field holds, where there is any."""
+        if _is_zero(cell.text):
+            return
+        header = self.columns.headers[index]
+        reader.add(
+            Problem(
+                message=f"{shown(header)} is {self.columns.unheld[index]}, which no column holds, and it is "
+                f"{shown(cell.text)}",
+                mark=cell.mark,
+                joint=joint,
+                field=header,
+                found=cell.text,
+                accepted="0 in this column, or a table of a, alpha, d and theta (or offset) without it",
+            )
+        )
+
+    def _look_for_commas(self, cell: Cell, number: int) -> None:
+        if self._comma is None and _WITH_COMMA.fullmatch(cell.text):
+            self._comma = cell
+        if self._dotted is None and _DOTTED.fullmatch(cell.text):
+            self._dotted = (cell, number)
+
+    def ambiguous_point(self) -> Problem | None:
+        """What is wrong with a manipulator's numbers where one may have a point between thousands; forgets them."""
+        dotted, self._dotted = self._dotted, None
+        if dotted is None or self._comma is None:
+            return None
+        cell, number = dotted
+        return Problem(
+            message=f"{shown(cell.text)} can be read in two ways, since {shown(self._comma.text)} in line "
+            f"{self._comma.mark.line} has a decimal comma: the point may separate thousands",
+            mark=cell.mark,
+            joint=f"joint_{number}",
+            found=cell.text,
+            accepted="decimal commas alone, or decimal points alone, without separators of thousands",
+        )
+
+
+def check_index(index: Cell, number: int, reader: RowReader) -> None:
+    """Refuses the index of a row that is not the row's number."""
+    if index.text.isdecimal() and len(index.text) <= _LONGEST_INDEX and int(index.text) == number:
+        return
+    reader.add(
+        Problem(
+            message=f"the index is {shown(index.text)}, and this is row {number}",
+            mark=index.mark,
+            joint=f"joint_{number}",
+            field="index",
+            found=index.text,
+            accepted="1, 2, 3 … in the order of the rows, from the base outwards",
+        )
+    )
+
+
+def _spreadsheet_error(cell: Cell, name: str, joint: str) -> Problem:
+    return Problem(
+        message=f"{shown(cell.text)} is what a spreadsheet writes for an error, not the name of a {name}",
+        mark=cell.mark,
+        joint=joint,
+        field=name,
+        found=cell.text,
+        accepted="a name",
+        suggestion="mend the formula in the spreadsheet, and save the table again",
+    )
+
+
+def _several_lines(cell: Cell, name: str | None, joint: str) -> Problem:
+    return Problem(
+        message=f"the cell that begins with {shown(cell.text.split(chr(10))[0])} runs over several lines",
+        mark=cell.mark,
+        joint=joint,
+        field=name,
+        found=cell.text,
+        accepted="a cell on one line",
+        suggestion="is its closing quote missing?",
+    )
+
+
+def _is_zero(text: str) -> bool:
+    try:
+        return not text or evaluate(text.replace(",", "."), Dimension.NUMBER) == Quantity(0.0)
+    except QuantityError:
+        return False

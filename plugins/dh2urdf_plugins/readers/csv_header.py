@@ -1,0 +1,373 @@
+"""The top of a CSV table: comment lines that say what columns cannot, the delimiter, and the header."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from dh2urdf.documents import Node, load_yaml
+from dh2urdf.errors import TableError
+from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED, UNHELD_GEOMETRY, Header, misspelt, one_slip, read_header
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf_plugins.readers.cells import Units
+
+DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
+STATEMENTS = ("name", "convention", "units", "base", "tool", "defaults")
+"""What comment lines before the header may say, as YAML."""
+MAX_STATEMENT = 10_000
+"""Length of a comment line that says something [1]."""
+
+_STATEMENT = re.compile(r"\s*#\s*([^\W\d]+)\s*:(?:\s+|$)")
+_EXCEL_SEPARATOR = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)  # Excel's own way to name the delimiter
+SPREADSHEET_ERROR = re.compile(r"\s*#(REF!|N/A|NAME\?|VALUE!|DIV/0!|NUM!|NULL!|SPILL!|CALC!)")
+SPACES = " \t\u00a0\u2007\u2009\u202f"
+
+
+@dataclass(slots=True)
+class Columns:
+    """What the header says.
+
+    Attributes:
+        delimiter: what stands between cells.
+        line: the line of the header.
+        fields: the field of each column, or None.
+        headers: the header of each column, as it is written.
+        units: the units that headers declare, by field.
+        unheld: columns of geometry that no field holds, with the reason.
+        modified: the column whose header means the modified convention.
+        meant: fields that misspelt headers probably mean.
+        notices: columns that are left out.
+    """
+
+    delimiter: str
+    line: int
+    fields: list[str | None] = field(default_factory=list)
+    headers: list[str] = field(default_factory=list)
+    units: dict[str, Unit] = field(default_factory=dict)
+    unheld: dict[int, str] = field(default_factory=dict)
+    modified: int | None = None
+    meant: list[str] = field(default_factory=list)
+    notices: list[Problem] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Top:
+    """Everything above the first row.
+
+    Attributes:
+        columns: the header.
+        statements: what comment lines say, by key.
+    """
+
+    columns: Columns
+    statements: dict[str, Node]
+
+
+def read_top(lines: Iterable[str], file: str) -> Top:
+    """Everything above the first row; the lines behind the header are not touched.
+
+    Raises:
+        TableError: there is no header, or it is wrong, or a comment line is.
+    """
+    statements: dict[str, Node] = {}
+    delimiter: str | None = None
+    number = 0
+    for number, line in enumerate(lines, start=1):
+        if not line.strip(SPACES + "".join(DELIMITERS)):
+            continue
+        if number == 1 and (match := _EXCEL_SEPARATOR.fullmatch(line)):
+            delimiter = match[1]
+            continue
+        header = commented_header(line) if is_comment(line) else line
+        if header is not None:
+            return Top(read_columns(header, number, file, delimiter), statements)
+        if found := statement(line, number, file):
+            key, node = found
+            if key in statements:
+                message = f"a comment line says {key} already, in line {statements[key].line}"
+                raise TableError(Problem(message=message, mark=Mark(file=file, line=number), field=key))
+            statements[key] = node
+    raise TableError(
+        Problem(
+            message="there is no header and there are no rows" if number else "the file is empty: there is no header",
+            mark=Mark(file=file),
+            accepted="a header with at least the columns a, alpha and d, and one row for each joint",
+        )
+    )
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a comment; what spreadsheets write for an error begins with # too, and is none."""
+    return line.lstrip(SPACES + "\ufeff").startswith("#") and not SPREADSHEET_ERROR.match(line)
+
+
+def split(line: str, delimiter: str) -> list[str]:
+    """The cells of one line."""
+    return [cell.strip(SPACES) for cell in next(csv.reader([line], delimiter=delimiter), [])]
+
+
+def column_of(line: str, delimiter: str, index: int) -> int:
+    """The column, in characters from 1, at which a cell of a line starts."""
+    start, quoted, seen = 0, False, 0
+    for position, character in enumerate(line):
+        if seen == index:
+            break
+        if character == '"':
+            quoted = not quoted
+        elif character == delimiter and not quoted:
+            seen, start = seen + 1, position + 1
+    rest = line[start:]
+    return start + len(rest) - len(rest.lstrip(SPACES)) + 1
+
+
+def delimiter_of(line: str) -> str | None:
+    """The delimiter of a header: the one that makes the most fields of it."""
+
+    def score(delimiter: str) -> tuple[int, int]:
+        cells = split(line, delimiter)
+        return sum(read_header(cell).field is not None for cell in cells), len(cells)
+
+    best = max(DELIMITERS, key=score)
+    fields, cells = score(best)
+    return best if fields and cells > 1 else None
+
+
+def commented_header(line: str) -> str | None:
+    """The header that a line starting with # is, or None where it is a comment.
+
+    The first column may be called ``#``, or the header as a whole may be commented out, as numpy writes it.
+    """
+    for text in (line, line.replace("#", " ", 1)):
+        delimiter = delimiter_of(text)
+        if delimiter:
+            names = {header.field.name for header in map(read_header, split(text, delimiter)) if header.field}
+            if names.issuperset(REQUIRED):
+                return text
+    return None
+
+
+def statement(line: str, number: int, file: str) -> tuple[str, Node] | None:
+    """What a comment line says, as a key and the YAML value behind it; None where it is only a comment.
+
+    Raises:
+        TableError: it is a misspelt key, or the value is not YAML.
+    """
+    match = _STATEMENT.match(line)
+    if not match:
+        return None
+    key = match[1].casefold()
+    if key not in STATEMENTS:
+        near = next((word for word in STATEMENTS if one_slip(key, word)), None)
+        if near:
+            raise TableError(
+                Problem(
+                    message=f"the comment line says {shown(match[1])}, which nothing is called",
+                    mark=Mark(file=file, line=number, column=match.start(1) + 1),
+                    found=match[1],
+                    accepted=", ".join(STATEMENTS),
+                    suggestion=f"did you mean {near!r}?",
+                )
+            )
+        return None
+    if len(line) > MAX_STATEMENT:
+        message = f"the comment line has {len(line)} characters"
+        accepted = f"at most {MAX_STATEMENT} where it says {key}"
+        raise TableError(Problem(message=message, mark=Mark(file=file, line=number), accepted=accepted))
+    # The value is moved to its own line and column, so that its marks are those of the file.
+    return key, load_yaml("\n" * (number - 1) + " " * match.end() + line[match.end() :], file, TableError)
+
+
+def read_columns(line: str, number: int, file: str, delimiter: str | None = None) -> Columns:
+    """What a header says.
+
+    Args:
+        line: the header.
+        number: its line.
+        file: the file.
+        delimiter: what stands between cells, where a line above says it.
+
+    Raises:
+        TableError: everything that is wrong with it.
+    """
+    delimiter = delimiter if delimiter in DELIMITERS else delimiter_of(line)
+    if delimiter is None:
+        raise TableError(_no_header(line, number, file))
+    columns = Columns(delimiter, number)
+    columns.headers = split(line, delimiter)
+    problems: list[Problem] = []
+    first: dict[str, int] = {}
+    indexed: int | None = None
+    for index, text in enumerate(columns.headers):
+        mark = Mark(file=file, line=number, column=column_of(line, delimiter, index))
+        header = read_header(text)
+        columns.fields.append(header.field.name if header.field else None)
+        if header.field is None:
+            _unknown(columns, header, index, mark, problems)
+            continue
+        name = header.field.name
+        _declare_unit(columns, header, name, mark, problems)
+        key = "sign" if name == "flip" else name
+        if key in first:
+            problems.append(
+                Problem(
+                    message=f"two columns are {key}: {shown(columns.headers[first[key]])} and {shown(text)} (a "
+                    "duplicate)",
+                    mark=mark,
+                    field=name,
+                    found=text,
+                    accepted="one column for each field",
+                )
+            )
+        first.setdefault(key, index)
+        if header.link == "i-1" and name in ("a", "alpha"):
+            columns.modified = index
+        elif header.link == "i-1":
+            problems.append(
+                Problem(
+                    message=f"{shown(text)}: neither convention takes {name} of the link before",
+                    mark=mark,
+                    field=name,
+                    found=text,
+                    accepted="a_{i-1} and alpha_{i-1} (the modified convention), with d_i and theta_i",
+                )
+            )
+        elif header.link == "i" and name in ("a", "alpha"):
+            indexed = index
+    if columns.modified is not None and indexed is not None:
+        one, other = columns.headers[columns.modified], columns.headers[indexed]
+        problems.append(
+            Problem(
+                message=f"{shown(one)} is of the link before and {shown(other)} of the link itself: neither convention "
+                "mixes them",
+                mark=Mark(file=file, line=number),
+                field="convention",
+                accepted="a_{i-1} and alpha_{i-1} (modified), or a_i and alpha_i (standard)",
+            )
+        )
+    known = {*columns.fields, *columns.meant}
+    problems.extend(_missing(name, number, file) for name in REQUIRED if name not in known)
+    if problems:
+        raise TableError(problems)
+    return columns
+
+
+def _no_header(line: str, number: int, file: str) -> Problem:
+    return Problem(
+        message=f"this line is no header whose columns are known: {shown(line)}",
+        mark=Mark(file=file, line=number),
+        found=line,
+        accepted="a header with at least the columns a, alpha and d, such as `joint,type,a,alpha,d,theta`, with one "
+        "delimiter: comma, semicolon or tab",
+        suggestion="columns aligned with spaces or bars cannot be told apart; put commas between them"
+        if "  " in line or "|" in line
+        else None,
+    )
+
+
+def _unknown(columns: Columns, header: Header, index: int, mark: Mark, problems: list[Problem]) -> None:
+    text = columns.headers[index]
+    if header.key in UNHELD_GEOMETRY:
+        columns.unheld[index] = UNHELD_GEOMETRY[header.key]
+    elif (near := misspelt(header.key)) is not None:
+        columns.meant.append(near.name)
+        problems.append(
+            Problem(
+                message=f"no column is called {shown(text)}",
+                mark=mark,
+                field=header.key,
+                found=text,
+                accepted=_accepted_headers(),
+                suggestion=f"did you mean {near.name!r}?",
+            )
+        )
+    elif text:
+        message = f"the column {shown(text)} is left out: no field is called so"
+        columns.notices.append(
+            Problem(message=message, severity="notice", mark=mark, found=text, accepted=_accepted_headers())
+        )
+
+
+def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, problems: list[Problem]) -> None:
+    if header.unit is None:
+        return
+    field_ = FIELDS[name]
+    dimensions = [dimension for dimension in (field_.dimension, field_.linear) if dimension]
+    for dimension in dimensions:
+        try:
+            columns.units[name] = find_unit(header.unit, dimension)
+        except QuantityError as error:
+            problem = Problem(
+                message=error.message,
+                mark=mark,
+                field=name,
+                found=header.unit,
+                accepted=error.accepted,
+                suggestion=error.suggestion,
+            )
+        else:
+            return
+    if dimensions and dimensions != [Dimension.NUMBER]:
+        problems.append(problem)
+
+
+def _missing(name: str, number: int, file: str) -> Problem:
+    words = ", ".join(FIELDS[name].headers)
+    return Problem(
+        message=f"there is no column for {name} in the header",
+        mark=Mark(file=file, line=number),
+        field=name,
+        accepted=f"one of the headers {words}; its unit may follow, as in `{name} "
+        f"[{'deg' if name == 'alpha' else 'mm'}]`",
+    )
+
+
+def _accepted_headers() -> str:
+    return ", ".join(FIELDS)
+
+
+def unit_problems(columns: Columns, declared: Iterable[tuple[Unit, Mark] | None], file: str) -> list[Problem]:
+    """What is wrong with headers' units beside the units declared for the whole table."""
+    problems = []
+    for said in declared:
+        for name, unit in columns.units.items():
+            if said and unit.dimension is said[0].dimension and unit != said[0]:
+                header = columns.headers[columns.fields.index(name)]
+                problems.append(
+                    Problem(
+                        message=f"the header {shown(header)} declares {unit.symbol}, and {said[1]} declares "
+                        f"{said[0].symbol}",
+                        mark=Mark(file=file, line=columns.line),
+                        field=name,
+                        found=header,
+                        accepted="one unit for a column",
+                    )
+                )
+    return problems
+
+
+def undeclared_units(columns: Columns, units: Units, file: str) -> list[Problem]:
+    """Notices of columns without a unit beside columns that have another one than the SI unit."""
+    notices = []
+    for dimension, names, si in ((Dimension.LENGTH, ("a", "d"), "m"), (Dimension.ANGLE, ("alpha", "theta"), "rad")):
+        if units.of(dimension):
+            continue
+        foreign = {columns.units[name].symbol for name in names if name in columns.units} - {si}
+        notices += [
+            Problem(
+                message=f"{name} has no unit and is read in {si}, while another {dimension.plain} is in {min(foreign)}",
+                severity="notice",
+                mark=Mark(file=file, line=columns.line),
+                field=name,
+                suggestion=f"declare it: `{name} [{min(foreign)}]`",
+            )
+            for name in names
+            if foreign and name in columns.fields and name not in columns.units
+        ]
+    return notices

@@ -1,0 +1,138 @@
+"""The lines of a CSV file, and its records with the line at which each starts."""
+
+from __future__ import annotations
+
+import csv
+from collections import deque
+from itertools import chain
+from typing import TYPE_CHECKING, NoReturn
+
+from dh2urdf.errors import TableError
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.csv_header import SPACES, column_of, is_comment, statement
+from dh2urdf_plugins.readers.text import line_blocks
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+
+class CsvLines:
+    """The lines of a file, comment lines made empty once the header has been read.
+
+    Attributes:
+        quoted: number and text of the latest lines with quotes: where a cell of these starts, the lengths of the
+            cells before it do not tell.
+        quotes_in_block: whether the latest block has any.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.file = str(path)
+        self.number = 0
+        self.quoted: deque[tuple[int, str]] = deque()
+        self.quotes_in_block = False
+        self.blocks = line_blocks(path)
+        self.rest: Iterator[str] = iter(())
+
+    def __iter__(self) -> Iterator[str]:
+        """The lines as they are, one by one: the top of the file."""
+        for block in self.blocks:
+            self.rest = iter(block)
+            for line in self.rest:
+                self.number += 1
+                yield line
+
+    def _below_header(self) -> Iterator[tuple[int, list[str]]]:
+        """Blocks of the lines below the one that was read last, each with the number of its first line."""
+        for block in chain((list(self.rest),), self.blocks):
+            start = self.number + 1
+            self.number += len(block)
+            yield start, self._prepared(block, start)
+
+    def _prepared(self, block: list[str], start: int) -> list[str]:
+        text = "".join(block)
+        self.quotes_in_block = '"' in text
+        if self.quotes_in_block:
+            self.quoted.extend((start + index, line) for index, line in enumerate(block) if '"' in line)
+            block = [line + "\n" for line in block]  # a cell in quotes keeps the end of the line
+        if "#" not in text:
+            return block
+        return ["" if "#" in line and self._is_comment(line, start + k) else line for k, line in enumerate(block)]
+
+    def _is_comment(self, line: str, number: int) -> bool:
+        if not is_comment(line):
+            return False
+        if statement(line, number, self.file):
+            raise TableError(
+                Problem(
+                    message=f"{shown(line.strip())} stands below the header, and would not hold for the rows above",
+                    mark=Mark(file=self.file, line=number),
+                    accepted="such lines above the header",
+                )
+            )
+        return True
+
+    def records(self, delimiter: str) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
+        """Batches of rows, and the line at which each row starts."""
+        blocks = self._below_header()
+        for start, lines in blocks:
+            if not self.quotes_in_block and max(map(len, lines), default=0) < csv.field_size_limit():
+                yield range(start, start + len(lines)), list(csv.reader(lines, delimiter=delimiter))
+                continue
+            source = _Joined(lines, blocks)
+            reader = csv.reader(source, delimiter=delimiter, strict=True)
+            starts, batch = [], []
+            try:
+                while reader.line_num < source.count:
+                    starts.append(start + reader.line_num)
+                    batch.append(next(reader))
+            except csv.Error as error:
+                self._refuse_cell(error, starts[-1])
+            yield starts, batch
+
+    def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
+        """Refuses the file for a cell whose quotes are wrong, or that has no end."""
+        number, text = next(((n, text) for n, text in self.quoted if n >= line), (line, ""))
+        if "limit" in str(error) and not (text and number == line):
+            message, accepted = "a cell is too long", f"at most {csv.field_size_limit()} characters in a cell"
+        elif "expected after" in str(error):
+            message, accepted = "text stands behind a closing quote", "a delimiter, or the end of the line"
+        else:
+            message, accepted = "a cell opens with a quote that is not closed", 'a quote at both ends, "like this"'
+        raise TableError(
+            Problem(
+                message=f"{message}: {shown(text.strip())}" if text else message,
+                mark=Mark(file=self.file, line=line, column=text.find('"') + 1 or None),
+                found=text,
+                accepted=accepted,
+                suggestion="a quote that is part of the text is written twice" if text else None,
+            )
+        )
+
+    def column(self, number: int, cells: list[str], index: int, delimiter: str) -> int:
+        """The column at which a cell starts, counted from 1 in characters."""
+        while self.quoted and self.quoted[0][0] < number:
+            self.quoted.popleft()
+        if self.quoted and self.quoted[0][0] == number:
+            return column_of(self.quoted[0][1], delimiter, index)
+        cell = cells[index]
+        return sum(map(len, cells[:index])) + index + len(cell) - len(cell.lstrip(SPACES)) + 1
+
+
+class _Joined:
+    """The lines of a block with quotes, and those of the next ones as far as a cell in quotes runs on into them.
+
+    Attributes:
+        count: lines of the blocks that were begun.
+    """
+
+    def __init__(self, lines: list[str], blocks: Iterator[tuple[int, list[str]]]) -> None:
+        self.count = len(lines)
+        self.lines = iter(lines)
+        self.blocks = blocks
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.lines
+        for _, lines in self.blocks:
+            self.count += len(lines)
+            yield from lines

@@ -1,0 +1,157 @@
+"""The manipulator that statements and rows make, or everything that is wrong with it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.manipulator import DHRow, JointType, Manipulator
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.names import name_fault, name_problems
+from dh2urdf_plugins.readers.rows import MAX_PROBLEMS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf_plugins.readers.cells import Cell
+    from dh2urdf_plugins.readers.rows import RowReader
+    from dh2urdf_plugins.readers.statements import Statements
+
+LONGEST_ARM = 100.0
+"""Length of an arm that a careful person would look at twice [m]."""
+MEASURABLE_ARM = 1e9
+"""Length of an arm beyond which a double cannot tell micrometres apart [m]."""
+
+
+class ReadRow(NamedTuple):
+    """A row as far as it could be read.
+
+    Attributes:
+        row: the row; None where there is an error in it.
+        joint: where the joint's name stands.
+        link: where the link's name stands.
+    """
+
+    row: DHRow | None
+    joint: Mark | None = None
+    link: Mark | None = None
+
+
+def manipulator(
+    name: Cell,
+    statements: Statements,
+    rows: Sequence[ReadRow],
+    reader: RowReader,
+    mark: Mark,
+) -> Manipulator | Rejected:
+    """The manipulator that statements and rows make, or everything that is wrong with it.
+
+    Args:
+        name: its name.
+        statements: what holds for all rows.
+        rows: the rows as far as they could be read.
+        reader: what read the rows, with the problems so far.
+        mark: the manipulator's place.
+    """
+    add = reader.add
+    if fault := name_fault(name.text):
+        add(Problem(message=fault[0], mark=name.mark, field="name", found=name.text, accepted=fault[1]))
+    if statements.convention is None and not any(problem.field == "convention" for problem in reader.problems):
+        add(
+            Problem(
+                message="the table does not say which Denavit-Hartenberg convention it is written in, and that is "
+                "never guessed",
+                mark=mark,
+                field="convention",
+                accepted="standard (classic, distal): A = Rz(theta) Tz(d) Tx(a) Rx(alpha); modified (Craig, "
+                "proximal): A = Rx(alpha) Tx(a) Rz(theta) Tz(d), where a row has a and alpha of the link before",
+                suggestion="write `# convention: standard` above a CSV header, `convention: standard` in YAML, or "
+                "give `--convention standard`",
+            )
+        )
+    arm = [row for row, _, _ in rows if row]
+    if not rows:
+        add(Problem(message="there are no joints: a manipulator has one row for each", mark=mark, field="joints"))
+    elif arm:
+        for problem in name_problems(arm, [(joint, link) for row, joint, link in rows if row]):
+            add(problem)
+        for problem in _extents(arm, statements):
+            add(problem)
+    problems = sorted((problem.about(robot=name.text, mark=mark) for problem in reader.problems), key=_place)
+    if reader.errors:
+        return Rejected(
+            name=name.text, problems=tuple(problem for problem in problems if problem.severity == "error"), mark=mark
+        )
+    return statements.manipulator(name.text, tuple(arm), mark, tuple(problems))
+
+
+def _place(problem: Problem) -> tuple[bool, int, int]:
+    mark = problem.mark
+    elsewhere = mark is None or mark.line is None
+    return elsewhere, (mark and mark.line) or 0, (mark and mark.column) or 0
+
+
+def arm_length(rows: Sequence[DHRow]) -> float:
+    """The length of the stretched arm at q = 0 [m]."""
+    return sum(abs(row.a) + abs(row.d) for row in rows)
+
+
+def _extents(rows: Sequence[DHRow], statements: Statements) -> list[Problem]:
+    length = arm_length(rows)
+    problems = []
+    if length > MEASURABLE_ARM:
+        problems.append(
+            Problem(
+                message=f"the arm is {length:.4g} m long: positions on it cannot be computed to a micrometre",
+                mark=rows[0].mark,
+                field="a and d",
+                accepted=f"an arm of at most {MEASURABLE_ARM:g} m",
+            )
+        )
+    elif length > LONGEST_ARM:
+        problems.append(
+            Problem(
+                message=f"the arm is {length:.4g} m long",
+                severity="notice",
+                mark=rows[0].mark,
+                suggestion=None
+                if statements.length
+                else "if its lengths are in mm, declare it: `a [mm]`, `units: {length: mm}` or `--length-unit mm`",
+            )
+        )
+    for row in rows:
+        if row.com and math.hypot(*row.com) > max(length, 1.0):
+            problems.append(
+                Problem(
+                    message=f"the centre of mass is {math.hypot(*row.com):.4g} m from the joint's frame, and the whole "
+                    f"arm is {length:.4g} m long",
+                    severity="notice",
+                    mark=row.mark,
+                    joint=row.joint,
+                    field="com",
+                    suggestion="is it in another unit?",
+                )
+            )
+        if (
+            row.type is JointType.PRISMATIC
+            and max(map(abs, (row.limits.lower or 0, row.limits.upper or 0))) > LONGEST_ARM
+        ):
+            problems.append(
+                Problem(
+                    message="the joint slides further than 100 m",
+                    severity="notice",
+                    mark=row.mark,
+                    joint=row.joint,
+                    field="lower",
+                )
+            )
+    return problems
+
+
+def stopped(reader: RowReader, mark: Mark) -> bool:
+    """Whether a manipulator has so many errors that reading it stops; says so, then."""
+    if reader.errors < MAX_PROBLEMS:
+        return False
+    reader.add(Problem(message=f"reading stopped after {reader.errors} errors", mark=mark))
+    return True

@@ -1,0 +1,100 @@
+"""The stage ``alpha-swap``: from a DH table to joints and links.
+
+Two variants. `exact` is the default and gives the arm of the table. `paper` does what "URDF Generator for Manipulator
+Robot" describes, for whoever wants to see that: its links end up in a straight line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
+
+from dh2urdf.errors import TransformError
+from dh2urdf.stages import Transform
+from dh2urdf_plugins.transforms.checks import paper_problems, table_problems
+from dh2urdf_plugins.transforms.exact import exact
+from dh2urdf_plugins.transforms.paper import paper
+from dh2urdf_plugins.transforms.shapes import Shape
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AlphaSwapOptions:
+    """How a robot is made of a table. What the table itself says of shapes and densities goes first."""
+
+    variant: Literal["exact", "paper"] = field(
+        default="exact",
+        metadata={
+            "help": "exact: the arm of the table, always; "
+            "paper: the algorithm of the paper, bit-true, for reproduction only: it drops signs and offsets along x"
+        },
+    )
+    frames: Literal["aligned", "dh"] = field(
+        default="aligned",
+        metadata={
+            "help": "exact variant: link frames parallel to the base at joint values 0 (aligned), "
+            "or the frames of the DH table (dh)"
+        },
+    )
+    shape: Shape = field(
+        default="cylinder",
+        metadata={"help": "exact variant: what links are drawn as; a capsule is a cylinder with sphere caps"},
+    )
+    radius: float | None = field(
+        default=None,
+        metadata={
+            "help": "exact variant: radius of the links, half the thickness of boxes [m]; "
+            "by default 0.04 or a tenth of the longest segment, whichever is smaller"
+        },
+    )
+    density: float = field(
+        default=2700.0, metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium"}
+    )
+    base_collision: bool = field(
+        default=False,
+        metadata={"help": "give the base a collision shape; it may touch the first links in simulators"},
+    )
+    snap: float = field(
+        default=1e-3,
+        metadata={"help": "paper variant: how far alpha may be from 0, ±pi/2 and pi [rad] to be taken for it"},
+    )
+
+    def __post_init__(self) -> None:
+        """Refuses sizes that no body has.
+
+        Raises:
+            ValueError: radius or density is not greater than 0, or snap is negative.
+        """
+        for name, value in (("radius", self.radius), ("density", self.density)):
+            if value is not None and not 0.0 < value < float("inf"):
+                raise ValueError(f"{name} must be greater than 0 and finite, not {value}")
+        if not self.snap >= 0.0:
+            raise ValueError(f"snap must be 0 or greater, not {self.snap}")
+
+
+def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
+    """The robot of a manipulator.
+
+    Raises:
+        TransformError: no arm can be made of the table; all its problems are named.
+    """
+    problems = table_problems(manipulator)
+    if options.variant == "paper":
+        problems += paper_problems(manipulator, options.snap)
+    if any(problem.severity == "error" for problem in problems):
+        raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
+    robot = (paper if options.variant == "paper" else exact)(manipulator, options)
+    notices = (*problems, *robot.notices)
+    return replace(robot, notices=tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in notices))
+
+
+TRANSFORM = Transform(
+    name="alpha-swap",
+    summary="the arm of the table, its link frames parallel to the base or as in the table; or the paper's algorithm",
+    transform=alpha_swap,
+    options=AlphaSwapOptions,
+    keeps_kinematics=lambda options: options.variant == "exact",
+)

@@ -1,0 +1,140 @@
+from __future__ import annotations
+
+import inspect
+import pickle
+
+import pytest
+
+from dh2urdf import errors
+from dh2urdf.errors import (
+    SCREENFUL,
+    BrokenPluginError,
+    ConfigError,
+    Dh2UrdfError,
+    EmitterError,
+    InputError,
+    LoaderError,
+    ManipulatorError,
+    MissingDependencyError,
+    OutputError,
+    PluginError,
+    ProofError,
+    RobotError,
+    StageConflictError,
+    StageError,
+    TableError,
+    TransformError,
+    UnknownStageError,
+)
+from dh2urdf.source import Mark, Problem
+
+PROBLEM = Problem(message="m", mark=Mark(file="a.csv", line=1), joint="j")
+EVERY_ERROR = [
+    *(kind([PROBLEM]) for kind in (InputError, ConfigError, TableError, OutputError)),
+    *(
+        kind([PROBLEM])
+        for kind in (ManipulatorError, TransformError, RobotError, EmitterError, ProofError, LoaderError)
+    ),
+    UnknownStageError("emitter", "urfd", ["urdf", "xacro"]),
+    StageError("emitter 'urdf'", "KeyError: 'x'", "Traceback …"),
+    BrokenPluginError("lab = lab.plugin", "lab 1.0", "OSError: gone", "Traceback …"),
+    StageConflictError("reader", "csv", ["one 1.0", "two 1.0"]),
+    MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]"),
+]
+by_name = pytest.mark.parametrize("error", EVERY_ERROR, ids=lambda error: type(error).__name__)
+
+
+def public_classes() -> set[type[Dh2UrdfError]]:
+    return {
+        kind
+        for name, kind in inspect.getmembers(errors, inspect.isclass)
+        if issubclass(kind, Dh2UrdfError) and not name.startswith("_")
+    }
+
+
+class TestHierarchy:
+    def test_every_class_stands_in_the_drawing(self) -> None:
+        """The drawing in the module's docstring shows every class."""
+        assert errors.__doc__
+        for kind in public_classes():
+            assert f" {kind.__name__} " in f"{errors.__doc__} ".replace("\n", " ")
+
+    @pytest.mark.parametrize(("parent", "status"), [(InputError, 2), (ManipulatorError, 1), (PluginError, 3)], ids=str)
+    def test_every_class_has_the_exit_status_of_its_branch(self, parent: type[Dh2UrdfError], status: int) -> None:
+        """Exit status 2 means that nothing could start, 1 that a manipulator failed, 3 that a plugin is broken."""
+        branch = {kind for kind in public_classes() if issubclass(kind, parent)}
+        assert len(branch) > 1
+        assert {kind.exit_status for kind in branch} == {status}
+
+    def test_every_class_belongs_to_one_branch(self) -> None:
+        """What dh2urdf raises is an input's, a manipulator's or a plugin's fault, and of one of them only."""
+        for kind in public_classes() - {Dh2UrdfError}:
+            assert sum(issubclass(kind, parent) for parent in (InputError, ManipulatorError, PluginError)) == 1
+
+    def test_every_class_is_tried_here(self) -> None:
+        """The list of this file is complete, but for the two classes that only group others."""
+        assert {type(error) for error in EVERY_ERROR} == public_classes() - {Dh2UrdfError, PluginError}
+
+
+@by_name
+def test_it_survives_the_way_between_processes(error: Dh2UrdfError) -> None:
+    """An error of a worker arrives in its own class, with the same text and all its data."""
+    arrived = pickle.loads(pickle.dumps(error))  # noqa: S301 - made here
+    assert type(arrived) is type(error)
+    assert str(arrived) == str(error)
+    assert vars(arrived) == vars(error)
+
+
+@by_name
+def test_it_has_a_text(error: Dh2UrdfError) -> None:
+    """Every error says something."""
+    assert str(error).strip()
+
+
+class TestLists:
+    def test_a_sentence_is_a_problem(self) -> None:
+        """An error can be raised with a sentence, a problem or several."""
+        assert TableError("no rows").problems == (Problem(message="no rows"),)
+        assert TableError(PROBLEM).problems == (PROBLEM,)
+        assert TableError(problem for problem in [PROBLEM, PROBLEM]).problems == (PROBLEM, PROBLEM)
+
+    def test_all_problems_are_said_in_order(self) -> None:
+        """The text has every problem, in the order of the file."""
+        many = [Problem(message=f"problem {number}") for number in range(SCREENFUL)]
+        assert str(TableError(many)).splitlines() == [f"error: problem {number}" for number in range(SCREENFUL)]
+
+    @pytest.mark.parametrize(("more", "last"), [(1, "and 1 more problem"), (1000, "and 1000 more problems")])
+    def test_beyond_a_screenful_they_are_counted(self, more: int, last: str) -> None:
+        """A thousand problems do not scroll the first away; none is lost from the data."""
+        error = TableError([Problem(message=f"problem {number}") for number in range(SCREENFUL + more)])
+        lines = str(error).splitlines()
+        assert len(lines) == SCREENFUL + 1
+        assert lines[-1] == last
+        assert len(error.problems) == SCREENFUL + more
+
+
+class TestMessages:
+    def test_of_a_broken_plugin(self) -> None:
+        """It names the plugin, the distribution and the reason; not the traceback."""
+        error = BrokenPluginError("lab = lab.plugin", "lab 1.0", "OSError: gone", "Traceback …")
+        assert str(error) == "plugin 'lab = lab.plugin' of lab 1.0 is broken: OSError: gone"
+
+    def test_of_a_missing_dependency(self) -> None:
+        """It says what to type."""
+        error = MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]")
+        assert str(error) == "loader 'pybullet' needs pybullet: pip install 'dh2urdf[pybullet]'"
+
+    def test_of_a_conflict(self) -> None:
+        """It names the stage, both distributions, and the two ways out."""
+        error = StageConflictError("reader", "csv", ["one 1.0", "two 1.0"])
+        assert str(error) == (
+            "reader 'csv' is claimed by one 1.0 and by two 1.0; uninstall one of them, or ask its authors to "
+            "rename the stage"
+        )
+
+    def test_of_a_failed_stage(self) -> None:
+        """It names the stage, what it raised, and where to see more; its traceback is kept."""
+        error = StageError("emitter 'urdf'", "KeyError: 'x'", "Traceback …")
+        assert str(error).startswith("error: emitter 'urdf' failed: KeyError: 'x'")
+        assert "--debug" in str(error)
+        assert error.traceback == "Traceback …"

@@ -1,0 +1,287 @@
+"""The written files in the hands of others: readers that share no code with this project, and people who edit."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shutil
+import subprocess
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+from dh2urdf_plugins.xacro_reader import expand, read_xacro
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.robot import Robot
+    from dh2urdf.stages import Emitter
+
+    Table = Callable[..., Manipulator]
+
+REFERENCE = Path(__file__).parents[2] / "reference" / "robots.json"
+ARMS = [arm["id"] for arm in json.loads(REFERENCE.read_text(encoding="utf-8"))["robots"]]
+READ_BY_ALL = ["urdoc_ur5", "rtb_Panda", "rtb_Stanford", "kinova_gen3_std", "rkc_Brooks_PreciseFlex_400_750"]
+frames = pytest.mark.parametrize("frames", ["aligned", "dh"])
+
+
+def robot_of(manipulator: Manipulator, frames: str) -> Robot:
+    return TRANSFORM.transform(manipulator, TRANSFORM.options(frames=frames))
+
+
+def write(emitter: Emitter[Any], robot: Robot, folder: Path) -> Path:
+    files = emitter.emit(robot, "arm", emitter.options())
+    for file in files:
+        (folder / file.name).write_bytes(file.content)
+    return folder / files[0].name
+
+
+def dh_product(manipulator: Manipulator, q: Sequence[float]) -> np.ndarray:
+    """T(base_link → tool0), from the definition: the product of the rows' matrices."""
+
+    def turn(axis: int, angle: float) -> np.ndarray:
+        matrix, (i, j) = np.eye(4), ((axis + 1) % 3, (axis + 2) % 3)
+        matrix[i, i] = matrix[j, j] = math.cos(angle)
+        matrix[j, i] = math.sin(angle)
+        matrix[i, j] = -math.sin(angle)
+        return matrix
+
+    def move(axis: int, length: float) -> np.ndarray:
+        matrix = np.eye(4)
+        matrix[axis, 3] = length
+        return matrix
+
+    values = iter(q)
+    T = matrix_of(manipulator.base)
+    for row in manipulator.rows:
+        theta, d = row.theta, row.d
+        if row.type is JointType.PRISMATIC:
+            d += row.offset + row.sign * next(values)
+        elif row.type is not JointType.FIXED:
+            theta += row.offset + row.sign * next(values)
+        about_z, about_x = turn(2, theta) @ move(2, d), turn(0, row.alpha) @ move(0, row.a)
+        T = T @ (about_z @ about_x if manipulator.convention is Convention.STANDARD else about_x @ about_z)
+    return T @ matrix_of(manipulator.tool)
+
+
+def matrix_of(pose: Any) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape(pose.rotation, (3, 3))
+    matrix[:3, 3] = pose.translation
+    return matrix
+
+
+def joint_vectors(manipulator: Manipulator, count: int = 3) -> list[list[float]]:
+    draw = np.random.default_rng(7)
+    return [list(draw.uniform(-3, 3, len(manipulator.moving_rows))) for _ in range(count)]
+
+
+@frames
+@pytest.mark.parametrize("name", ARMS)
+def test_published_arms_reach_their_published_poses(
+    published: dict[str, Any], table: Table, tmp_path: Path, name: str, frames: str
+) -> None:
+    """The files, read back, put tool0 where the publishers of the tables computed it."""
+    for emitter in (URDF, XACRO):
+        path = write(emitter, robot_of(table(name), frames), tmp_path)
+        assert emitter.read_back is not None
+        chain = KinematicChain.between(emitter.read_back(path))
+        for q, pose in zip(published[name]["q"], published[name]["T_ee"], strict=True):
+            assert np.abs(matrix_of(chain.forward_kinematics(q)) - pose).max() < 1e-9
+
+
+@frames
+@pytest.mark.parametrize("name", ARMS)
+def test_the_expanded_xacro_equals_the_urdf(table: Table, tmp_path: Path, name: str, frames: str) -> None:
+    """Same tags, attributes and order, and numbers within 1e-15·max(1, |x|)."""
+    robot = robot_of(table(name), frames)
+    assert_same_description(expand(write(XACRO, robot, tmp_path)), write(URDF, robot, tmp_path).read_bytes())
+
+
+def assert_same_description(xacro: bytes, urdf: bytes) -> None:
+    for mine, theirs in zip(ET.fromstring(xacro).iter(), ET.fromstring(urdf).iter(), strict=True):  # noqa: S314
+        assert (mine.tag, len(mine), set(mine.attrib)) == (theirs.tag, len(theirs), set(theirs.attrib))
+        for key, text in theirs.attrib.items():
+            if mine.attrib[key] != text:
+                x, y = (np.array([float(word) for word in words.split()]) for words in (mine.attrib[key], text))
+                assert (np.abs(x - y) <= 1e-15 * np.maximum(1, np.abs(y))).all(), (mine.attrib[key], text)
+
+
+lengths = st.just(0.0) | st.floats(0.001, 2) | st.floats(-2, -0.001)
+angles = st.sampled_from([k * math.pi / 2 for k in range(-2, 3)]) | st.floats(-math.pi, math.pi)
+poses = st.builds(RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles))
+
+
+@st.composite
+def manipulators(draw: st.DrawFn) -> Manipulator:
+    """Any table: 1 to 12 rows, both conventions, all joint types, any angles, signs, base and tool."""
+    rows = [
+        DHRow(
+            joint=f"joint_{i}",
+            link=f"link_{i}",
+            type=(kind := draw(st.sampled_from(JointType))),
+            a=draw(lengths),
+            alpha=draw(angles),
+            d=draw(lengths),
+            theta=draw(angles),
+            offset=0.0 if kind is JointType.FIXED else draw(angles),
+            sign=1 if kind is JointType.FIXED else draw(st.sampled_from([1, -1])),
+        )
+        for i in range(1, draw(st.integers(1, 12)) + 1)
+    ]
+    return Manipulator(
+        name="any", convention=draw(st.sampled_from(Convention)), rows=tuple(rows), base=draw(poses), tool=draw(poses)
+    )
+
+
+@frames
+@given(manipulator=manipulators())
+@settings(max_examples=40, deadline=None)
+def test_both_files_of_any_table_are_its_arm(frames: str, manipulator: Manipulator) -> None:
+    """URDF and expanded xacro are one description, and it moves tool0 as the DH product does."""
+    robot = robot_of(manipulator, frames)
+    with tempfile.TemporaryDirectory() as folder:
+        urdf, xacro = (write(emitter, robot, Path(folder)) for emitter in (URDF, XACRO))
+        assert_same_description(expand(xacro), urdf.read_bytes())
+        assert URDF.read_back is not None
+        chain = KinematicChain.between(URDF.read_back(urdf))
+    for q in joint_vectors(manipulator):
+        assert np.abs(matrix_of(chain.forward_kinematics(q)) - dh_product(manipulator, q)).max() < 1e-9
+
+
+@frames
+@pytest.mark.parametrize("name", ARMS)
+def test_quarter_turns_leave_no_noise(table: Table, tmp_path: Path, name: str, frames: str) -> None:
+    """No -0, and no 6.1e-17 where 0 is meant, in any written file of arms whose angles are quarter turns."""
+    manipulator = table(name)
+    angles = [angle for row in manipulator.rows for angle in (row.alpha, row.theta, row.offset)]
+    for emitter in (URDF, XACRO):
+        write(emitter, robot_of(manipulator, frames), tmp_path)
+    numbers = [
+        word
+        for path in tmp_path.iterdir()
+        for text in re.findall(r'"([^"]*)"', path.read_text(encoding="utf-8"))
+        for word in text.split()
+        if re.fullmatch(r"-?[0-9.]+(e-?[0-9]+)?", word)
+    ]
+    assert "-0" not in numbers
+    if all(math.remainder(angle, math.pi / 2) == 0 for angle in angles) and name != "rtb_Panda":  # whose tool is at 45°
+        assert [number for number in numbers if 0 < abs(float(number)) < 1e-12] == []
+
+
+@frames
+@pytest.mark.parametrize("name", READ_BY_ALL)
+class TestOtherReaders:
+    """Readers of other people agree on the kinematics, and say nothing that is not expected."""
+
+    def test_check_urdf(self, table: Table, tmp_path: Path, name: str, frames: str) -> None:
+        """urdfdom's own tool takes the file, finds the chain, and says nothing on standard error."""
+        command = shutil.which("check_urdf")
+        if command is None:
+            pytest.skip("check_urdf is not installed (Debian: liburdfdom-tools)")
+        path = write(URDF, robot_of(table(name), frames), tmp_path)
+        run = subprocess.run([command, str(path)], capture_output=True, text=True, check=True)
+        assert run.stderr == ""
+        assert "Successfully Parsed XML" in run.stdout
+        assert "root Link: base_link has 1 child(ren)" in run.stdout
+        assert not re.search("warn|error", run.stdout, re.IGNORECASE)
+
+    def test_pinocchio(
+        self, table: Table, tmp_path: Path, capfd: pytest.CaptureFixture[str], name: str, frames: str
+    ) -> None:
+        """Pinocchio places tool0 as the DH product does, and prints nothing."""
+        pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed (PyPI: pin)")
+        manipulator = table(name)
+        path = str(write(URDF, robot_of(manipulator, frames), tmp_path))
+        model = pin.buildModelFromUrdf(path)
+        for kind in (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION):
+            pin.buildGeomFromUrdf(model, path, kind)
+        data, tool0 = model.createData(), model.getFrameId("tool0")
+        moving = [row.joint for row in manipulator.moving_rows]
+        for q in joint_vectors(manipulator):
+            vector = pin.neutral(model)
+            for joint, value in zip(moving, q, strict=True):
+                vector[model.joints[model.getJointId(joint)].idx_q] = value
+            pin.framesForwardKinematics(model, data, vector)
+            assert np.abs(data.oMf[tool0].homogeneous - dh_product(manipulator, q)).max() < 1e-9
+        assert capfd.readouterr() == ("", "")
+
+    def test_yourdfpy(
+        self, table: Table, tmp_path: Path, caplog: pytest.LogCaptureFixture, name: str, frames: str
+    ) -> None:
+        """yourdfpy finds the file valid, logs no warning, and places tool0 as the DH product does."""
+        yourdfpy = pytest.importorskip("yourdfpy", reason="yourdfpy is not installed")
+        manipulator = table(name)
+        model = yourdfpy.URDF.load(str(write(URDF, robot_of(manipulator, frames), tmp_path)))
+        assert model.validate()
+        for q in joint_vectors(manipulator):
+            model.update_cfg(dict(zip([row.joint for row in manipulator.moving_rows], q, strict=True)))
+            assert np.abs(model.get_transform("tool0", "base_link") - dh_product(manipulator, q)).max() < 1e-9
+        assert [record for record in caplog.records if record.levelname not in {"DEBUG", "INFO"}] == []
+
+    def test_urdf_parser_py(
+        self, table: Table, tmp_path: Path, capfd: pytest.CaptureFixture[str], name: str, frames: str
+    ) -> None:
+        """urdf_parser_py finds every link and joint; it notes the tag that is MuJoCo's, and nothing else."""
+        urdf = pytest.importorskip("urdf_parser_py.urdf", reason="urdf_parser_py is not installed")
+        robot = robot_of(table(name), frames)
+        model = urdf.URDF.from_xml_file(str(write(URDF, robot, tmp_path)))
+        assert [link.name for link in model.links] == [link.name for link in robot.links]
+        assert [joint.name for joint in model.joints] == [joint.name for joint in robot.joints]
+        assert model.get_root() == "base_link"
+        out, err = capfd.readouterr()
+        assert (out, err.splitlines()) == ("", [f"Unknown tag \"mujoco\" in /robot[@name='{name}']"])
+
+
+@frames
+@pytest.mark.parametrize("name", ["urdoc_ur5", "rtb_Panda", "rtb_Stanford", "threelink3d_oblique", "rtb_Mico"])
+def test_the_properties_are_the_arm(table: Table, tmp_path: Path, name: str, frames: str) -> None:
+    """Whoever edits the properties of the macro gets the arm of the edited table: its poses and its shapes.
+
+    A person who edits a length turns no joint axis, so angles are edited in the frames `dh` alone, where they are
+    properties. Lengths of 0 stay 0: a link gets no further segment.
+    """
+    manipulator = table(name)
+    path = write(XACRO, robot_of(manipulator, frames), tmp_path)
+    macro = tmp_path / "arm_macro.xacro"
+    text = macro.read_text(encoding="utf-8")
+    draw = np.random.default_rng(3)
+    rows = list(manipulator.rows)
+    edited = []
+    for parameter in re.findall(r'<xacro:property name="(\w+)"', text):
+        field, _, index = parameter.rpartition("_")
+        row = rows[int(index) - 1]
+        value = getattr(row, field)
+        if field in {"a", "d"} and not value:
+            continue
+        new = float(value * draw.uniform(0.9, 1.5) if field in {"a", "d"} else value + draw.uniform(-0.5, 0.5))
+        rows[int(index) - 1] = replace(row, **{field: new})
+        text = re.sub(rf'(name="{parameter}" value=)"[^"]*"', rf'\1"{new!r}"', text)
+        edited.append(field)
+    macro.write_text(text, encoding="utf-8")
+    assert set(edited) == ({"a", "d"} if frames == "aligned" else {"a", "d", "alpha", "theta"})
+
+    other = replace(manipulator, rows=tuple(rows))
+    expanded, made = read_xacro(path), robot_of(other, frames)
+    chain = KinematicChain.between(expanded)
+    for q in joint_vectors(other):
+        assert np.abs(matrix_of(chain.forward_kinematics(q)) - dh_product(other, q)).max() < 1e-9
+    for mine, theirs in zip(expanded.links, made.links, strict=True):
+        for shape, wanted in zip((*mine.visuals, *mine.collisions), (*theirs.visuals, *theirs.collisions), strict=True):
+            assert shape.geometry.length == pytest.approx(wanted.geometry.length, abs=1e-12)
+            assert np.abs(matrix_of(shape.origin.transform) - matrix_of(wanted.origin.transform)).max() < 1e-9

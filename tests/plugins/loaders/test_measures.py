@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import JointType, Limits
+from dh2urdf.robot import Collision, Joint, Link, Origin, Robot, Sphere
+from dh2urdf.rotations import RigidTransform, rotation_from_rpy
+from dh2urdf_plugins.loaders.measures import clipped, hold_start, pose_error, reach, touching_pairs
+
+angles = st.floats(-3.1, 3.1)
+
+
+def joint(name: str, kind: JointType, *, lower: float | None = None, upper: float | None = None) -> Joint:
+    return Joint(name=name, type=kind, parent="a", child="b", limits=Limits(lower=lower, upper=upper))
+
+
+def chain(*kinds: JointType) -> Robot:
+    """base_link, link_1, … link_N, tool0: solid links 0.3 m apart, joined by joints of these kinds."""
+    names = ["base_link", *(f"link_{number + 1}" for number in range(len(kinds) - 1)), "tool0"]
+    shape = (Collision(geometry=Sphere(radius=0.1)),)
+    return Robot(
+        name="chain",
+        links=tuple(Link(name=name, collisions=shape) for name in names),
+        joints=tuple(
+            Joint(
+                name=f"joint_{child}",
+                type=kind,
+                parent=parent,
+                child=child,
+                origin=Origin(xyz=(0.3, 0.0, 0.0)),
+                limits=Limits(lower=-0.5, upper=0.2),
+            )
+            for kind, parent, child in zip(kinds, names, names[1:], strict=False)
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "nearest"), [(-1.0, 1.0, 0.0), (0.2, 1.0, 0.2), (-1.0, -0.2, -0.2), (None, None, 0.0)]
+)
+def test_value_is_clipped_into_the_limits(lower: float | None, upper: float | None, nearest: float) -> None:
+    """The hold test starts at the value nearest to 0 that the limits allow; a continuous joint has none."""
+    assert clipped(joint("j", JointType.REVOLUTE, lower=lower, upper=upper), 0.0) == nearest
+
+
+def test_hold_test_starts_inside_the_limits() -> None:
+    """The start has one value per moving joint."""
+    robot = chain(JointType.REVOLUTE, JointType.FIXED, JointType.CONTINUOUS, JointType.PRISMATIC)
+    assert hold_start(robot) == (0.0, 0.0, 0.0)
+
+
+def test_reach_counts_offsets_and_rails() -> None:
+    """The reach is the sum of the origins' lengths and the farther end of each rail."""
+    assert reach(chain(JointType.REVOLUTE, JointType.PRISMATIC)) == pytest.approx(0.3 + 0.3 + 0.5)
+
+
+@given(roll=angles, pitch=st.floats(-1.5, 1.5), yaw=angles, angle=st.floats(0.0, 3.1), size=st.floats(1e-9, 1.0))
+def test_pose_error_is_distance_and_angle(roll: float, pitch: float, yaw: float, angle: float, size: float) -> None:
+    """A pose that is moved by a length and turned by an angle differs by just these, small angles included."""
+    frame = RigidTransform.from_xyz_rpy((1.0, 2.0, 3.0), (roll, pitch, yaw))
+    turned = frame @ RigidTransform(rotation_from_rpy((0.0, 0.0, angle * size)), (0.0, size, 0.0))
+    r, t = frame
+    expected = (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)
+    distance, found = pose_error(turned, expected)
+    assert math.isclose(distance, size, rel_tol=1e-6, abs_tol=1e-15)
+    assert math.isclose(found, angle * size, rel_tol=1e-6, abs_tol=1e-15)
+
+
+def test_neighbours_do_not_touch() -> None:
+    """Links that a joint joins never collide, nor those that fixed joints hold together, nor their neighbours."""
+    rigid_elbow = chain(JointType.REVOLUTE, JointType.FIXED, JointType.REVOLUTE, JointType.REVOLUTE)
+    assert touching_pairs(rigid_elbow) == [
+        ("base_link", "link_3"),
+        ("base_link", "tool0"),
+        ("link_1", "tool0"),
+        ("link_2", "tool0"),
+    ]

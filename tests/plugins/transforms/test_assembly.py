@@ -1,0 +1,217 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions, alpha_swap
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from dh2urdf.robot import Inertial, Robot
+
+    Table = Callable[..., Manipulator]
+    RobotOf = Callable[..., Robot]
+
+HALF_PI = math.pi / 2
+GRAVITY = 9.81
+
+
+def body(robot: Robot, name: str) -> Inertial:
+    inertial = next(link.inertial for link in robot.links if link.name == name)
+    assert inertial is not None
+    return inertial
+
+
+def matrix(inertia: Inertia) -> NDArray[np.float64]:
+    i = inertia
+    return np.array([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]])
+
+
+# Limits.
+
+
+def test_limits_that_nobody_gave_are_filled_in(table: Table, robot_of: RobotOf) -> None:
+    """±2π rad and π rad/s, ±1 m and 1 m/s; continuous without bounds; a fixed joint has none."""
+    kinds = ("revolute", "prismatic", "continuous", "fixed")
+    joints = robot_of(table(*({"type": kind, "d": 0.1} for kind in kinds))).joints[1:5]
+    revolute, prismatic, continuous, fixed = (joint.limits for joint in joints)
+    assert (revolute.lower, revolute.upper, revolute.velocity) == (-math.tau, math.tau, math.pi)
+    assert (prismatic.lower, prismatic.upper, prismatic.velocity) == (-1.0, 1.0, 1.0)
+    assert (continuous.lower, continuous.upper, continuous.velocity) == (None, None, math.pi)
+    assert fixed == Limits()
+
+
+def test_limits_of_the_table_are_kept(table: Table, robot_of: RobotOf) -> None:
+    """So are damping and friction."""
+    limits = Limits(lower=-1.0, upper=2.0, velocity=3.0, effort=4.0)
+    joint = robot_of(table({"d": 0.1, "limits": limits, "damping": 0.5, "friction": 0.25})).moving_joints[0]
+    assert joint.limits == limits
+    assert (joint.damping, joint.friction) == (0.5, 0.25)
+
+
+def test_the_default_effort_of_a_level_arm_is_twice_its_static_load(table: Table, robot_of: RobotOf) -> None:
+    """Two links of 10 kg and 1 m: the shoulder bears g·(10·0.5 + 10·1.5), the elbow g·10·0.5, rounded up to two digits."""
+    arm = robot_of(table({"a": 1.0, "mass": 10.0}, {"a": 1.0, "mass": 10.0}))
+    assert [joint.limits.effort for joint in arm.moving_joints] == [400.0, 99.0]
+    assert pytest.approx(392.4) == 2 * GRAVITY * 20
+    assert pytest.approx(98.1) == 2 * GRAVITY * 5
+
+
+def test_a_prismatic_joint_bears_the_weight(table: Table, robot_of: RobotOf) -> None:
+    """Twice g times all masses further out."""
+    arm = robot_of(table({"type": "prismatic", "mass": 3.0}, {"a": 1.0, "mass": 7.0}))
+    assert arm.moving_joints[0].limits.effort == 200.0
+    assert pytest.approx(196.2) == 2 * GRAVITY * 10
+
+
+def test_small_arms_get_the_least_effort(table: Table, robot_of: RobotOf) -> None:
+    """10 N·m, or 10 N."""
+    assert robot_of(table({"a": 0.01})).moving_joints[0].limits.effort == 10.0
+
+
+lengths = st.floats(-1, 1)
+angles = st.floats(-3, 3)
+
+
+@st.composite
+def arms(draw: st.DrawFn) -> Manipulator:
+    kinds = st.sampled_from([JointType.REVOLUTE, JointType.PRISMATIC, JointType.FIXED])
+    rows = []
+    for i in range(draw(st.integers(1, 5))):
+        kind = draw(kinds)
+        rows.append(
+            DHRow(
+                joint=f"j{i}",
+                link=f"l{i}",
+                type=kind,
+                a=draw(lengths),
+                alpha=draw(angles),
+                d=draw(lengths),
+                theta=draw(angles),
+                mass=draw(st.floats(1, 20)),
+                com=(draw(lengths), draw(lengths), draw(lengths)),
+                limits=Limits() if kind is JointType.FIXED else Limits(lower=-0.7, upper=0.9),
+            )
+        )
+    return Manipulator(name="arm", convention=draw(st.sampled_from(Convention)), rows=tuple(rows))
+
+
+@given(arms(), st.integers(0, 99))
+def test_no_posture_and_no_mounting_needs_more_than_half_the_default_effort(arm: Manipulator, seed: int) -> None:
+    """The static load, computed from the written robot, stays below the bound in whatever direction gravity points."""
+    robot = alpha_swap(arm, AlphaSwapOptions(frames="dh" if seed % 2 else "aligned"))
+    rng = np.random.default_rng(seed)
+    for _ in range(5):
+        values = {joint.name: rng.uniform(-0.7, 0.9) for joint in robot.moving_joints}
+        pose, axes, masses = np.eye(4), [], []
+        for joint in robot.joints[:-2]:
+            x, y, z = joint.axis
+            skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+            q = values.get(joint.name, 0.0)
+            motion = np.eye(4)
+            if joint.type is JointType.PRISMATIC:
+                motion[:3, 3] = q * np.array(joint.axis)
+            else:
+                motion[:3, :3] += math.sin(q) * skew + (1 - math.cos(q)) * skew @ skew
+            step = np.eye(4)
+            step[:3, :3], step[:3, 3] = np.reshape(joint.origin.transform.rotation, (3, 3)), joint.origin.xyz
+            pose = pose @ step @ motion
+            axes.append((joint, pose[:3, 3], pose[:3, :3] @ joint.axis))
+            link = body(robot, joint.child)
+            masses.append((link.mass, (pose @ [*link.com, 1])[:3]))
+        gravity = rng.normal(size=3)
+        gravity *= GRAVITY / np.linalg.norm(gravity)
+        for i, (joint, place, axis) in enumerate(axes):
+            force = sum(mass * gravity for mass, _ in masses[i:])
+            torque = sum(mass * np.cross(com - place, gravity) for mass, com in masses[i:])
+            load = abs(axis @ (force if joint.type is JointType.PRISMATIC else torque))
+            if joint.type is not JointType.FIXED:
+                assert joint.limits.effort is not None
+                assert 2 * load <= joint.limits.effort * (1 + 1e-9)
+
+
+# Masses.
+
+
+def test_a_computed_mass_is_density_times_volume(table: Table, robot_of: RobotOf) -> None:
+    """The table's density goes before the option's."""
+    rows = [{"a": 1.0, "radius": 0.1}]
+    volume = math.pi * 0.01
+    assert body(robot_of(table(*rows)), "link_1").mass == pytest.approx(2700 * volume)
+    assert body(robot_of(table(*rows), density=1000.0), "link_1").mass == pytest.approx(1000 * volume)
+    dense = table(*rows, density=500.0)
+    assert body(robot_of(dense, density=1000.0), "link_1").mass == pytest.approx(500 * volume)
+
+
+def test_a_link_of_two_segments_has_the_mass_properties_of_both(table: Table, robot_of: RobotOf) -> None:
+    """Equal legs of an L: the centre of mass lies between their centres, and the L has a product of inertia."""
+    leg, r, mass = 1.0, 0.1, 2.0
+    link = body(robot_of(table({"d": leg, "a": leg, "radius": r, "mass": 2 * mass})), "link_1")
+    assert link.com == pytest.approx((0.25, 0.0, 0.75))
+    across, along = mass / 12 * (3 * r * r + leg * leg), mass * r * r / 2
+    shift = mass * 0.25**2
+    expected = [
+        [across + along + 2 * shift, 0, 2 * shift * -1],
+        [0, 2 * across + 4 * shift, 0],
+        [2 * shift * -1, 0, across + along + 2 * shift],
+    ]
+    np.testing.assert_allclose(matrix(link.inertia), expected, atol=1e-12)
+
+
+def test_a_mass_alone_scales_the_inertia_of_the_shape(table: Table, robot_of: RobotOf) -> None:
+    """Twice the mass in the same shape has twice the inertia; a centre of mass carries it along."""
+    plain = body(robot_of(table({"a": 1.0})), "link_1")
+    heavy = body(robot_of(table({"a": 1.0, "mass": 2 * plain.mass, "com": (0.0, 0.1, 0.0)})), "link_1")
+    np.testing.assert_allclose(matrix(heavy.inertia), 2 * matrix(plain.inertia), rtol=1e-14)
+    assert heavy.com == (1.0, 0.1, 0.0)
+
+
+GIVEN = {"mass": 2.0, "com": (0.1, 0.2, 0.3), "inertia": Inertia(ixx=1.0, iyy=2.0, izz=2.5, ixy=0.1, ixz=0.2, iyz=0.3)}
+
+
+@pytest.mark.parametrize("frames", ["aligned", "dh"])
+@pytest.mark.parametrize("convention", Convention)
+def test_given_mass_properties_hold_in_the_dh_frame_after_the_row(frames: str, convention: Convention) -> None:
+    """Seen from base_link at q = 0, com and inertia are those of the table in DH frame i, in both frames."""
+    row: dict[str, Any] = {"a": 0.3, "alpha": 0.4, "d": 0.5, "theta": 0.6}
+    table = Manipulator(
+        name="arm",
+        convention=convention,
+        base=RigidTransform.from_xyz_rpy((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)),
+        rows=tuple(DHRow(joint=f"j{i}", link=f"l{i}", **row, **(GIVEN if i == 1 else {})) for i in range(3)),
+    )
+    robot = alpha_swap(table, AlphaSwapOptions(frames=frames))
+    pose = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))
+    for joint in robot.joints[:3]:
+        pose = pose @ joint.origin.transform
+    from dh2urdf.kinematics import forward_kinematics
+
+    frame = forward_kinematics(replace(table, rows=table.rows[:2]), [0.0, 0.0])
+    R, F = np.reshape(pose.rotation, (3, 3)), np.reshape(frame.rotation, (3, 3))
+    link = body(robot, "l1")
+    assert link.mass == 2.0
+    np.testing.assert_allclose(R @ link.com + pose.translation, F @ GIVEN["com"] + frame.translation, atol=1e-14)
+    np.testing.assert_allclose(
+        R @ matrix(link.inertia) @ R.T,
+        F @ matrix(GIVEN["inertia"]) @ F.T,
+        atol=1e-14,  # type: ignore[arg-type]
+    )
+
+
+def test_frames_weigh_nothing_and_say_so(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """Flange and tool0 have an explicit zero inertial and no shape; the base has the mass that the table gives it."""
+    robot = robot_of(replace(ur5, base_mass=4.0))
+    for name in ("flange", "tool0"):
+        assert (body(robot, name).mass, body(robot, name).inertia) == (0.0, Inertia(ixx=0.0, iyy=0.0, izz=0.0))
+    assert body(robot, "base_link_inertia").mass == 4.0

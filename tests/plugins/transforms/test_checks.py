@@ -1,0 +1,141 @@
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import TransformError
+from dh2urdf.manipulator import Inertia, Limits, LinkGeometry, Manipulator
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Mark
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.robot import Robot
+
+    Table = Callable[..., Manipulator]
+    RobotOf = Callable[..., Robot]
+
+BODY = Inertia(ixx=1.0, iyy=1.0, izz=1.0)
+
+
+@pytest.mark.parametrize(
+    ("row", "field", "says"),
+    [
+        ({"type": "fixed", "offset": 0.1}, "offset", "fixed joint"),
+        ({"type": "fixed", "sign": -1}, "sign", "fixed joint"),
+        ({"sign": 2}, "sign", "neither 1 nor -1"),
+        ({"limits": Limits(lower=0.0)}, "limits.upper", "without upper"),
+        ({"limits": Limits(upper=0.0)}, "limits.lower", "without lower"),
+        ({"mass": 0.0}, "mass", "greater than 0"),
+        ({"radius": -0.1}, "radius", "greater than 0"),
+        ({"a": math.inf}, "a", "not finite"),
+        ({"limits": Limits(lower=-math.inf, upper=1.0)}, "limits.lower", "not finite"),
+        ({"com": (0.0, math.nan, 0.0)}, "com", "not finite"),
+        ({"inertia": Inertia(ixx=0.0, iyy=0.35, izz=0.0)}, "inertia", "positive definite"),
+        ({"inertia": Inertia(ixx=1.0, iyy=1.0, izz=2.1)}, "inertia", "triangle inequality"),
+        ({"inertia": Inertia(ixx=1.0, iyy=math.nan, izz=2.1)}, "inertia", "not finite"),
+    ],
+)
+def test_a_row_that_makes_no_arm_is_refused(
+    row: dict[str, Any], field: str, says: str, table: Table, robot_of: RobotOf
+) -> None:
+    """The error names the joint, its place and the field, says what is wrong and what is accepted."""
+    mark = Mark(file="arm.csv", line=3)
+    with pytest.raises(TransformError, match=says) as caught:
+        robot_of(table({"d": 0.1}, row | {"mark": mark}))
+    (problem,) = caught.value.problems
+    assert (problem.joint, problem.field, problem.mark, problem.robot) == ("joint_2", field, mark, "arm")
+    assert problem.accepted
+
+
+@pytest.mark.parametrize(
+    ("more", "field", "says"),
+    [
+        ({"geometry": LinkGeometry(shape="cilinder")}, "geometry.shape", "did you mean 'cylinder'"),
+        ({"base_geometry": LinkGeometry(radius=0.0)}, "base.geometry.radius", "greater than 0"),
+        ({"density": -1.0}, "density", "greater than 0"),
+        ({"base_mass": math.inf}, "base.mass", "finite"),
+        ({"tool": RigidTransform.from_xyz_rpy((math.inf, 0.0, 0.0))}, "tool", "not finite"),
+    ],
+)
+def test_a_table_that_makes_no_arm_is_refused(
+    more: dict[str, Any], field: str, says: str, table: Table, robot_of: RobotOf
+) -> None:
+    """Shapes, density, base and tool are checked like the rows."""
+    with pytest.raises(TransformError, match=says) as caught:
+        robot_of(table({"d": 0.1}, **more))
+    (problem,) = caught.value.problems
+    assert problem.field == field
+
+
+def test_no_rows_make_no_arm(table: Table, robot_of: RobotOf) -> None:
+    """An arm has a joint."""
+    with pytest.raises(TransformError, match="no rows"):
+        robot_of(table())
+
+
+def test_all_problems_are_reported_at_once(table: Table, robot_of: RobotOf) -> None:
+    """In the order of the rows."""
+    with pytest.raises(TransformError) as caught:
+        robot_of(table({"mass": -1.0}, {"a": math.nan, "radius": 0.0}, {"type": "fixed", "offset": 1.0}))
+    problems = [(problem.joint, problem.field) for problem in caught.value.problems]
+    assert problems == [("joint_1", "mass"), ("joint_2", "a"), ("joint_2", "radius"), ("joint_3", "offset")]
+
+
+@pytest.mark.parametrize(
+    ("row", "meant"),
+    [
+        ({"alpha": 1.5708}, "pi/2"),
+        ({"alpha": -1.57}, "-pi/2"),
+        ({"theta": 3.14159}, "pi"),
+        ({"offset": -3.142}, "-pi"),
+        ({"theta": 4.7124}, "3\\*pi/2"),
+    ],
+)
+def test_an_angle_that_was_probably_a_quarter_turn_is_kept_with_a_notice(
+    row: dict[str, float], meant: str, table: Table, robot_of: RobotOf
+) -> None:
+    """Nothing is snapped in silence, and nothing at all in the exact variant."""
+    robot = robot_of(table(row, {"d": 0.1}))
+    (notice,) = robot.notices
+    assert notice.severity == "notice"
+    assert f"; {meant.replace(chr(92), '')} was probably meant" in notice.message
+    assert (notice.joint, notice.robot) == ("joint_1", "arm")
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        {"alpha": math.pi / 2},
+        {"alpha": 0.001},
+        {"alpha": 1.0, "theta": 1.55},
+        {"type": "prismatic", "offset": 1.5708},
+    ],
+)
+def test_other_angles_are_nobodys_business(row: dict[str, Any], table: Table, robot_of: RobotOf) -> None:
+    """Exact ones, small ones, oblique ones, and lengths."""
+    assert robot_of(table(row, {"d": 0.1})).notices == ()
+
+
+@pytest.mark.parametrize(
+    ("row", "says"),
+    [
+        ({"type": "continuous", "limits": Limits(lower=-1.0, upper=1.0)}, "continuous joint has no lower and upper"),
+        ({"type": "fixed", "limits": Limits(velocity=1.0)}, "fixed joint has no velocity"),
+    ],
+)
+def test_limits_that_are_not_used_are_a_notice(row: dict[str, Any], says: str, table: Table, robot_of: RobotOf) -> None:
+    """Whoever wrote them believes that they count."""
+    (notice,) = robot_of(table({"d": 0.1} | row)).notices
+    assert says in notice.message
+
+
+@pytest.mark.parametrize("options", [{"radius": 0.0}, {"radius": math.nan}, {"density": -1.0}, {"snap": -0.1}])
+def test_options_that_make_no_body_are_refused(options: dict[str, Any]) -> None:
+    """By the options themselves, so that a run file's error has its line."""
+    with pytest.raises(ValueError, match=next(iter(options))):
+        AlphaSwapOptions(**options)

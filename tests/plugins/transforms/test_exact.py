@@ -1,0 +1,411 @@
+"""The exact variant is the arm of the table: two oracles that share nothing with it say so."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.robot import Box, Cylinder
+from dh2urdf.robot_check import check_robot
+from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions, alpha_swap
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from conftest import ReferenceRobot  # type: ignore[import-not-found]
+    from numpy.typing import NDArray
+
+    from dh2urdf.robot import Origin, Robot
+
+FRAMES = pytest.mark.parametrize("frames", ["aligned", "dh"])
+SHAPES = ("cylinder", "box", "capsule")
+
+
+# The oracles: homogeneous matrices as a textbook has them.
+
+
+def turn(axis: Sequence[float], angle: float) -> NDArray[np.float64]:
+    """Rotation by the matrix exponential's closed form."""
+    x, y, z = axis
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    matrix = np.eye(4)
+    matrix[:3, :3] += math.sin(angle) * k + (1 - math.cos(angle)) * k @ k
+    return matrix
+
+
+def shift(vector: Sequence[float]) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    matrix[:3, 3] = vector
+    return matrix
+
+
+def homogeneous(transform: RigidTransform) -> NDArray[np.float64]:
+    matrix = shift(transform.translation)
+    matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
+    return matrix
+
+
+def dh_product(manipulator: Manipulator, q: Sequence[float]) -> NDArray[np.float64]:
+    pose = homogeneous(manipulator.base)
+    values = iter(q)
+    for row in manipulator.rows:
+        theta, d = row.theta, row.d
+        if row.type is JointType.PRISMATIC:
+            d += row.offset + row.sign * next(values)
+        elif row.type is not JointType.FIXED:
+            theta += row.offset + row.sign * next(values)
+        x = turn((1, 0, 0), row.alpha) @ shift((row.a, 0, 0))
+        z = turn((0, 0, 1), theta) @ shift((0, 0, d))
+        pose = pose @ (x @ z if manipulator.convention is Convention.MODIFIED else z @ x)
+    return pose @ homogeneous(manipulator.tool)
+
+
+def placed(xyz: Sequence[float], rpy: Sequence[float]) -> NDArray[np.float64]:
+    roll, pitch, yaw = rpy
+    return shift(xyz) @ turn((0, 0, 1), yaw) @ turn((0, 1, 0), pitch) @ turn((1, 0, 0), roll)
+
+
+def tree_pose(
+    robot: Robot, q: Sequence[float], tip: str = "tool0", names: Mapping[str, Any] | None = None
+) -> NDArray[np.float64]:
+    """T(base_link → tip); with names, every origin is evaluated from its formulas."""
+    joints = {joint.child: joint for joint in robot.joints}
+    values = dict(zip((joint.name for joint in robot.moving_joints), q, strict=True))
+    pose = np.eye(4)
+    link = tip
+    while link in joints:
+        joint = joints[link]
+        xyz, rpy = (joint.origin.xyz, joint.origin.rpy) if names is None else evaluated(joint.origin, names)
+        step = placed(xyz, rpy)
+        if joint.type is JointType.PRISMATIC:
+            step = step @ shift(np.multiply(values[joint.name], joint.axis))
+        elif joint.type is not JointType.FIXED:
+            step = step @ turn(joint.axis, values[joint.name])
+        pose, link = step @ pose, joint.parent
+    assert link == "base_link"
+    return pose
+
+
+# Formulas, read as Python reads them.
+
+FUNCTIONS = {name: getattr(math, name) for name in ("sin", "cos", "atan2")} | {"abs": abs, "max": max, "min": min}
+
+
+def value_of(formula: str, names: Mapping[str, Any]) -> float:
+    return float(eval(formula, {"__builtins__": {}}, FUNCTIONS | dict(names)))  # noqa: S307 - the project's own text
+
+
+def evaluated(origin: Origin, names: Mapping[str, Any]) -> tuple[list[float], list[float]]:
+    xyz, rpy = (
+        [value_of(formula, names) for formula in formulas] if formulas else list(numbers)
+        for numbers, formulas in ((origin.xyz, origin.xyz_formula), (origin.rpy, origin.rpy_formula))
+    )
+    return xyz, rpy
+
+
+def numbers_with_formulas(robot: Robot) -> Iterator[tuple[float, str]]:
+    origins = [joint.origin for joint in robot.joints]
+    for link in robot.links:
+        for shape in (*link.visuals, *link.collisions):
+            origins.append(shape.origin)
+            match shape.geometry:
+                case Cylinder(length=length, length_formula=str(formula)):
+                    yield length, formula
+                case Box(size=size, size_formula=(_, _, _) as formulas):
+                    yield from zip(size, formulas, strict=True)
+    for origin in origins:
+        yield from zip(origin.xyz, origin.xyz_formula or (), strict=False)
+        yield from zip(origin.rpy, origin.rpy_formula or (), strict=False)
+
+
+def parameter_values(robot: Robot) -> dict[str, float]:
+    return {parameter.name: parameter.value for parameter in robot.parameters}
+
+
+# Tables of every kind.
+
+lengths = st.sampled_from([0.0, 0.0, 0.3, -0.425]) | st.floats(-2, 2)
+angles = st.sampled_from([k * math.pi / 2 for k in range(-4, 5)]) | st.floats(-2 * math.pi, 2 * math.pi)
+vectors = st.tuples(lengths, lengths, lengths)
+frames_of = st.builds(RigidTransform.from_xyz_rpy, vectors, st.tuples(angles, angles, angles)) | st.just(
+    RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))
+)
+
+
+@st.composite
+def rows(draw: st.DrawFn, number: int) -> DHRow:
+    fixed = (joint_type := draw(st.sampled_from(JointType))) is JointType.FIXED
+    return DHRow(
+        joint=f"joint_{number}",
+        link=f"link_{number}",
+        type=joint_type,
+        a=draw(lengths),
+        alpha=draw(angles),
+        d=draw(lengths),
+        theta=draw(angles),
+        offset=0.0 if fixed else draw(angles),
+        sign=1 if fixed else draw(st.sampled_from([1, -1])),
+    )
+
+
+@st.composite
+def manipulators(draw: st.DrawFn, most: int = 12) -> Manipulator:
+    count = draw(st.integers(1, most))
+    return Manipulator(
+        name="arm",
+        convention=draw(st.sampled_from(Convention)),
+        rows=tuple(draw(rows(number)) for number in range(1, count + 1)),
+        base=draw(frames_of),
+        tool=draw(frames_of),
+    )
+
+
+def joint_vector(manipulator: Manipulator, seed: int) -> list[float]:
+    rng = np.random.default_rng(seed)
+    return [float(value) for value in rng.uniform(-3, 3, len(manipulator.moving_rows))]
+
+
+@given(manipulators(), st.integers(0, 99), st.sampled_from(SHAPES))
+def test_the_robot_has_the_kinematics_of_the_table_in_both_frames(
+    manipulator: Manipulator, seed: int, shape: str
+) -> None:
+    """T(base_link → tool0) is the DH product, whatever the convention, the joints, the angles, base and tool."""
+    q = joint_vector(manipulator, seed)
+    truth = dh_product(manipulator, q)
+    for frames in ("aligned", "dh"):
+        robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames, shape=shape))
+        np.testing.assert_allclose(tree_pose(robot, q), truth, rtol=0, atol=1e-12)
+        assert not [problem for problem in check_robot(robot) if problem.severity == "error"]
+
+
+@given(manipulators(most=5), st.sampled_from(SHAPES))
+def test_formulas_give_the_numbers_to_the_last_bit(manipulator: Manipulator, shape: str) -> None:
+    """Whoever evaluates a formula with the parameters' values gets the number beside it."""
+    for frames in ("aligned", "dh"):
+        robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames, shape=shape))
+        names = parameter_values(robot)
+        for number, formula in numbers_with_formulas(robot):
+            assert value_of(formula, names) == number, formula
+
+
+@given(manipulators(most=4), st.data(), st.integers(0, 99))
+def test_an_edited_parameter_edits_the_arm(manipulator: Manipulator, data: st.DataObject, seed: int) -> None:
+    """With other lengths, in `dh` frames other angles too, the formulas of the old table give the new one's arm."""
+    q = joint_vector(manipulator, seed)
+    other = tuple(
+        replace(row, a=data.draw(lengths), d=data.draw(lengths), alpha=data.draw(angles), theta=data.draw(angles))
+        for row in manipulator.rows
+    )
+    only_lengths = tuple(replace(row, a=new.a, d=new.d) for row, new in zip(manipulator.rows, other, strict=True))
+    for frames, edited_rows in (("aligned", only_lengths), ("dh", other)):
+        robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames))
+        edited = replace(manipulator, rows=edited_rows)
+        names = parameter_values(alpha_swap(edited, AlphaSwapOptions(frames=frames)))
+        pose = tree_pose(robot, q, names=names)
+        np.testing.assert_allclose(pose, dh_product(edited, q), rtol=0, atol=1e-12)
+
+
+@FRAMES
+def test_published_arms_reach_where_their_publishers_have_them(reference_robot: ReferenceRobot, frames: str) -> None:
+    """T(base_link → tool0) is the pose that the library which published the table computed."""
+    robot = alpha_swap(reference_robot.manipulator, AlphaSwapOptions(frames=frames))
+    size = 1 + sum(abs(row.a) + abs(row.d) for row in reference_robot.manipulator.rows)
+    for q, pose in zip(reference_robot.q, reference_robot.poses, strict=True):
+        np.testing.assert_allclose(tree_pose(robot, q), pose, rtol=0, atol=1e-13 * size)
+
+
+@FRAMES
+@pytest.mark.parametrize("shape", SHAPES)
+def test_published_arms_keep_every_rule(reference_robot: ReferenceRobot, frames: str, shape: str) -> None:
+    """The check of finished robots has nothing to say of any published table."""
+    options = AlphaSwapOptions(frames=frames, shape=shape, base_collision=True)
+    assert check_robot(alpha_swap(reference_robot.manipulator, options)) == ()
+
+
+def all_numbers(value: Any) -> Iterator[float]:
+    """Every number of nested records."""
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, tuple):
+        for part in value:
+            yield from all_numbers(part)
+    elif hasattr(value, "__dataclass_fields__"):
+        for name in value.__dataclass_fields__:
+            yield from all_numbers(getattr(value, name))
+
+
+quarters = st.integers(-4, 4).map(lambda k: k * math.pi / 2)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from([0.0, 0.3, -0.2]), quarters, st.sampled_from([0.0, 0.1, -0.5]), quarters)),
+    st.sampled_from(Convention),
+    st.tuples(quarters, quarters, quarters),
+    st.sampled_from(SHAPES),
+)
+def test_quarter_turns_leave_no_noise(
+    parameters: list[tuple[float, float, float, float]],
+    convention: Convention,
+    rpy: tuple[float, float, float],
+    shape: str,
+) -> None:
+    """Where all angles are quarter turns, no number of the robot is -0.0, or 6.1e-17 where 0 is meant."""
+    table = Manipulator(
+        name="arm",
+        convention=convention,
+        base=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.3), rpy),
+        tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.1), rpy),
+        rows=tuple(
+            DHRow(joint=f"j{i}", link=f"l{i}", type=JointType.REVOLUTE, a=a, alpha=alpha, d=d, offset=offset, sign=sign)
+            for (i, (a, alpha, d, offset)), sign in zip(
+                enumerate([*parameters, (0.1, 0.0, 0.0, 0.0)]), [1, -1] * len(parameters) + [1], strict=False
+            )
+        ),
+    )
+    for frames in ("aligned", "dh"):
+        robot = alpha_swap(table, AlphaSwapOptions(frames=frames, shape=shape))
+        for number in all_numbers((robot.joints, robot.links)):
+            assert math.copysign(1, number) > 0 or number < 0, "-0.0"
+            assert number == 0 or abs(number) > 1e-12
+
+
+def test_a_matrix_with_the_rounding_of_a_quarter_turn_is_one(table: Callable[..., Manipulator]) -> None:
+    """A base that is given as a matrix with 6.1e-17 in it leaves no such number in the robot."""
+    noise = 6.123233995736766e-17
+    base = RigidTransform((noise, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, noise), (0.0, 0.0, 0.0))
+    robot = alpha_swap(table({"d": 0.5}, base=base), AlphaSwapOptions())
+    assert robot.joints[1].axis == (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("convention", Convention)
+def test_aligned_axes_are_those_of_the_swap(convention: Convention, table: Callable[..., Manipulator]) -> None:
+    """For θ = 0 joint i's axis is (0, -sin A, cos A), A being the sum of α before it; rpy is 0 at every joint."""
+    alphas = [0.0, math.pi / 2, math.pi, -math.pi / 2, 0.0, -math.pi / 2, math.pi / 2, math.pi]
+    robot = alpha_swap(
+        table(*({"alpha": alpha, "d": 0.1} for alpha in alphas), convention=convention), AlphaSwapOptions()
+    )
+    before = alphas if convention is Convention.MODIFIED else [0.0, *alphas]
+    sums = np.cumsum(before)
+    for joint, total in zip(robot.moving_joints, sums, strict=False):
+        np.testing.assert_allclose(joint.axis, (0, -math.sin(total), math.cos(total)), atol=1e-15)
+        assert joint.origin.rpy == (0.0, 0.0, 0.0)
+
+
+def test_the_ur5_reads_like_one_that_a_person_wrote(ur5: Manipulator) -> None:
+    """Aligned frames: origins are the table's lengths, axes are bare signs."""
+    robot = alpha_swap(ur5, AlphaSwapOptions())
+    assert [joint.origin.xyz for joint in robot.moving_joints] == [
+        (0.0, 0.0, 0.0),
+        (0.0, 0.0, 0.089159),
+        (-0.425, 0.0, 0.0),
+        (-0.39225, 0.0, 0.0),
+        (0.0, -0.10915, 0.0),
+        (0.0, 0.0, -0.09465),
+    ]
+    assert [joint.axis for joint in robot.moving_joints] == [
+        (0.0, 0.0, 1.0),
+        (0.0, -1.0, 0.0),
+        (0.0, -1.0, 0.0),
+        (0.0, -1.0, 0.0),
+        (0.0, 0.0, -1.0),
+        (0.0, -1.0, 0.0),
+    ]
+    assert robot.moving_joints[2].origin.xyz_formula == ("a_2", "-d_2", "0")
+    assert robot.moving_joints[4].origin.xyz_formula == ("a_4", "-d_4", "0")
+
+
+@FRAMES
+def test_dh_frames_have_the_axis_z_and_the_sign_in_it(frames: str, table: Callable[..., Manipulator]) -> None:
+    """A joint that counts the other way has the opposite axis."""
+    robot = alpha_swap(table({"d": 0.1}, {"d": 0.1, "sign": -1}), AlphaSwapOptions(frames=frames))
+    assert [joint.axis for joint in robot.moving_joints] == [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+
+
+@pytest.mark.parametrize("convention", Convention)
+def test_dh_link_frames_are_the_frames_of_the_table(convention: Convention) -> None:
+    """Modified: link i's frame is DH frame i; standard: DH frame i-1 turned by q_i."""
+    table = Manipulator(
+        name="arm",
+        convention=convention,
+        base=RigidTransform.from_xyz_rpy((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)),
+        rows=tuple(
+            DHRow(joint=f"j{i}", link=f"l{i}", a=0.1 * i, alpha=0.3 + i, d=0.2, theta=0.7 * i) for i in range(4)
+        ),
+    )
+    robot = alpha_swap(table, AlphaSwapOptions(frames="dh"))
+    q = [0.3, -0.7, 1.1, 0.2]
+    for i in range(4):
+        upto = i + 1 if convention is Convention.MODIFIED else i
+        frame = dh_product(replace(table, rows=table.rows[:upto]), q[:upto])
+        if convention is Convention.STANDARD:
+            frame = frame @ turn((0, 0, 1), q[i])
+        np.testing.assert_allclose(tree_pose(robot, q, f"l{i}"), frame, atol=1e-14)
+
+
+@FRAMES
+@pytest.mark.parametrize("convention", Convention)
+def test_the_flange_looks_out_along_x(frames: str, convention: Convention) -> None:
+    """The flange is the last DH frame turned by rpy (0, -π/2, -π/2), as in ROS-Industrial; the tool is not in it."""
+    table = Manipulator(
+        name="arm",
+        convention=convention,
+        tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.2), (0.1, 0.2, 0.3)),
+        rows=tuple(DHRow(joint=f"j{i}", link=f"l{i}", a=0.1, alpha=0.3, d=0.2, theta=0.7) for i in range(3)),
+    )
+    robot = alpha_swap(table, AlphaSwapOptions(frames=frames))
+    q = [0.3, -0.7, 1.1]
+    last = dh_product(replace(table, tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))), q)
+    expected = last @ placed((0, 0, 0), (0, -math.pi / 2, -math.pi / 2))
+    np.testing.assert_allclose(tree_pose(robot, q, "flange"), expected, atol=1e-14)
+    np.testing.assert_allclose(expected[:3, 0], last[:3, 2], atol=1e-15)
+
+
+def test_links_and_joints_have_the_names_of_the_interface(ur5: Manipulator) -> None:
+    """An empty base_link, base_link_inertia fixed to it, the links of the table, flange and tool0 on the last one."""
+    robot = alpha_swap(ur5, AlphaSwapOptions())
+    links = ["base_link", "base_link_inertia", *(f"link_{i}" for i in range(1, 7)), "flange", "tool0"]
+    assert [link.name for link in robot.links] == links
+    assert robot.links[0].inertial is None
+    assert not robot.links[0].visuals
+    assert [(joint.name, joint.parent, joint.child) for joint in robot.joints if joint.type is JointType.FIXED] == [
+        ("base_link-base_link_inertia", "base_link", "base_link_inertia"),
+        ("link_6-flange", "link_6", "flange"),
+        ("link_6-tool0", "link_6", "tool0"),
+    ]
+    assert [joint.child for joint in robot.joints] == links[1:]
+
+
+def test_parameters_are_the_table(ur5: Manipulator) -> None:
+    """Lengths may be edited in both frames, angles in `dh` frames."""
+    aligned, dh = (alpha_swap(ur5, AlphaSwapOptions(frames=frames)) for frames in ("aligned", "dh"))
+    assert [p.name for p in aligned.parameters] == [f"{name}_{i}" for i, name in product(range(1, 7), "ad")]
+    assert [p.name for p in dh.parameters[:4]] == ["a_1", "alpha_1", "d_1", "theta_1"]
+    assert {p.name: (p.value, p.unit, p.joint) for p in dh.parameters}["alpha_5"] == (-math.pi / 2, "rad", "joint_5")
+
+
+def test_dh_formulas_keep_their_functions_where_the_angle_is_a_quarter_turn(table: Callable[..., Manipulator]) -> None:
+    """cos(π/2) would be 6e-17: there the formula has the phase taken out, and still follows the angle."""
+    robot = alpha_swap(table({"a": 0.5, "theta": math.pi / 2}, {"d": 0.1}), AlphaSwapOptions(frames="dh"))
+    origin = robot.moving_joints[1].origin
+    assert origin.xyz == (0.0, 0.5, 0.0)
+    phase = "theta_1 - 1.5707963267948966"
+    assert origin.xyz_formula == (f"-a_1*sin({phase})", f"a_1*cos({phase})", "d_1")
+
+
+def test_a_thousand_axes_are_an_arm_like_any_other(table: Callable[..., Manipulator]) -> None:
+    """Nothing recurses over the axes."""
+    manipulator = table(*({"a": 0.001, "alpha": math.pi / 2 * (-1) ** i} for i in range(1000)))
+    q = joint_vector(manipulator, 1)
+    for frames in ("aligned", "dh"):
+        robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames))
+        np.testing.assert_allclose(tree_pose(robot, q), dh_product(manipulator, q), atol=1e-12)
+        assert check_robot(robot) == ()

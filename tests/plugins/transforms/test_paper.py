@@ -1,0 +1,149 @@
+"""What the paper says, and nothing else."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import TransformError
+from dh2urdf.manipulator import Inertia, Manipulator
+from dh2urdf.robot import Box
+from dh2urdf.robot_check import check_robot
+from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.robot import Robot
+
+    Table = Callable[..., Manipulator]
+    RobotOf = Callable[..., Robot]
+
+HALF_PI = math.pi / 2
+Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def test_the_papers_ur5(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """Section IV: the axes of its links 1 to 5 are y, y, y, z, y, and the five lengths are those of the table."""
+    robot = robot_of(ur5, variant="paper")
+    assert [joint.axis for joint in robot.moving_joints] == [Z, Y, Y, Y, Z, Y]
+    sizes = [visual.geometry.size for link in robot.links[2:-2] for visual in link.visuals]
+    assert sizes == [
+        (0.01, 0.01, 0.089159),
+        (0.01, 0.01, 0.425),
+        (0.01, 0.01, 0.39225),
+        (0.01, 0.10915, 0.01),
+        (0.01, 0.01, 0.09465),
+        (0.01, 0.0823, 0.01),
+    ]
+
+
+def test_its_links_stand_in_a_straight_line(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """The flaw that the paper's conclusion names: until the last row every origin is on z; rpy is 0 throughout."""
+    robot = robot_of(ur5, variant="paper")
+    lengths = [0.0, 0.089159, 0.425, 0.39225, 0.10915, 0.09465]
+    assert [joint.origin.xyz for joint in robot.moving_joints] == [(0.0, 0.0, length) for length in lengths]
+    assert robot.joints[-1].origin.xyz == (0.0, 0.0823, 0.0)
+    assert {joint.origin.rpy for joint in robot.joints} == {(0.0, 0.0, 0.0)}
+    middles = [visual.origin.xyz for link in robot.links[2:-2] for visual in link.visuals]
+    assert middles == [
+        *((0.0, 0.0, 0.5 * length) for length in [*lengths[1:]]),
+        (0.0, 0.5 * 0.0823, 0.0),
+    ]
+
+
+def test_each_angle_of_the_set_does_what_the_text_says(table: Table, robot_of: RobotOf) -> None:
+    """0 and π nothing; π/2 swaps axes and lengths of all that follows; -π/2 their origins too. Twice is not at all."""
+    turns = [0.0, math.pi, HALF_PI, -HALF_PI, HALF_PI, -HALF_PI, 0.0]
+    robot = robot_of(table(*({"a": 0.2, "alpha": alpha, "d": 0.1} for alpha in turns)), variant="paper")
+    assert [joint.axis for joint in robot.moving_joints] == [Z, Z, Z, Y, Z, Y, Z]
+    steps = [joint.origin.xyz for joint in robot.joints[2:-1]]
+    along_z, along_y = (0.0, 0.0, 0.2), (0.0, 0.2, 0.0)
+    assert steps == [along_z] * 4 + [along_y] * 2 + [along_z]
+    sizes = [link.visuals[0].geometry.size[1:] for link in robot.links[2:-2]]
+    assert sizes == [(0.2, 0.1), (0.2, 0.1), (0.2, 0.1), (0.1, 0.2), (0.2, 0.1), (0.1, 0.2), (0.2, 0.1)]
+
+
+def test_a_row_without_lengths_is_a_cube_of_the_papers_thickness(table: Table, robot_of: RobotOf) -> None:
+    """0.01 m each way, and nothing that could touch."""
+    link = robot_of(table({}, {"d": 0.1}), variant="paper").links[2]
+    assert link.visuals[0].geometry == Box(size=(0.01, 0.01, 0.01))
+    assert link.collisions == ()
+
+
+def test_lengths_can_be_edited(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """Origins and boxes follow a_i and d_i."""
+    robot = robot_of(ur5, variant="paper")
+    assert robot.moving_joints[2].origin.xyz_formula == ("0", "0", "max(abs(d_2), abs(a_2))")
+    assert robot.links[3].visuals[0].geometry.size_formula == ("0.01", "0.01", "max(abs(a_2), 0.00001)")
+
+
+def test_the_robot_keeps_the_rules_and_says_that_it_is_another_arm(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """It can be loaded and proved to be different; only the exact variant claims the kinematics."""
+    assert check_robot(robot_of(ur5, variant="paper")) == ()
+    assert not TRANSFORM.keeps_kinematics(AlphaSwapOptions(variant="paper"))
+    assert TRANSFORM.keeps_kinematics(AlphaSwapOptions())
+
+
+def test_an_angle_near_the_set_is_taken_for_it_with_a_notice(table: Table, robot_of: RobotOf) -> None:
+    """1.5708 is π/2; how near is an option."""
+    robot = robot_of(table({"alpha": 1.5708}, {"d": 0.1}), variant="paper")
+    assert robot.moving_joints[1].axis == Y
+    (notice,) = robot.notices
+    assert (notice.severity, notice.joint, notice.field) == ("notice", "joint_1", "alpha")
+    assert "pi/2" in notice.message
+    with pytest.raises(TransformError):
+        robot_of(table({"alpha": 1.5708}, {"d": 0.1}), variant="paper", snap=0.0)
+
+
+@pytest.mark.parametrize(
+    ("row", "field", "found"),
+    [
+        ({"alpha": 0.3}, "alpha", "0.3"),
+        ({"alpha": -math.pi}, "alpha", "-3.14159265359"),
+        ({"theta": 0.2}, "theta", "0.2"),
+        ({"offset": 0.1}, "offset", "0.1"),
+        ({"sign": -1}, "sign", "-1"),
+    ],
+)
+def test_what_it_has_no_place_for_is_refused(
+    row: dict[str, Any], field: str, found: str, table: Table, robot_of: RobotOf
+) -> None:
+    """The error names joint, field, value and what is accepted."""
+    with pytest.raises(TransformError) as caught:
+        robot_of(table({}, row), variant="paper")
+    (problem,) = caught.value.problems
+    assert (problem.joint, problem.field, problem.found) == ("joint_2", field, found)
+    accepted = {"alpha": "0, pi, pi/2, -pi/2", "sign": "1"}.get(field, "0")
+    assert problem.accepted == accepted
+
+
+def test_the_turn_of_minus_pi_is_said_to_be_pi(table: Table, robot_of: RobotOf) -> None:
+    """The set of equation (1) has π and not -π: it is refused, with the word that means the same."""
+    with pytest.raises(TransformError, match="pi is the same turn"):
+        robot_of(table({"alpha": -math.pi}), variant="paper")
+
+
+def test_all_reasons_are_given_at_once(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """Convention, base and tool too."""
+    moved = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.1))
+    other = replace(ur5, convention=type(ur5.convention)("modified"), base=moved, tool=moved)
+    with pytest.raises(TransformError) as caught:
+        robot_of(other, variant="paper")
+    assert [problem.field for problem in caught.value.problems] == ["convention", "base", "tool"]
+    assert caught.value.problems[0].accepted == "standard"
+
+
+def test_mass_properties_of_dh_frames_cannot_be_placed(table: Table, robot_of: RobotOf) -> None:
+    """The mass is used, com and inertia are not, and a notice says so."""
+    inertia = Inertia(ixx=1.0, iyy=1.0, izz=1.0)
+    robot = robot_of(table({"d": 0.1, "mass": 3.0, "com": (0.0, 0.0, 1.0), "inertia": inertia}), variant="paper")
+    (notice,) = robot.notices
+    assert notice.field == "com"
+    body = robot.links[2].inertial
+    assert body is not None
+    assert (body.mass, body.com) == (3.0, (0.0, 0.0, 0.05))

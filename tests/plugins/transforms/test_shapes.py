@@ -1,0 +1,213 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
+from dh2urdf.robot import Box, Cylinder, Origin, Sphere
+from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate, rotation_from_rpy
+from dh2urdf_plugins.transforms.shapes import direction_rpy
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.robot import Link, Robot
+
+    Table = Callable[..., Manipulator]
+    RobotOf = Callable[..., Robot]
+
+FRAMES = pytest.mark.parametrize("frames", ["aligned", "dh"])
+HALF_PI = math.pi / 2
+
+
+def link(robot: Robot, name: str) -> Link:
+    return next(link for link in robot.links if link.name == name)
+
+
+def ends(shape: Any) -> set[tuple[float, ...]]:
+    """The two ends of a cylinder, or of a box along its z axis, in the link's frame [m]."""
+    half = 0.5 * (shape.geometry.length if isinstance(shape.geometry, Cylinder) else shape.geometry.size[2])
+    frame = shape.origin.transform
+    points = [frame @ RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, z)) for z in (-half, half)]
+    return {tuple(round(number, 9) + 0.0 for number in point.translation) for point in points}
+
+
+def with_limits(manipulator: Manipulator, **limits: float) -> Manipulator:
+    """The table with other limits of its last joint."""
+    *before, last = manipulator.rows
+    return replace(manipulator, rows=(*before, replace(last, limits=Limits(**limits))))
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+@pytest.mark.parametrize("shape", ["cylinder", "box"])
+def test_a_link_is_an_l_of_its_segments(convention: str, shape: str, table: Table, robot_of: RobotOf) -> None:
+    """One body from the joint along d, one from there along a to the next joint."""
+    rows = [{"d": 0.5, "a": 0.3}, {}] if convention == "standard" else [{"d": 0.5}, {"a": 0.3}]
+    robot = robot_of(table(*rows, convention=convention), shape=shape)
+    offset, normal = link(robot, "link_1").visuals
+    assert ends(offset) == {(0, 0, 0), (0, 0, 0.5)}
+    assert ends(normal) == {(0, 0, 0.5), (0.3, 0, 0.5)}
+    kind = Cylinder if shape == "cylinder" else Box
+    assert isinstance(offset.geometry, kind)
+
+
+@FRAMES
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_the_shapes_of_an_arm_hang_together(frames: str, convention: str, table: Table, robot_of: RobotOf) -> None:
+    """Drawn at q = 0, each segment begins where the one before ends, from the base to the tool, in every frame."""
+    rows = [{"d": 0.5, "alpha": 0.3, "theta": 0.4}, {"a": 0.3, "d": -0.2, "alpha": 0.5, "theta": -1.1}, {"a": 0.2}]
+    robot = robot_of(table(*rows, convention=convention), frames=frames)
+    pose = IDENTITY
+    at = (0.0, 0.0, 0.0)
+    for joint in robot.joints[:-2]:
+        pose = pose @ joint.origin.transform
+        segments = link(robot, joint.child).visuals[joint.parent == "base_link" :]
+        for shape in segments:
+            placed = replace(shape, origin=_origin(pose @ shape.origin.transform))
+            here = {end for end in ends(placed) if math.dist(end, at) < 1e-8}
+            if shape.geometry.length_formula:
+                assert here, (joint.child, at, ends(placed))
+                (at,) = ends(placed) - here
+    tool = pose @ robot.joints[-1].origin.transform
+    assert at == pytest.approx(tool.translation, abs=1e-8)
+
+
+def _origin(transform: RigidTransform) -> Origin:
+    return Origin(xyz=transform.translation, rpy=transform.rpy)
+
+
+def test_segments_follow_their_sign(table: Table, robot_of: RobotOf) -> None:
+    """A negative length runs the other way and has a positive size."""
+    robot = robot_of(table({"d": -0.5, "a": -0.3}, {}))
+    offset, normal = link(robot, "link_1").visuals
+    assert ends(offset) == {(0, 0, -0.5), (0, 0, 0)}
+    assert ends(normal) == {(0, 0, -0.5), (-0.3, 0, -0.5)}
+    assert offset.geometry.length == 0.5
+
+
+def test_a_link_without_segments_is_a_joint_housing(table: Table, robot_of: RobotOf) -> None:
+    """It is as long as it is thick and has nothing that could touch."""
+    robot = robot_of(table({"d": 0.5}, {"alpha": HALF_PI}, {"d": 0.5}))
+    (housing,) = link(robot, "link_2").visuals
+    assert housing.geometry == Cylinder(radius=0.04, length=0.08)
+    assert link(robot, "link_2").collisions == ()
+
+
+@FRAMES
+def test_a_rail_runs_from_lower_to_upper(frames: str, table: Table, robot_of: RobotOf) -> None:
+    """The link before a prismatic joint carries the rail and a foot that reaches it; the link itself is a carriage."""
+    robot = robot_of(
+        with_limits(table({"d": 0.5}, {"type": "prismatic", "offset": 0.1}), lower=0.2, upper=1.0), frames=frames
+    )
+    _, rail, foot = link(robot, "link_1").visuals
+    assert ends(rail) == {(0, 0, 0.8), (0, 0, 1.6)}
+    assert ends(foot) == {(0, 0, 0.5), (0, 0, 0.8)}
+    (carriage,) = link(robot, "link_2").visuals
+    assert carriage.origin.xyz == pytest.approx((0, 0, 0.1))
+
+
+def test_a_rail_on_the_other_side_has_its_foot_there(table: Table, robot_of: RobotOf) -> None:
+    """With the sign turned, q from 0.2 to 1 is δ from -0.2 to -1."""
+    rows = [{}, {"type": "prismatic", "sign": -1}]
+    robot = robot_of(with_limits(table(*rows), lower=0.2, upper=1.0))
+    _, rail, foot = link(robot, "link_1").visuals
+    assert ends(rail) == {(0, 0, -1.0), (0, 0, -0.2)}
+    assert ends(foot) == {(0, 0, -0.2), (0, 0, 0)}
+
+
+def test_a_rail_over_zero_needs_no_foot(table: Table, robot_of: RobotOf) -> None:
+    """The default limits of ±1 m run through the joint itself; the first joint's rail belongs to the base."""
+    robot = robot_of(table({"type": "prismatic"}))
+    _, rail = link(robot, "base_link_inertia").visuals
+    assert ends(rail) == {(0, 0, -1.0), (0, 0, 1.0)}
+
+
+def test_collisions_are_a_radius_shorter_at_each_end(table: Table, robot_of: RobotOf) -> None:
+    """So neighbours do not touch; what would vanish is left out."""
+    robot = robot_of(table({"d": 0.5, "a": 0.079}, {"a": 0.3}))
+    (collision,) = link(robot, "link_1").collisions
+    assert ends(collision) == {(0, 0, 0.04), (0, 0, 0.46)}
+    assert link(robot, "base_link_inertia").collisions == ()
+
+
+def test_the_base_collides_on_request(table: Table, robot_of: RobotOf) -> None:
+    """Its body is 1.5 radii wide and one radius high, on the base frame."""
+    base = link(robot_of(table({"d": 0.5}), base_collision=True), "base_link_inertia")
+    assert base.visuals[0].geometry == Cylinder(radius=pytest.approx(0.06), length=0.04)
+    assert ends(base.collisions[0]) == {(0, 0, 0), (0, 0, 0.04)}
+
+
+@pytest.mark.parametrize(
+    ("rows", "radius"),
+    [
+        ([{"d": 0.5}], 0.04),
+        ([{"d": 0.1}, {"a": -0.2}], 0.02),
+        ([{}], 0.04),
+        ([{"d": 1e-300}], 0.04),
+        ([{"a": 1e-3}], 1e-4),
+    ],
+)
+def test_the_default_radius_fits_the_arm(
+    rows: list[dict[str, float]], radius: float, table: Table, robot_of: RobotOf
+) -> None:
+    """0.04 m, or a tenth of the longest segment; an arm without segments has no scale."""
+    assert link(robot_of(table(*rows)), "link_1").visuals[0].geometry.radius == pytest.approx(radius)
+
+
+def test_the_row_goes_before_the_table_and_the_table_before_the_run(table: Table, robot_of: RobotOf) -> None:
+    """Whoever is nearest to the link decides on its radius; the table decides on the shape."""
+    rows = ({"d": 0.5}, {"d": 0.5, "radius": 0.01})
+    said = table(*rows, geometry=LinkGeometry(shape="box", radius=0.02))
+    robot = robot_of(said, radius=0.03, shape="cylinder")
+    assert [link(robot, name).visuals[0].geometry.size[0] for name in ("link_1", "link_2")] == [0.04, 0.02]
+    assert link(robot_of(table(*rows), radius=0.03), "link_1").visuals[0].geometry == Cylinder(radius=0.03, length=0.5)
+
+
+def test_a_capsule_has_one_sphere_where_two_segments_meet(table: Table, robot_of: RobotOf) -> None:
+    """Two cylinders and three spheres make an L; what touches has no caps."""
+    robot = robot_of(table({"d": 0.5, "a": 0.3}, {}), shape="capsule")
+    body = link(robot, "link_1")
+    spheres = [visual.origin.xyz for visual in body.visuals if isinstance(visual.geometry, Sphere)]
+    assert spheres == [(0, 0, 0), (0, 0, 0.5), (0.3, 0, 0.5)]
+    assert all(isinstance(collision.geometry, Cylinder) for collision in body.collisions)
+    (housing,) = link(robot, "link_2").visuals
+    assert isinstance(housing.geometry, Sphere)
+
+
+def test_neighbours_have_different_colours(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """The base is darker than the links, and no link has the colour of the one before."""
+    robot = robot_of(ur5)
+    colours = [visual.material for link in robot.links for visual in link.visuals[:1]]
+    assert all(left != right for left, right in pairwise(colours))
+    assert sum(colours[0].rgba[:3]) < min(sum(colour.rgba[:3]) for colour in colours[1:])
+
+
+@given(st.floats(-1.6, 1.6), st.floats(-3.2, 3.2))
+def test_a_direction_has_two_angles(elevation: float, azimuth: float) -> None:
+    """A body turned by them lies along the direction, one way round or the other."""
+    c = math.cos(elevation)
+    direction = (c * math.cos(azimuth), c * math.sin(azimuth), math.sin(elevation))
+    along = rotate(rotation_from_rpy(direction_rpy(direction)), Z_AXIS)
+    assert abs(sum(a * b for a, b in zip(along, direction, strict=True))) == pytest.approx(1, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("direction", "rpy"),
+    [
+        ((0, 0, 1), (0, 0, 0)),
+        ((0, 0, -1), (0, 0, 0)),
+        ((1, 0, 0), (0, HALF_PI, 0)),
+        ((-1, 0, 0), (0, HALF_PI, 0)),
+        ((0, 1, 0), (HALF_PI, 0, 0)),
+        ((0, -1, 0), (HALF_PI, 0, 0)),
+    ],
+)
+def test_along_an_axis_one_angle_is_enough(direction: tuple[float, ...], rpy: tuple[float, ...]) -> None:
+    """A body along x is pitched, one along y is rolled."""
+    assert direction_rpy(tuple(map(float, direction))) == rpy  # type: ignore[arg-type]

@@ -1,0 +1,237 @@
+"""The house rules, held by tests: what is shipped, who imports whom, and what a start costs."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import json
+import pkgutil
+import re
+import subprocess
+import sys
+import tomllib
+import zipfile
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pluggy
+import pytest
+
+import dh2urdf
+import dh2urdf_plugins
+from dh2urdf import hookspecs
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.registry import KINDS, RECORDS
+from dh2urdf.robot import Robot
+from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from types import ModuleType
+
+ROOT = Path(__file__).parents[1]
+HOST = ROOT / "pipeline" / "dh2urdf"
+PLUGINS = ROOT / "plugins" / "dh2urdf_plugins"
+EXAMPLE = ROOT / "tests" / "example_plugin" / "src" / "dh2urdf_example_plugin"
+HOOKS = tuple(f"dh2urdf_{kind}s" for kind in KINDS)
+
+SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake"}
+HEAVY = SIMULATORS | {"numpy", "scipy", "pydantic", "xacro", "rich", "PIL"}
+
+TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
+
+
+def modules(folder: Path) -> list[Path]:
+    found = sorted(folder.rglob("*.py"))
+    assert found
+    return found
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Every name that a module imports, anywhere in it: ``package.module`` and ``package.module.name``."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} imports relatively"
+            yield str(node.module)
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def importing(paths: Iterable[Path], wrong: Callable[[str], object]) -> list[str]:
+    """Who imports what is wrong."""
+    return [f"{relative(path)} imports {name}" for path in paths for name in imports(path) if wrong(name)]
+
+
+def relative(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+class TestImportDirection:
+    def test_the_host_knows_no_plugin(self) -> None:
+        """No module of the host imports a built-in plugin, a simulator, or the writer of a format."""
+        foreign = {"dh2urdf_plugins", "lxml", "xacro", "csv"} | SIMULATORS
+        assert importing(modules(HOST), lambda name: name.split(".")[0] in foreign) == []
+
+    def test_plugins_use_what_is_public(self) -> None:
+        """A built-in stage reaches the host through public modules and names only, like anybody's."""
+        inner = re.compile(r"dh2urdf\.(cli|report|(.*\.)?_)")
+        assert importing([*modules(PLUGINS), *modules(EXAMPLE)], inner.match) == []
+
+    def test_every_import_is_of_something_that_is_installed_with_it(self) -> None:
+        """What the project imports is in the standard library, among its dependencies, or in the extra of a loader."""
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+        requirements = [*project["dependencies"], *project["optional-dependencies"]["pybullet"]]
+        names = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}
+        packages = {{"pyyaml": "yaml", "pillow": "PIL"}.get(name, name) for name in names}
+        allowed = packages | {"dh2urdf", "dh2urdf_plugins"} | set(sys.stdlib_module_names)
+        assert importing([*modules(HOST), *modules(PLUGINS)], lambda name: name.split(".")[0] not in allowed) == []
+
+
+def loaded_after(code: str, folder: Path) -> set[str]:
+    """The packages that a fresh interpreter has imported at the end of a piece of code."""
+    script = (
+        "import atexit, json, sys\n"
+        "def report():\n"
+        "    with open('loaded.json', 'w') as file:\n"
+        "        json.dump(sorted({name.partition('.')[0] for name in sys.modules}), file)\n"
+        "atexit.register(report)\n"
+    )
+    subprocess.run([sys.executable, "-c", script + code], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    return set(json.loads((folder / "loaded.json").read_text()))
+
+
+class TestQuickStart:
+    def test_importing_the_package(self, tmp_path: Path) -> None:
+        """`import dh2urdf` imports nothing heavy, and no dependency at all."""
+        assert (
+            loaded_after("import dh2urdf", tmp_path) & (HEAVY | {"click", "pluggy", "lxml", "yaml", "orjson"}) == set()
+        )
+
+    @pytest.mark.parametrize("words", [["--version"], ["--help"], ["plugins"]], ids=" ".join)
+    def test_asking(self, tmp_path: Path, words: list[str]) -> None:
+        """Help, version and the list of plugins import no simulator, no numpy and no pydantic."""
+        assert loaded_after(f"from dh2urdf.cli import main; main({words})", tmp_path) & HEAVY == set()
+
+    @pytest.mark.parametrize("words", [[], ["--frames", "dh"], ["--variant", "exact"]], ids=" ".join)
+    def test_converting(self, tmp_path: Path, words: list[str]) -> None:
+        """One conversion to URDF, its proof included, imports no simulator, no numpy and no pydantic."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        code = f"from dh2urdf.cli import main; main(['convert', 'arm.csv', '-o', 'arm.urdf', *{words}])"
+        assert loaded_after(code, tmp_path) & HEAVY == set()
+        assert (tmp_path / "arm.urdf").is_file()
+
+    def test_converting_to_xacro(self, tmp_path: Path) -> None:
+        """One conversion to xacro imports the real xacro, which proves it, and nothing else that is heavy."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        code = "from dh2urdf.cli import main; main(['convert', 'arm.csv', '-o', 'arm.urdf.xacro'])"
+        assert loaded_after(code, tmp_path) & HEAVY == {"xacro"}
+
+
+class TestHooks:
+    def test_there_is_one_for_each_kind_of_stage(self) -> None:
+        """Every kind of stage has a record, and a hook that gives such records."""
+        specified = [name for name, value in vars(hookspecs).items() if hasattr(value, f"{hookspecs.PROJECT}_spec")]
+        assert tuple(specified) == HOOKS
+        assert tuple(RECORDS) == KINDS
+
+    @pytest.mark.parametrize("hook", HOOKS)
+    def test_each_is_documented(self, hook: str) -> None:
+        """An author finds every hook in the README or in docs/, and what it is for in its docstring."""
+        pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+        assert any(f"`{hook}`" in page.read_text("utf-8") for page in pages)
+        assert getattr(hookspecs, hook).__doc__
+
+    def test_the_built_in_plugin_uses_every_one(self) -> None:
+        """Every hook is tried by the built-in stages, which have no other way in."""
+        manager = pluggy.PluginManager(hookspecs.PROJECT)
+        manager.add_hookspecs(hookspecs)
+        manager.register(dh2urdf_plugins)
+        assert {caller.name for caller in manager.get_hookcallers(dh2urdf_plugins) or ()} == set(HOOKS)
+
+
+def record_types() -> list[type]:
+    """Every dataclass of the host that a plugin is given or gives."""
+    found = []
+    for name in ("source", "manipulator", "robot", "stages", "proof", "conversion", "run"):
+        module = importlib.import_module(f"dh2urdf.{name}")
+        found += [kind for kind in vars(module).values() if isinstance(kind, type) and is_dataclass(kind)]
+    return sorted(set(found), key=lambda kind: kind.__qualname__)
+
+
+class TestRecords:
+    def test_they_are_frozen(self) -> None:
+        """No stage can change what another one was given: records are frozen, slotted and keyword-only."""
+        frozen = {
+            kind
+            for kind in record_types()
+            if kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
+            and "__slots__" in vars(kind)
+            and all(field.kw_only for field in fields(kind))
+        }
+        assert set(record_types()) - frozen == set()
+        assert set(RECORDS.values()) | {Manipulator, Robot, Mark, Problem} <= frozen
+
+
+class TestWhatIsShipped:
+    def test_the_wheel_holds_the_two_packages(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """The wheel installs `dh2urdf` and `dh2urdf_plugins`, all of both with their type markers, and nothing else."""
+        build = pytest.importorskip("hatchling.build", reason="hatchling is not installed")
+        monkeypatch.chdir(ROOT)
+        wheel = tmp_path / build.build_wheel(str(tmp_path))
+        with zipfile.ZipFile(wheel) as archive:
+            shipped = {name for name in archive.namelist() if ".dist-info/" not in name}
+            entry_points = next(name for name in archive.namelist() if name.endswith("entry_points.txt"))
+            points = archive.read(entry_points).decode()
+        expected = {
+            str(path.relative_to(wing.parent))
+            for wing in (HOST, PLUGINS)
+            for path in wing.rglob("*")
+            if path.is_file() and "__pycache__" not in path.parts
+        }
+        assert shipped == expected
+        assert {"dh2urdf/py.typed", "dh2urdf_plugins/py.typed"} <= shipped
+        assert "builtin = dh2urdf_plugins" in points
+        assert "dh2urdf = dh2urdf.cli:main" in points
+
+    @pytest.mark.parametrize("package", [dh2urdf, dh2urdf_plugins], ids=lambda package: package.__name__)
+    def test_every_module_can_be_imported(self, package: ModuleType) -> None:
+        """No module needs an extra to be imported: what is optional is imported where it is used."""
+        code = "import importlib, sys\nfor name in sys.argv[1:]: importlib.import_module(name)\n"
+        code += f"assert not set(sys.modules) & {SIMULATORS}, 'a simulator was imported'"
+        names = [module.name for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")]  # type: ignore[attr-defined]
+        assert len(names) > 10
+        subprocess.run([sys.executable, "-c", code, *names], check=True)
+
+
+def tracked_files() -> list[Path]:
+    listed = subprocess.run(
+        ["git", "-C", str(ROOT), "ls-files", "-z"],  # noqa: S607 - the git that the clone was made with
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if listed.returncode != 0:
+        pytest.skip("this is no git clone")
+    return [ROOT / name for name in listed.stdout.split("\0") if name]
+
+
+def test_no_file_names_a_folder_of_one_machine() -> None:
+    """Nothing that is checked in holds an absolute path of the machine it was written on."""
+    somebody_s = re.compile(rb"(?<![\w.])/(?:root|work|home/\w+|Users/\w+)/")
+    found = [
+        f"{relative(path)}:{number}: {line[:100]!r}"
+        for path in tracked_files()
+        if path.is_file() and path.suffix not in {".png", ".gz"}
+        for number, line in enumerate(path.read_bytes().splitlines(), start=1)
+        if somebody_s.search(line)
+    ]
+    assert found == []
+
+
+def test_modules_tell_one_story() -> None:
+    """Every module begins with a docstring and is short enough to be read in one sitting."""
+    texts = {relative(path): path.read_text("utf-8") for path in (*modules(HOST), *modules(PLUGINS))}
+    assert [path for path, text in texts.items() if not ast.get_docstring(ast.parse(text))] == []
+    assert [path for path, text in texts.items() if len(text.splitlines()) > 450] == []

@@ -1,0 +1,156 @@
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Command = Callable[..., subprocess.CompletedProcess[str]]
+
+EXAMPLE = Path(__file__).with_name("example_plugin")
+RUN = """\
+inputs: scara.dh.toml
+emitters:
+  - urdf
+  - {stage: datasheet, options: {angles: rad, digits: 3}}
+output: {directory: build}
+"""
+DATASHEET = """\
+# scara
+
+| joint | type | lower | upper | unit |
+|---|---|--:|--:|---|
+| shoulder | revolute | -2.27 | 2.27 | rad |
+| elbow | revolute | -2.62 | 2.62 | rad |
+| quill | prismatic | 0 | 0.21 | m |
+| wrist | continuous | – | – | rad |
+"""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder into which pip has installed the example plugin, from a copy of its folder, without a network."""
+    folder = tmp_path_factory.mktemp("third_party")
+    shutil.copytree(EXAMPLE, folder / "source")
+    offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
+    subprocess.run(
+        [sys.executable, "-m", "pip", "install", *offline, "--target", folder / "site", folder / "source"], check=True
+    )
+    return folder / "site"
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    return Path(shutil.copy(EXAMPLE / "examples" / "scara.dh.toml", tmp_path))
+
+
+def test_both_stages_work_in_a_run(dh2urdf: Command, site: Path, table: Path) -> None:
+    """An installed third party's reader and emitter work in a run file beside the built-in stages, and are proved."""
+    table.with_name("run.yaml").write_text(RUN)
+    dh2urdf("run", "run.yaml", path=[site])
+    build = table.with_name("build")
+    assert (build / "scara.md").read_text("utf-8").startswith(DATASHEET)
+    report = json.loads((build / "report.json").read_bytes())
+    (arm,) = report["manipulators"]
+    assert arm["status"] == "ok"
+    assert [(file["path"], file["stage"]) for file in arm["files"]] == [
+        ("scara.urdf", "urdf"),
+        ("scara.md", "datasheet"),
+    ]
+    assert arm["proof"]["urdf"]["position_error"] < 1e-12
+    assert arm["proof"]["datasheet"] is None
+
+
+def test_both_stages_work_in_a_conversion(dh2urdf: Command, site: Path, table: Path) -> None:
+    """`convert` chooses the third party's stages by suffix, and takes their options on the command line."""
+    dh2urdf("convert", table.name, "-o", "arm.md", "--set", "angles=rad", "--set", "digits=3", path=[site])
+    assert table.with_name("arm.md").read_text("utf-8").startswith(DATASHEET)
+
+
+def test_the_plugin_is_listed_with_its_distribution(dh2urdf: Command, site: Path) -> None:
+    """`dh2urdf plugins` shows the stages with their options, help texts and distribution; nothing is broken."""
+    listed = json.loads(dh2urdf("plugins", "--json", path=[site]).stdout)
+    assert listed["broken"] == []
+    theirs = [stage for stage in listed["stages"] if stage["distribution"] == "dh2urdf-example-plugin 1.0.0"]
+    assert [(stage["kind"], stage["name"]) for stage in theirs] == [("reader", "dh-toml"), ("emitter", "datasheet")]
+    assert all(option["help"] for stage in theirs for option in stage["options"])
+
+
+def test_its_options_are_checked_like_the_built_in_ones(dh2urdf: Command, site: Path, table: Path) -> None:
+    """A misspelt option of a third party's stage is an error with its place in the run file and a suggestion."""
+    table.with_name("run.yaml").write_text(RUN.replace("digits", "digitz"))
+    refused = dh2urdf("run", "run.yaml", path=[site], status=2).stderr
+    assert "run.yaml:4:" in refused
+    assert "did you mean 'digits'?" in refused
+    assert not table.with_name("build").exists()
+
+
+def test_its_reader_says_all_that_is_wrong_at_once(dh2urdf: Command, site: Path, tmp_path: Path) -> None:
+    """The template for authors shows how it is done: every problem, with joint, field and what is accepted."""
+    (tmp_path / "bad.dh.toml").write_text(
+        'tool = 1\n[[joint]]\nname = "hip"\ntype = "revolut"\na = "ten"\nalpa = 0\nd = "q1"\n', encoding="utf-8"
+    )
+    refused = dh2urdf("convert", "bad.dh.toml", path=[site], status=2).stderr
+    for part in (
+        "bad.dh.toml: error: 'tool' is nothing that a table says",
+        "bad.dh.toml: error: field 'convention': the table does not say its convention",
+        "accepted: standard or modified",
+        "joint 'hip', field 'alpha': this field is missing",
+        "joint 'hip', field 'alpa': no field has this name",
+        "did you mean 'alpha'?",
+        "joint 'hip', field 'type': 'revolut' is no joint type",
+        "accepted: revolute, continuous, prismatic, fixed",
+        "joint 'hip', field 'a': ",
+        "joint 'hip', field 'd': the joint variable is not written in this format",
+    ):
+        assert part in refused
+
+
+def test_without_it_its_stages_are_unknown(dh2urdf: Command, table: Path) -> None:
+    """Where the plugin is not installed, the run says that no emitter has the name, and what is installed."""
+    table.with_name("run.yaml").write_text(RUN.replace("inputs:", "inputs: # of an unknown kind\n "))
+    refused = dh2urdf("run", "run.yaml", status=2).stderr
+    assert "no emitter is named 'datasheet'" in refused
+    assert "accepted: urdf, xacro" in refused
+    assert "no reader is known for the file 'scara.dh.toml'" in refused
+
+
+def test_it_is_typed(tmp_path: Path) -> None:
+    """mypy --strict accepts the plugin: the interface's types reach third parties."""
+    package = EXAMPLE / "src" / "dh2urdf_example_plugin"
+    checked = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir", str(tmp_path), str(package)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+
+
+def test_a_stage_whose_function_takes_other_options_is_no_valid_type(tmp_path: Path) -> None:
+    """mypy rejects a record whose function does not take its options: the mistake shows before anything runs."""
+    (tmp_path / "wrong.py").write_text(
+        "from dh2urdf_example_plugin.emitter import DatasheetOptions, emit\n"
+        "from dh2urdf.stages import Emitter, NoOptions\n"
+        "right: Emitter[DatasheetOptions] = Emitter(\n"
+        "    name='right', summary='', emit=emit, options=DatasheetOptions, suffixes=())\n"
+        "wrong: Emitter[NoOptions] = Emitter(name='wrong', summary='', emit=emit, options=NoOptions, suffixes=())\n"
+    )
+    checked = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir", str(tmp_path / "c"), "wrong.py"],
+        cwd=tmp_path,
+        env={"MYPYPATH": str(EXAMPLE / "src")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert checked.returncode == 1
+    assert [line.split(": error:")[0] for line in checked.stdout.splitlines()[:-1] if "error" in line] == ["wrong.py:5"]

@@ -10,16 +10,18 @@ A file may come from a stranger. There is no recursion, tags are refused, and `M
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.textfiles import decoded, read_bytes
-from dh2urdf.yaml_composer import Composer
-from dh2urdf.yaml_nodes import Item, Node, expect_mapping
+from dh2urdf.yaml_nodes import Item, Node, core_value, expect_mapping
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+_WORD = re.compile(r"(\s*)([A-Za-z]+)\s*")
 
 __all__ = ["Item", "Node", "expect_mapping", "load_yaml", "read_yaml", "stream_yaml"]
 
@@ -44,6 +46,8 @@ def load_yaml(content: bytes | str, file: str, error: type[InputError] = ConfigE
     Raises:
         InputError: of the type given, where the text is not one YAML document.
     """
+    if isinstance(content, str) and (word := _WORD.fullmatch(content)):
+        return _word(*word.groups(), file)
     (root,) = stream_yaml(content, file, error)
     if root.problems:
         raise error(root.problems)
@@ -69,5 +73,12 @@ def stream_yaml(
     Raises:
         InputError: of the type given, where the text is not one YAML document; what came before has been yielded.
     """
+    from dh2urdf.yaml_composer import Composer
+
     text = decoded(content, file, error)
     return Composer(text, file, error, items_of).run()
+
+
+def _word(before: str, word: str, file: str) -> Node:
+    """The document of one word, as most options and comment lines are: it needs no parser, whose import costs more."""
+    return Node(core_value(word), file, before.count("\n") + 1, len(before) - before.rfind("\n"), word)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 PROJECT = "dh2urdf"
 INTERFACE_VERSION = "1.0"
-"""Version of this module and of `dh2urdf.stages`: a plugin made for another major version is not loaded."""
+"""Version of this module and of `dh2urdf.stages`; the major number changes where plugins have to change with it."""
 
 hookspec = pluggy.HookspecMarker(PROJECT)
 hookimpl = pluggy.HookimplMarker(PROJECT)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, get_args, overload
 
 import pluggy
@@ -15,6 +16,7 @@ from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Trans
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
+    from importlib.metadata import Distribution
     from pathlib import Path
     from typing import Literal
 
@@ -28,19 +30,24 @@ RECORDS: dict[Kind, type[Any]] = {
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Plugin:
     """An installed plugin.
 
     Attributes:
         name: its entry point, such as ``my_lab = my_lab.dh2urdf``.
-        distribution: name and version of the distribution that provides it.
         module: what the entry point gave.
+        distribution: name and version of the distribution that provides it; read when it is asked for, since the
+            metadata of a distribution take as long to read as a table.
     """
 
-    name: str
-    distribution: str
-    module: Any
+    def __init__(self, *, name: str, module: Any, distribution: Distribution | str | None) -> None:  # noqa: ANN401 - anything
+        self.name = name
+        self.module = module
+        self._distribution = distribution
+
+    @cached_property
+    def distribution(self) -> str:  # noqa: D102 - documented with the class
+        return _named(self._distribution)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,8 +71,8 @@ class Catalog:
         self._broken = list(broken)
         self._provided: dict[Kind, tuple[Provided, ...]] = {}
         self._plugins: dict[str, Plugin] = {}
-        for plugin in plugins:
-            key = f"{plugin.distribution}: {plugin.name}"
+        for number, plugin in enumerate(plugins):
+            key = f"{number}: {plugin.name}"
             try:
                 self._manager.register(plugin.module, key)
                 self._manager.check_pending()
@@ -214,13 +221,18 @@ def load() -> Catalog:
     plugins: list[Plugin] = []
     broken: list[BrokenPluginError] = []
     for point in sorted(entry_points(group=hookspecs.PROJECT), key=lambda point: (point.value, point.name)):
-        distribution = f"{point.dist.name} {point.dist.version}" if point.dist else "an unknown distribution"
         name = f"{point.name} = {point.value}"
         try:
-            plugins.append(Plugin(name=name, distribution=distribution, module=point.load()))
+            plugins.append(Plugin(name=name, module=point.load(), distribution=point.dist))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - an import runs anything, and may raise anything
-            broken.append(_broken(name, distribution, error))
+            broken.append(_broken(name, _named(point.dist), error))
     return Catalog(plugins, broken)
+
+
+def _named(distribution: Distribution | str | None) -> str:
+    if distribution is None:
+        return "an unknown distribution"
+    return distribution if isinstance(distribution, str) else f"{distribution.name} {distribution.version}"
 
 
 def _broken(name: str, distribution: str, error: BaseException) -> BrokenPluginError:

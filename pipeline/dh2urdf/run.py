@@ -70,13 +70,15 @@ class Task:
         source: the file it comes from.
         stem: the stem of its files.
         notices: what is known before the work begins.
+        traceback: where its reader failed.
     """
 
     index: int
     item: Manipulator | Rejected
     source: str
-    stem: str
+    stem: str = ""
     notices: tuple[Problem, ...] = ()
+    traceback: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,7 +186,7 @@ def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None
     Args:
         plan: what to do.
         dry_run: read, transform and check, but write nothing.
-        note: is told of every outcome as it comes.
+        note: is told of every outcome as it comes, as soon as something could be read.
 
     Returns:
         One outcome per manipulator, in the order of the inputs.
@@ -195,37 +197,37 @@ def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None
     """
     work = partial(make, plan.recipe, plan.directory, dry_run=dry_run)
     outcomes: list[Outcome] = []
+    readable, told = False, 0
     for outcome in plan.executor.map(work, tasks(plan), plan.executor_options):
         outcomes.append(outcome)
-        if note:
-            note(outcome)
-    if not any(outcome.was_read for outcome in outcomes):
+        readable = readable or outcome.was_read
+        if note and readable:  # Where nothing can be read, the error at the end says why, and nobody says it twice.
+            for each in outcomes[told:]:
+                note(each)
+            told = len(outcomes)
+    if not readable:
         raise TableError([problem for outcome in outcomes for problem in outcome.errors])
     return outcomes
 
 
 def tasks(plan: Plan) -> Iterator[Task]:
-    """The manipulators of all inputs, one by one, each with a stem of its own."""
+    """The manipulators of all inputs, one by one, each with a stem of its own; a bad input ends itself, not the run."""
     stems = Stems()
     index = 0
     for path, reader, options in plan.inputs:
-        for item in _read(path, reader, options):
-            stem, clash = ("", None) if isinstance(item, Rejected) else stems.claim(item.name)
-            yield Task(index=index, item=item, source=str(path), stem=stem, notices=(clash,) if clash else ())
+        first = index
+        try:
+            for item in read_items(reader, path, options):
+                stem, clash = ("", None) if isinstance(item, Rejected) else stems.claim(item.name)
+                yield Task(index=index, item=item, source=str(path), stem=stem, notices=(clash,) if clash else ())
+                index += 1
+            if index == first:
+                raise TableError("there is no manipulator in it")
+        except (TableError, StageError) as error:
+            rejected = Rejected(name=path.stem, problems=error.problems, mark=Mark(file=str(path)))
+            traceback = error.traceback if isinstance(error, StageError) else ""
+            yield Task(index=index, item=rejected, source=str(path), traceback=traceback)
             index += 1
-
-
-def _read(path: Path, reader: Reader[Any], options: Any) -> Iterator[Manipulator | Rejected]:  # noqa: ANN401 - the reader's own
-    """What a reader yields; what it raises ends this input, not the run."""
-    try:
-        empty = True
-        for item in read_items(reader, path, options):
-            empty = False
-            yield item
-        if empty:
-            raise TableError(Problem(message="there is no manipulator in it", mark=Mark(file=str(path))))
-    except (TableError, StageError) as error:
-        yield Rejected(name=path.stem, problems=error.problems, mark=Mark(file=str(path)))
 
 
 def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) -> Outcome:
@@ -236,7 +238,14 @@ def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) 
     """
     item = task.item
     if isinstance(item, Rejected):
-        return Outcome(name=item.name, status="failed", source=task.source, was_read=False, errors=item.problems)
+        return Outcome(
+            name=item.name,
+            status="failed",
+            source=task.source,
+            was_read=False,
+            errors=tuple(problem.about(mark=item.mark) for problem in item.problems),
+            traceback=task.traceback,
+        )
     seconds: dict[str, float] = {}
     outcome = Outcome(
         name=item.name,

@@ -21,7 +21,8 @@ LONG_PATH = 200
 """Characters of a path that a message repeats [1]."""
 
 _ENCODINGS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
-_UNACCEPTABLE = re.compile(r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_UNACCEPTABLE = r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
+_UNACCEPTABLE_ASCII = r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]"  # The same where there is nothing else: it compiles at once.
 
 
 def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int = MAX_BYTES) -> bytes:
@@ -106,7 +107,7 @@ def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigErr
             ) from None
     else:
         text = content.removeprefix("\ufeff")
-    if match := _UNACCEPTABLE.search(text):
+    if match := re.search(_UNACCEPTABLE_ASCII if text.isascii() else _UNACCEPTABLE, text):
         raise error(
             Problem(
                 message=f"the character U+{ord(match[0]):04X} cannot stand in a text file",

@@ -161,4 +161,4 @@ def is_unit(text: str) -> bool:
 def unit_word(text: str) -> str:
     """The word of a unit without case, spaces and signs of multiplication: ``kg m^2`` is ``kgm2``."""
     word = unicodedata.normalize("NFKC", re.sub("[º˚]", "°", text)).casefold()
-    return re.sub(r"[\s·⋅*^.]", "", word).replace("μ", "µ").replace("sec", "s")
+    return re.sub(r"[\s·⋅*^.]", "", word).replace("sec", "s")

@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 INTERNAL_ERROR = 1
 
+EXIT_STATUS = (
+    "Exit status: 0 all done; 1 some manipulators failed, the others are written; 2 nothing could start: the command "
+    "line, run file or table is wrong; 3 a plugin that is needed is broken or not installed; 130 interrupted."
+)
+
 COMMANDS = {
     "run": "Do a whole run that a YAML file describes.",
     "convert": "Turn one table into a robot description.",
@@ -68,8 +73,7 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     cls=_LazyGroup,
     name="dh2urdf",
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Exit status: 0 all done; 1 some manipulators failed; 2 nothing could start; 3 a plugin that is needed is "
-    "broken or not installed; 130 interrupted.",
+    epilog=EXIT_STATUS,
 )
 @click.option(
     "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print versions."
@@ -81,6 +85,7 @@ def dh2urdf(debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
     \b
     dh2urdf convert ur5.csv -o ur5.urdf      one table
     dh2urdf run ur5.yaml                     a whole run: URDF, xacro, simulator, proof
+    dh2urdf convert --help                   what a command takes
     """
 
 
@@ -104,9 +109,12 @@ def _status(words: list[str], *, debug: bool) -> int:
     except (KeyboardInterrupt, click.Abort):
         click.echo("dh2urdf: interrupted; nothing half-written is left", err=True)
         return INTERRUPTED
-    except BrokenPipeError:
-        # The reader of a pipe has left (`dh2urdf convert … | head`): no error, and the flush at exit must not fail.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (BrokenPipeError, SystemExit) as error:
+        # The reader of a pipe has left (`dh2urdf convert … | head`): no error, though click and rich both leave with
+        # status 1 then, and the flush at exit must not fail.
+        if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno())
         return 0
     except Dh2UrdfError as error:
         if debug:

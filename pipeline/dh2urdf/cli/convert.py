@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.options import make_options
@@ -28,7 +29,7 @@ POSES = 8
 """Random joint vectors of the proof of one conversion [1]; `run` takes more."""
 
 
-@click.command(name="convert")
+@click.command(name="convert", epilog=EXIT_STATUS)
 @click.argument("table", type=click.Path(path_type=Path))
 @click.option("-o", "--output", "output", metavar="FILE", help="Where to write; standard output without it.")
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
@@ -51,17 +52,28 @@ def command(
 ) -> int:
     """Turn TABLE into a robot description and prove that it is the same arm.
 
-    The reader goes by TABLE's suffix, the format by FILE's. `dh2urdf plugins` lists the stages and their options.
+    The reader goes by TABLE's suffix (csv, tsv, yaml, json), the format by FILE's (urdf, xacro). A xacro goes into two
+    files, the macro beside FILE; on standard output it is one. `dh2urdf plugins` lists all stages and their options.
 
     \b
     dh2urdf convert ur5.csv -o ur5.urdf
     dh2urdf convert panda.csv --convention modified --angle-unit deg > panda.urdf
     dh2urdf convert ur5.csv -o ur5.urdf.xacro --frames dh
+    dh2urdf convert arms.csv --robot ur10 --set shape=box --set density=1500
     """
     catalog = load()
     target = None if output in (None, "-") else Path(str(output))
     reader = catalog.reader_for(table)
     transform = catalog.get("transform", DEFAULT_TRANSFORM)
+    if target is not None and target.is_dir():
+        raise ConfigError(
+            Problem(
+                message=f"-o {shown(str(target))} is a folder, and one file is written",
+                mark=COMMAND_LINE,
+                found=output,
+                accepted=f"a file name, such as {target / safe_stem(table.stem)}.urdf",
+            )
+        )
     if format_name or target is None:
         emitter = catalog.get("emitter", format_name or DEFAULT_EMITTER)
     else:
@@ -154,13 +166,14 @@ def _options(
         if not equals or len(kinds) != 1 or key not in known[kinds[0]]:
             keys = [f"{k}.{name}" for k in known for name in known[k]]
             wrong = "names no option" if equals else "has no value"
+            near = did_you_mean(path, [*keys, *(key.partition(".")[2] for key in keys)]) if equals else None
             problems.append(
                 Problem(
                     message=f"--set {shown(setting)} {wrong}",
                     mark=COMMAND_LINE,
                     found=setting,
                     accepted=f"KEY=VALUE, where KEY is one of {', '.join(keys)}",
-                    suggestion=did_you_mean(path, [*keys, *(key.partition(".")[2] for key in keys)]),
+                    suggestion=near,
                 )
             )
             continue

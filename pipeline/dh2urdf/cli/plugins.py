@@ -16,6 +16,10 @@ def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so
     """List every installed stage: kind, name, what it does, its options, and the distribution that provides it.
 
     A plugin that is broken is listed with the reason; it stops nothing but the runs that need it.
+
+    \b
+    dh2urdf plugins
+    dh2urdf plugins --json
     """
     catalog = load()
     stages = [entry for kind in KINDS for entry in _entries(catalog, kind)]

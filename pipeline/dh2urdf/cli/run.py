@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.config import load_config
+from dh2urdf.errors import SCREENFUL
 from dh2urdf.registry import load
 from dh2urdf.report.json import exit_status, run_report, to_text, write_reports
 from dh2urdf.run import Outcome, execute, make_plan
@@ -19,12 +21,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-@click.command(name="run")
+@click.command(name="run", epilog=EXIT_STATUS)
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Where to, not where CONFIG says.")
-@click.option("--workers", metavar="N", help="Processes, or auto.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Output folder, in place of CONFIG's.")
+@click.option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
 @click.option(
-    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change CONFIG, as transform.options.frames=dh."
+    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a value of CONFIG for this run; repeatable."
 )
 @click.option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON in place of the summary.")
@@ -44,6 +46,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     \b
     dh2urdf run configs/ur5.yaml
     dh2urdf run configs/ur5.yaml -o /tmp/ur5 --set transform.options.frames=dh
+    dh2urdf run configs/folder.yaml --workers 4 --json > report.json
     """
     started = time.perf_counter()
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
@@ -64,24 +67,35 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
 
 class _progress:  # noqa: N801 - used like a function
-    """A bar on a terminal; what is noticed and what fails is said as it comes, on standard error."""
+    """A bar on a terminal; what is noticed and what fails is said as it comes, on standard error.
+
+    Of each kind, notices and errors, a screenful is said and the rest is counted: a run may hold a million manipulators.
+    """
 
     def __enter__(self) -> Callable[[Outcome], None]:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-        console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+        self._console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-        self._bar = Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty())
+        self._bar = Progress(*columns, console=self._console, transient=True, disable=not sys.stderr.isatty())
         self._bar.start()
-        task = self._bar.add_task("manipulators", total=None)
+        self._task = self._bar.add_task("manipulators", total=None)
+        self._said = {"error": 0, "notice": 0}
+        self._debug = click.get_current_context().find_root().params["debug"]
+        return self._note
 
-        def note(outcome: Outcome) -> None:
-            self._bar.advance(task)
-            for problem in (*outcome.notices, *outcome.errors):
-                console.print(str(problem))
-
-        return note
+    def _note(self, outcome: Outcome) -> None:
+        self._bar.advance(self._task)
+        for problem in (*outcome.notices, *outcome.errors):
+            self._said[problem.severity] += 1
+            if self._said[problem.severity] <= SCREENFUL:
+                self._console.print(str(problem))
+        if self._debug and outcome.traceback:
+            self._console.print(outcome.traceback)
 
     def __exit__(self, *_error: object) -> None:
         self._bar.stop()
+        for severity, count in self._said.items():
+            if (more := count - SCREENFUL) > 0:
+                self._console.print(f"and {more} more {severity}{'s' if more > 1 else ''}: the report has all of them")

@@ -24,7 +24,9 @@ def print_summary(outcomes: Sequence[Outcome], directory: Path, *, dry_run: bool
         console = Console(highlight=False, width=140)
     emitters = list(dict.fromkeys(written.stage for outcome in outcomes for written in outcome.written))
     loaders = list(dict.fromkeys(name for outcome in outcomes for name in outcome.loads))
-    table = Table(title="largest distance of tool0 from the DH product, in metres" if emitters else None)
+    if emitters:
+        console.print("largest distance of tool0 from the DH product, in metres:")
+    table = Table()
     table.add_column("manipulator", overflow="fold")
     table.add_column("status")
     for name in (*emitters, *loaders):
@@ -46,6 +48,8 @@ def print_summary(outcomes: Sequence[Outcome], directory: Path, *, dry_run: bool
         colour = {"ok": "green", "failed": "red", "skipped": "yellow"}[outcome.status]
         table.add_row(_plain(outcome.name), f"[{colour}]{outcome.status}[/]", *cells, _plain(", ".join(files)))
     console.print(table)
+    if len(outcomes) > MOST_ROWS:
+        console.print(f"and {len(outcomes) - MOST_ROWS} more manipulators", markup=False)
     counts = [
         f"{count} {word}"
         for word in ("ok", "failed", "skipped")

@@ -51,7 +51,20 @@ def to_text(data: dict[str, Any]) -> bytes:
     """Plain data as indented JSON with a newline at its end."""
     import orjson
 
-    return orjson.dumps(data, option=orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS)
+    options = orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS
+    try:
+        return orjson.dumps(data, option=options)
+    except orjson.JSONEncodeError:
+        return orjson.dumps(_in_utf_8(data), option=options)
+
+
+def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data
+    """The same data, lone surrogates spelled out: the name of a file may hold bytes that are no UTF-8."""
+    if isinstance(value, str):
+        return value.encode("utf-8", "backslashreplace").decode("utf-8")
+    if isinstance(value, dict):
+        return {_in_utf_8(key): _in_utf_8(entry) for key, entry in value.items()}
+    return [_in_utf_8(entry) for entry in value] if isinstance(value, (list, tuple)) else value
 
 
 def write_reports(directory: Path, outcomes: Sequence[Outcome], total: float) -> None:

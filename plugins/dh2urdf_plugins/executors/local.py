@@ -61,7 +61,9 @@ def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], wo
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_start_worker)
+    context = get_context("spawn")
+    stop = context.RawValue("b", 0)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(stop,))
     under_way: deque[Future[list[Any]]] = deque()
     try:
         under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, AHEAD * workers))
@@ -70,8 +72,12 @@ def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], wo
             under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, 1))
             yield from results
     finally:
+        stop.value = 1
         pool.shutdown(cancel_futures=True)
 
+
+_stop: Any = None
+"""In a worker: whether the run has ended, and nobody waits for the rest of a chunk."""
 
 # Ctrl-C reaches all processes of a terminal. It ends a worker's work, and a worker that has none, or that is just being
 # started, stays silent: the run tells it, once.
@@ -87,7 +93,9 @@ def _submit(pool: ProcessPoolExecutor, function: Callable[[Any], Any], chunk: li
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
-def _start_worker() -> None:
+def _start_worker(stop: Any) -> None:  # noqa: ANN401 - a number in shared memory has no public type
+    global _stop  # noqa: PLW0603 - a worker has one pool
+    _stop = stop
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
@@ -96,7 +104,7 @@ def _start_worker() -> None:
 def _map_chunk(function: Callable[[Any], Any], chunk: list[Any]) -> list[Any]:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        return [function(task) for task in chunk]
+        return [function(task) for task in chunk if not _stop.value]
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 

@@ -137,7 +137,8 @@ def _words(words: Iterable[str]) -> dict[str, Any]:
 
 def _any_form(words: Iterable[str]) -> str:
     """A pattern for words in any case and with any separators; JSON Schema's patterns have no flag for case."""
-    forms = "|".join(_BETWEEN_LETTERS.join(map(_any_case, word)) for word in words)
+    letters = (re.sub(_BETWEEN_LETTERS, "", word) for word in words)
+    forms = "|".join(_BETWEEN_LETTERS.join(map(_any_case, word)) for word in letters)
     return f"^{_BETWEEN_LETTERS}({forms}){_BETWEEN_LETTERS}$"
 
 

@@ -61,7 +61,7 @@ def test_limits_of_the_table_are_kept(table: Table, robot_of: RobotOf) -> None:
 
 
 def test_the_default_effort_of_a_level_arm_is_twice_its_static_load(table: Table, robot_of: RobotOf) -> None:
-    """Two links of 10 kg and 1 m: the shoulder bears g·(10·0.5 + 10·1.5), the elbow g·10·0.5, rounded up to two digits."""
+    """Two links of 10 kg and 1 m: the shoulder bears g·(10·0.5 + 10·1.5), the elbow g·10·0.5, rounded up."""
     arm = robot_of(table({"a": 1.0, "mass": 10.0}, {"a": 1.0, "mass": 10.0}))
     assert [joint.limits.effort for joint in arm.moving_joints] == [400.0, 99.0]
     assert pytest.approx(392.4) == 2 * GRAVITY * 20

@@ -1,0 +1,159 @@
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.rotations import (
+    HALF_PI,
+    IDENTITY,
+    IDENTITY_ROTATION,
+    RigidTransform,
+    add,
+    cos_sin,
+    multiply,
+    norm,
+    quarter_turns,
+    rotate,
+    rotation_from_rpy,
+    rpy_from_rotation,
+    scale,
+    subtract,
+    transpose,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from dh2urdf.rotations import Rotation, Vec3
+
+EXACT = 1e-15
+"""Rounding of a few operations on numbers up to 1."""
+
+
+# The oracle: the same product of three turns in extended precision, as numpy multiplies it.
+
+
+def turned(rpy: Sequence[float]) -> NDArray[np.longdouble]:
+    roll, pitch, yaw = (np.longdouble(angle) for angle in rpy)
+    one, nil = np.longdouble(1), np.longdouble(0)
+    cr, sr, cp, sp, cy, sy = (f(angle) for angle in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    x = np.array([[one, nil, nil], [nil, cr, -sr], [nil, sr, cr]])
+    y = np.array([[cp, nil, sp], [nil, one, nil], [-sp, nil, cp]])
+    z = np.array([[cy, -sy, nil], [sy, cy, nil], [nil, nil, one]])
+    return z @ y @ x
+
+
+def matrix(rotation: Rotation) -> NDArray[np.longdouble]:
+    return np.array(rotation, dtype=np.longdouble).reshape(3, 3)
+
+
+angles = st.floats(-math.pi, math.pi) | st.sampled_from([k * HALF_PI for k in range(-4, 5)])
+near_zero = st.sampled_from([0.0, 1e-17, -1e-16, 1e-12, -1e-9, 1e-8, 1e-5])
+singular = st.builds(lambda sign, distance: sign * HALF_PI + distance, st.sampled_from([1, -1]), near_zero)
+vectors = st.tuples(*[st.floats(-10, 10)] * 3)
+
+
+@given(angles, angles | singular, angles)
+def test_rpy_and_back_is_the_same_rotation(roll: float, pitch: float, yaw: float) -> None:
+    """At every pitch, ±π/2 and its neighbourhood included, nothing is lost but rounding."""
+    rotation = rotation_from_rpy((roll, pitch, yaw))
+    again = turned(rpy_from_rotation(rotation))
+    assert abs(again - matrix(rotation)).max() <= EXACT
+
+
+@given(angles, angles | singular, angles)
+def test_a_rotation_of_rpy_is_the_product_of_three_turns(roll: float, pitch: float, yaw: float) -> None:
+    """Rz(yaw)·Ry(pitch)·Rx(roll), about fixed axes."""
+    assert abs(turned((roll, pitch, yaw)) - matrix(rotation_from_rpy((roll, pitch, yaw)))).max() <= EXACT
+
+
+@pytest.mark.parametrize("turns", list(product(range(-2, 3), repeat=3)))
+def test_quarter_turns_have_whole_numbers(turns: tuple[int, int, int]) -> None:
+    """All elements are -1, 0 or 1, rpy consists of multiples of π/2, and there is no -0.0."""
+    roll, pitch, yaw = (k * HALF_PI for k in turns)
+    rotation = rotation_from_rpy((roll, pitch, yaw))
+    assert set(rotation) <= {-1.0, 0.0, 1.0}
+    rpy = rpy_from_rotation(rotation)
+    assert all(angle / HALF_PI in range(-2, 3) for angle in rpy)
+    assert all(math.copysign(1, angle) == 1 for angle in rpy if angle == 0)
+    assert rotation_from_rpy(rpy) == rotation
+
+
+@pytest.mark.parametrize("zero", [0.0, -0.0])
+def test_the_sign_of_a_zero_turns_nothing(zero: float) -> None:
+    """atan2 tells 0.0 from -0.0; a rotation does not."""
+    rotation = (zero, zero, -1.0, zero, 1.0, zero, 1.0, zero, zero)
+    assert rpy_from_rotation(rotation) == (0.0, -HALF_PI, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("angle", "turns"),
+    [(0.0, 0), (math.pi, 2), (-3 * math.pi / 2, -3), (math.nextafter(HALF_PI, 2), 1), (1e6 * HALF_PI, 1000000)],
+)
+def test_a_multiple_of_a_quarter_turn_is_known_as_one(angle: float, turns: int) -> None:
+    """Up to the rounding of its computation."""
+    assert quarter_turns(angle) == turns
+
+
+@pytest.mark.parametrize("angle", [1.5708, 1e-300, HALF_PI * (1 + 1e-14), 3.14159265358])
+def test_a_near_multiple_is_not(angle: float) -> None:
+    """Nothing that somebody may have meant is snapped."""
+    assert quarter_turns(angle) is None
+
+
+@given(st.integers(-40, 40))
+def test_quarter_turns_have_whole_cosines_and_sines(turns: int) -> None:
+    """-1, 0 and 1, never 6.1e-17."""
+    c, s = cos_sin(turns * HALF_PI)
+    assert (c, s) == (round(math.cos(turns * HALF_PI)), round(math.sin(turns * HALF_PI)))
+
+
+@given(st.floats(-100, 100))
+def test_other_angles_have_their_own(angle: float) -> None:
+    """The cosine and sine of the library."""
+    assert cos_sin(angle) == pytest.approx((math.cos(angle), math.sin(angle)), abs=1e-13)
+
+
+def test_arrays_have_cosines_and_sines_of_their_shape() -> None:
+    """The same sums serve many rows at once."""
+    c, s = cos_sin(np.array([[0.3, 1.0], [2.0, -4.0]]))
+    assert c.shape == s.shape == (2, 2)
+    np.testing.assert_allclose(c * c + s * s, 1)
+
+
+rotations = st.builds(lambda *rpy: rotation_from_rpy(rpy), angles, angles, angles)
+
+
+@given(rotations, rotations, vectors, vectors, st.floats(-3, 3))
+def test_spelled_out_sums_are_the_matrix_products(
+    left: Rotation, right: Rotation, u: Vec3, v: Vec3, factor: float
+) -> None:
+    """Product, transpose and the operations on vectors, against numpy."""
+    np.testing.assert_allclose(matrix(multiply(left, right)), matrix(left) @ matrix(right), atol=EXACT)
+    np.testing.assert_array_equal(matrix(transpose(left)), matrix(left).T)
+    np.testing.assert_allclose(rotate(left, u), (matrix(left) @ u).astype(float), atol=1e-14)
+    np.testing.assert_allclose(multiply(left, transpose(left)), IDENTITY_ROTATION, atol=EXACT)
+    np.testing.assert_array_equal(add(u, v), np.add(u, v))
+    np.testing.assert_array_equal(subtract(u, v), np.subtract(u, v))
+    np.testing.assert_array_equal(scale(factor, u), np.multiply(factor, u))
+    assert norm(u) == pytest.approx(float(np.linalg.norm(u)))
+
+
+@given(vectors, st.tuples(angles, angles, angles), vectors, st.tuples(angles, angles, angles))
+def test_rigid_transforms_multiply_like_their_matrices(xyz: Vec3, rpy: Vec3, other_xyz: Vec3, other_rpy: Vec3) -> None:
+    """4x4, from xyz and rpy as in URDF."""
+    left, right = RigidTransform.from_xyz_rpy(xyz, rpy), RigidTransform.from_xyz_rpy(other_xyz, other_rpy)
+    both = left @ right
+    expected = turned(rpy) @ np.array(other_xyz) + np.array(xyz)
+    np.testing.assert_allclose(both.translation, expected.astype(float), atol=1e-14)
+    np.testing.assert_allclose(matrix(both.rotation), turned(rpy) @ turned(other_rpy), atol=2 * EXACT)
+    assert left @ IDENTITY == left
+    np.testing.assert_allclose(matrix(rotation_from_rpy(left.rpy)), matrix(left.rotation), atol=EXACT)

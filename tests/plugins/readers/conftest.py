@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+@pytest.fixture
+def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Manipulator | Rejected]]:
+    """Reads a table that is given as text or bytes; the file is called `arm`, in the test's folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def read_table(content: str | bytes, suffix: str = ".csv", **options: str) -> list[Manipulator | Rejected]:
+        path = Path(f"arm{suffix}")
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        reader = csv.READER if suffix in csv.READER.suffixes else yaml.READER
+        return list(reader.read(path, TableOptions(**options)))
+
+    return read_table
+
+
+@pytest.fixture
+def read_one(read: Callable[..., list[Manipulator | Rejected]]) -> Callable[..., Manipulator]:
+    """Reads a table of one manipulator in the standard convention, which must be accepted."""
+
+    def read_table(content: str | bytes, suffix: str = ".csv", **options: str) -> Manipulator:
+        (arm,) = read(content, suffix, **{"convention": "standard", **options})
+        assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+        return arm
+
+    return read_table

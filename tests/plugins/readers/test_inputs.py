@@ -1,0 +1,139 @@
+"""Tables as people write them, and published ones, against a DH product that this file spells out itself."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+REFERENCE = Path(__file__).parents[2] / "reference"
+INPUTS = json.loads((REFERENCE / "inputs" / "expected.json").read_text("utf-8"))
+ROBOTS = json.loads((REFERENCE / "robots.json").read_text("utf-8"))["robots"]
+
+
+def screw(angle: float, length: float, axis: int) -> NDArray[np.float64]:
+    """A turn about x (0) or z (2) and a shift along it."""
+    matrix = np.eye(4)
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    matrix[first, first] = matrix[second, second] = math.cos(angle)
+    matrix[second, first], matrix[first, second] = math.sin(angle), -math.sin(angle)
+    matrix[axis, 3] = length
+    return matrix
+
+
+def pose(arm: Manipulator, q: list[float]) -> NDArray[np.float64]:
+    """T(base_link → tool0), from the definition of the two conventions."""
+    values = iter(q)
+    product = homogeneous(arm.base)
+    for row in arm.rows:
+        theta, d = row.theta, row.d
+        if row.type is JointType.PRISMATIC:
+            d += row.offset + row.sign * next(values)
+        elif row.type is not JointType.FIXED:
+            theta += row.offset + row.sign * next(values)
+        along_x, along_z = screw(row.alpha, row.a, 0), screw(theta, d, 2)
+        product = product @ (along_z @ along_x if arm.convention is Convention.STANDARD else along_x @ along_z)
+    return product @ homogeneous(arm.tool)
+
+
+def homogeneous(transform: Any) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
+    matrix[:3, 3] = transform.translation
+    return matrix
+
+
+def read(path: Path, convention: str | None) -> Manipulator:
+    reader = csv.READER if path.suffix == ".csv" else yaml.READER
+    (arm,) = reader.read(path, TableOptions(convention=convention))
+    if isinstance(arm, Rejected):
+        raise TableError(arm.problems)
+    return arm
+
+
+def mentions(text: str, item: str) -> bool:
+    return any(
+        re.search(rf"\b{re.escape(word)}\b" if len(word) == 1 else re.escape(word), text, re.IGNORECASE)
+        for word in item.split("|")
+    )
+
+
+@pytest.mark.parametrize("case", INPUTS, ids=[case["file"] for case in INPUTS])
+def test_a_table_of_real_life_is_read_rightly_or_refused_clearly(case: dict[str, Any]) -> None:
+    """What is accepted has the pose of the reference; what is refused is refused with the words that help."""
+    path = REFERENCE / "inputs" / case["file"]
+    convention = case.get("convention", "standard") if path.suffix == ".csv" else None
+    try:
+        arm = read(path, convention)
+    except TableError as error:
+        assert "error" in case["outcome"], error
+        for item in case["mentions"]:
+            assert mentions(str(error), item), (item, str(error))
+        return
+    assert "accept" in case["outcome"], arm
+    assert [row.type for row in arm.rows] == [row["type"] for row in case["rows"]]
+    np.testing.assert_allclose(pose(arm, case["q"]), case["T_ee"], rtol=0, atol=case["tol"])
+
+
+REFUSED_OR_READ = ("names_control_chars.csv", "robot_name_empty.yaml", "spaces_aligned.csv")
+
+
+@pytest.mark.parametrize("case", [case for case in INPUTS if case["outcome"] == "accept or error"], ids=str)
+def test_what_may_be_refused_is_read_where_its_meaning_is_plain(case: dict[str, Any]) -> None:
+    """Only names that nobody can see and columns that nobody can tell apart are refused."""
+    path = REFERENCE / "inputs" / case["file"]
+    convention = case.get("convention", "standard") if path.suffix == ".csv" else None
+    if path.name in REFUSED_OR_READ:
+        with pytest.raises(TableError):
+            read(path, convention)
+    else:
+        read(path, convention)
+
+
+def as_csv(robot: dict[str, Any]) -> str:
+    def statement(key: str) -> list[str]:
+        return [f"# {key}: {json.dumps(robot[key])}"] if robot[key] else []
+
+    lines = [f"# convention: {robot['convention']}", *statement("base"), *statement("tool")]
+    lines.append("joint,type,a,alpha,d,theta,offset,flip,lower,upper")
+    for number, row in enumerate(robot["rows"], start=1):
+        limits = row["qlim"] if row["qlim"] and row["type"] != "fixed" else ("", "")
+        cells = (f"j{number}", *(row[key] for key in ("type", "a", "alpha", "d", "theta", "offset", "flip")), *limits)
+        lines.append(",".join(map(str, cells)))
+    return "\n".join(lines)
+
+
+def as_yaml(robot: dict[str, Any]) -> str:
+    joints = []
+    for number, row in enumerate(robot["rows"], start=1):
+        joint = {"name": f"j{number}"} | {key: row[key] for key in ("type", "a", "alpha", "d", "theta", "offset", "flip")}
+        if row["qlim"] and row["type"] != "fixed":
+            joint["limits"] = dict(zip(("lower", "upper"), row["qlim"], strict=True))
+        joints.append(joint)
+    table = {"name": robot["id"], "convention": robot["convention"], "joints": joints}
+    return json.dumps(table | {key: robot[key] for key in ("base", "tool") if robot[key]})
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+@pytest.mark.parametrize("robot", ROBOTS, ids=[robot["id"] for robot in ROBOTS])
+def test_a_published_robot_is_read_as_it_was_published(robot: dict[str, Any], suffix: str, tmp_path: Path) -> None:
+    """Through CSV and YAML, base, tool, offsets and flipped joints included, the end is where the publisher has it."""
+    path = tmp_path / f"robot{suffix}"
+    path.write_text(as_csv(robot) if suffix == ".csv" else as_yaml(robot), "utf-8")
+    arm = read(path, None)
+    for q, expected in zip(robot["q"], robot["T_ee"], strict=True):
+        np.testing.assert_allclose(pose(arm, q), expected, rtol=0, atol=1e-11)

@@ -34,7 +34,8 @@ FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
 """The functions that formulas may use."""
 
 # XML holds none of these, or holds them so that readers make spaces of them (XML 1.0, sections 2.2 and 3.3.3).
-_NOT_IN_NAMES = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+# It is compiled at the first name that is not plain ASCII: that alone takes as long as checking a robot.
+_NOT_IN_NAMES = "[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]"
 _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 _IDENTIFIER = re.compile(r"(?<![\w.])[^\W\d]\w*")
 
@@ -114,7 +115,7 @@ def _name_problem(kind: str, name: str) -> Problem | None:
             found=name,
             accepted=f"at most {LONGEST_NAME} characters: PyBullet crashes on longer names",
         )
-    if culprit := _NOT_IN_NAMES.search(name):
+    if not (name.isascii() and name.isprintable()) and (culprit := re.search(_NOT_IN_NAMES, name)):
         return Problem(
             message=f"the name of {kind} {shown(name)} holds the character U+{ord(culprit.group()):04X}",
             field=kind,

@@ -53,7 +53,9 @@ DEGREES, MILLIMETRES = find_unit("deg", ANGLE), find_unit("mm", LENGTH)
         ("1.57079632679489661923132169163975144209858", ANGLE, None, math.pi / 2),
     ],
 )
-def test_a_quantity_means_its_value_in_si_units(text: str, dimension: Dimension, unit: Unit | None, value: float) -> None:
+def test_a_quantity_means_its_value_in_si_units(
+    text: str, dimension: Dimension, unit: Unit | None, value: float
+) -> None:
     """Numbers, units and expressions as tables have them."""
     assert evaluate(text, dimension, unit).value == value
 

@@ -59,6 +59,16 @@ class _LazyGroup(click.Group):
             ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{advice}")
         return super().resolve_command(ctx, args)
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Where the reader of a pipe has left (`dh2urdf convert … | head`), that is no error; for click and rich it is."""
+        try:
+            return super().invoke(ctx)
+        except (BrokenPipeError, SystemExit) as error:
+            if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
+                raise
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail either
+            return 0
+
 
 def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
     if value:
@@ -109,13 +119,6 @@ def _status(words: list[str], *, debug: bool) -> int:
     except (KeyboardInterrupt, click.Abort):
         click.echo("dh2urdf: interrupted; nothing half-written is left", err=True)
         return INTERRUPTED
-    except (BrokenPipeError, SystemExit) as error:
-        # The reader of a pipe has left (`dh2urdf convert … | head`): no error, though click and rich both leave with
-        # status 1 then, and the flush at exit must not fail.
-        if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
-            raise
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno())
-        return 0
     except Dh2UrdfError as error:
         if debug:
             import traceback

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @click.command(name="run", epilog=EXIT_STATUS)
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Output folder, in place of CONFIG's.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Where to, not where CONFIG says.")
 @click.option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
 @click.option(
     "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a value of CONFIG for this run; repeatable."
@@ -69,7 +69,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 class _progress:  # noqa: N801 - used like a function
     """A bar on a terminal; what is noticed and what fails is said as it comes, on standard error.
 
-    Of each kind, notices and errors, a screenful is said and the rest is counted: a run may hold a million manipulators.
+    Of notices and of errors a screenful is said and the rest counted: a run may hold a million manipulators.
     """
 
     def __enter__(self) -> Callable[[Outcome], None]:

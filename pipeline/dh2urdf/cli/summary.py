@@ -8,6 +8,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from rich.table import Table
+
     from dh2urdf.run import Outcome
 
 MOST_ROWS = 40
@@ -17,15 +19,32 @@ MOST_ROWS = 40
 def print_summary(outcomes: Sequence[Outcome], directory: Path, *, dry_run: bool) -> None:
     """Print what became of each manipulator, with the largest error of every file and simulator."""
     from rich.console import Console
-    from rich.table import Table
 
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=140)
+    if any(outcome.written for outcome in outcomes):
+        console.print("largest distance of tool0 from the DH product, in metres:")
+    console.print(_table(outcomes))
+    if len(outcomes) > MOST_ROWS:
+        console.print(f"and {len(outcomes) - MOST_ROWS} more manipulators")
+    counts = [
+        f"{count} {word}"
+        for word in ("ok", "failed", "skipped")
+        if (count := sum(outcome.status == word for outcome in outcomes))
+    ]
+    console.print(f"{', '.join(counts)}{' (dry run: nothing was written)' if dry_run else ''}")
+    if any(not outcome.keeps_kinematics for outcome in outcomes):
+        console.print("the transform does not keep the kinematics: differences are reported and fail nothing")
+    if not dry_run:
+        console.print(f"written to {directory}", markup=False, soft_wrap=True)
+
+
+def _table(outcomes: Sequence[Outcome]) -> Table:
+    from rich.table import Table
+
     emitters = list(dict.fromkeys(written.stage for outcome in outcomes for written in outcome.written))
     loaders = list(dict.fromkeys(name for outcome in outcomes for name in outcome.loads))
-    if emitters:
-        console.print("largest distance of tool0 from the DH product, in metres:")
     table = Table()
     table.add_column("manipulator", overflow="fold")
     table.add_column("status")
@@ -35,34 +54,23 @@ def print_summary(outcomes: Sequence[Outcome], directory: Path, *, dry_run: bool
         table.add_column("holds still")
     table.add_column("files", overflow="fold")
     for outcome in sorted(outcomes, key=lambda outcome: outcome.status != "failed")[:MOST_ROWS]:
-        proofs = {written.stage: written.proof for written in outcome.written}
-        cells = [_metres(proof.position_error) if (proof := proofs.get(name)) else "–" for name in emitters]
-        for name in loaders:
-            report = outcome.loads.get(name)
-            error = report.position_error if report else None
-            cells.append(_metres(error) if error is not None else "–")
+        errors: dict[str, float | None] = {
+            written.stage: written.proof.position_error for written in outcome.written if written.proof
+        }
+        errors |= {name: report.position_error for name, report in outcome.loads.items()}
+        cells = [_metres(errors.get(name)) for name in (*emitters, *loaders)]
         if loaders:
             cells.append(_holds(outcome))
         files = [file.name for written in outcome.written for file in written.files]
         files += [report.picture for report in outcome.loads.values() if report.picture]
         colour = {"ok": "green", "failed": "red", "skipped": "yellow"}[outcome.status]
         table.add_row(_plain(outcome.name), f"[{colour}]{outcome.status}[/]", *cells, _plain(", ".join(files)))
-    console.print(table)
-    if len(outcomes) > MOST_ROWS:
-        console.print(f"and {len(outcomes) - MOST_ROWS} more manipulators", markup=False)
-    counts = [
-        f"{count} {word}"
-        for word in ("ok", "failed", "skipped")
-        if (count := sum(outcome.status == word for outcome in outcomes))
-    ]
-    console.print(f"{', '.join(counts)}{' (dry run: nothing was written)' if dry_run else ''}", markup=False)
-    if any(not outcome.keeps_kinematics for outcome in outcomes):
-        console.print("the transform does not keep the kinematics: differences are reported and fail nothing")
-    if not dry_run:
-        console.print(f"written to {directory}", markup=False, soft_wrap=True)
+    return table
 
 
-def _metres(error: float) -> str:
+def _metres(error: float | None) -> str:
+    if error is None:
+        return "–"
     return f"{error:.1e}" if error else "0"
 
 

@@ -217,6 +217,11 @@ def _append_mounting(macro: etree._Element, robot: Robot, notation: XacroNotatio
     etree.SubElement(joint, "child", {"link": notation.name(robot.links[0].name)})
 
 
+def one_file(options: XacroOptions) -> XacroOptions:
+    """The options that write one file, for standard output."""
+    return replace(options, single_file=True)
+
+
 EMITTER = Emitter(
     name="xacro",
     summary="a xacro macro with the table as its properties, and a file that calls it",
@@ -224,6 +229,6 @@ EMITTER = Emitter(
     options=XacroOptions,
     emit=emit,
     read_back=read_xacro,
-    one_file=lambda options: replace(options, single_file=True),
+    one_file=one_file,
     costly_proof=True,
 )

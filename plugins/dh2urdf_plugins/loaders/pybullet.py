@@ -106,15 +106,30 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     )
 
 
+def poses(options: PyBulletOptions) -> int:
+    """How many joint vectors are measured."""
+    return options.poses
+
+
+def picture(options: PyBulletOptions) -> bool:
+    """Whether a picture is taken."""
+    return options.picture
+
+
+def time_limit(options: PyBulletOptions) -> float | None:
+    """How long loading may take [s]; a window stays open as long as a person likes."""
+    return None if options.gui else 300.0
+
+
 LOADER = Loader(
     name="pybullet",
     summary="loads a URDF into PyBullet, compares the arm with the table, lets it hold its weight, takes a picture",
     load=load,
     options=PyBulletOptions,
     formats=("urdf",),
-    poses=lambda options: options.poses,
-    picture=lambda options: options.picture,
+    poses=poses,
+    picture=picture,
     read_output=read_output,
     require=require,
-    time_limit=lambda options: None if options.gui else 300.0,
+    time_limit=time_limit,
 )

@@ -225,7 +225,13 @@ def _are_plain_lengths(a: list[float], d: list[float], sizes: Sequence[int]) -> 
 
 def _are_plain_names(joints: tuple[str, ...], links: tuple[str, ...]) -> bool:
     for name in (*joints, *links):
-        if name != name.strip() or name_fault(name) or not name.isascii() or name.startswith("#") or name.casefold() in END_NAMES:
+        if (
+            name != name.strip()
+            or name_fault(name)
+            or not name.isascii()
+            or name.startswith("#")
+            or name.casefold() in END_NAMES
+        ):
             return False
     pairs = zip(joints, links, strict=True)
     rows = [DHRow(joint=joint, link=link, a=0, alpha=0, d=0) for joint, link in pairs]
@@ -239,10 +245,13 @@ def _unit(units: Units, name: str) -> Unit | None:
 
 
 def _converter(unit: Unit | None) -> Callable[[Sequence[str]], list[float]]:
-    """What makes SI numbers of a column of plain decimal numbers; it raises ValueError where one is not plain."""
+    """What makes SI numbers of a column of plain decimal numbers; it raises ValueError where one is not plain.
+
+    There is no −0 among them: 0 is added to each.
+    """
     if unit is None:
-        return lambda column: list(map(float, column))
+        return lambda column: [float(text) + 0.0 for text in column]
     if unit.degrees:
-        return lambda column: [float(text) / 90 * HALF_PI for text in column]
+        return lambda column: [float(text) / 90 * HALF_PI + 0.0 for text in column]
     suffix = f"e{unit.power}"  # a text with an exponent of its own becomes no number, and is read with care
-    return lambda column: [float(text + suffix) for text in column]
+    return lambda column: [float(text + suffix) + 0.0 for text in column]

@@ -91,10 +91,15 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     return replace(robot, notices=tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in notices))
 
 
+def keeps_kinematics(options: AlphaSwapOptions) -> bool:
+    """Whether the robot is the arm of the table: the paper's algorithm does not promise it."""
+    return options.variant == "exact"
+
+
 TRANSFORM = Transform(
     name="alpha-swap",
     summary="the arm of the table, its link frames parallel to the base or as in the table; or the paper's algorithm",
     transform=alpha_swap,
     options=AlphaSwapOptions,
-    keeps_kinematics=lambda options: options.variant == "exact",
+    keeps_kinematics=keeps_kinematics,
 )

@@ -125,7 +125,7 @@ def assemble(
     density: float,
     parameters: tuple[Parameter, ...],
     comment: str,
-    notices: tuple[Problem, ...],
+    notices: tuple[Problem, ...] = (),
 ) -> Robot:
     """The robot of a manipulator.
 

@@ -118,27 +118,18 @@ def nearest_paper_angle(alpha: float) -> tuple[str, float]:
 
 
 def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
-    """Angles that are kept as given although a quarter turn was probably meant."""
+    """Angles that are kept as given although a quarter turn was probably meant, unless the reader said so already."""
+    known = {(notice.joint, notice.field) for notice in manipulator.notices}
     for row in manipulator.rows:
         names = ["alpha", "theta"] + ["offset"] * (row.type in (JointType.REVOLUTE, JointType.CONTINUOUS))
         for name in names:
             value: float = getattr(row, name)
             turns = round(value / HALF_PI)
-            if turns and abs(value - turns * HALF_PI) < SUSPICIOUS and quarter_turns(value) is None:
+            near = turns and abs(value - turns * HALF_PI) < SUSPICIOUS and quarter_turns(value) is None
+            if near and (row.joint, name) not in known:
                 meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
                 message = f"{name} is {value:.12g}, which is kept as given; {meant} was probably meant"
                 yield row_problem(row, message, field=name, found=value, severity="notice")
-
-
-def unused_notices(manipulator: Manipulator) -> Iterator[Problem]:
-    """Numbers of the table that have no place in a robot description."""
-    for row in manipulator.rows:
-        said = _said(row.limits)
-        if row.type is JointType.CONTINUOUS:
-            said = [name for name in said if name in ("lower", "upper")]
-        if row.type in (JointType.CONTINUOUS, JointType.FIXED) and said:
-            message = f"a {row.type.value} joint has no {' and '.join(said)}: not used"
-            yield row_problem(row, message, field=f"limits.{said[0]}", severity="notice")
 
 
 def _row_problems(row: DHRow) -> Iterator[Problem]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
-from dh2urdf_plugins.transforms.checks import angle_notices, unused_notices
+from dh2urdf_plugins.transforms.checks import angle_notices
 from dh2urdf_plugins.transforms.formulas import Quantity, origin, plus, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, standard_frames
 from dh2urdf_plugins.transforms.shapes import (
@@ -68,7 +68,7 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
             f"{manipulator.name}: made by dh2urdf from a DH table of the {manipulator.convention.value} convention "
             f"(alpha-swap, exact, {options.frames} frames)"
         ),
-        notices=(*angle_notices(manipulator), *unused_notices(manipulator)),
+        notices=tuple(angle_notices(manipulator)),
     )
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.robot import Box, Collision, Origin, Visual
 from dh2urdf.rotations import ZERO, Vec3
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters, travel
-from dh2urdf_plugins.transforms.checks import nearest_paper_angle, unused_notices
+from dh2urdf_plugins.transforms.checks import nearest_paper_angle
 from dh2urdf_plugins.transforms.formulas import (
     HALF,
     NO_VECTOR,
@@ -102,7 +102,6 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
             f"{manipulator.name}: made by dh2urdf as the paper has it (alpha-swap, paper); "
             "its kinematics is not that of the table"
         ),
-        notices=tuple(unused_notices(manipulator)),
     )
 
 

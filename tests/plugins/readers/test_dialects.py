@@ -169,17 +169,21 @@ def dialects(draw: st.DrawFn) -> tuple[tuple[Row, ...], Convention, bytes]:
     for name in order:
         text = draw(st.sampled_from(spelling[name]))
         units = {"a": unit, "d": unit, "alpha": "deg", "theta": "°"}
-        header.append(text + draw(st.sampled_from([" [{}]", "({})", " ({})"])).format(units[name]) if name in units else text)
-    space = draw(st.sampled_from(["", " "]))
-    always = draw(st.booleans()) and not space
+        header.append(
+            text + draw(st.sampled_from([" [{}]", "({})", " ({})"])).format(units[name]) if name in units else text
+        )
+    always = draw(st.booleans())
+    # CSV knows no space before a quote.
+    bare = not always and not any(delimiter in row.joint or '"' in row.joint for row in arm)
+    space = draw(st.sampled_from(["", " "])) if bare else ""
     lines = [delimiter.join(quoted(text, delimiter, always=always) for text in header)]
     for row in arm:
         texts = cells(row, draw, unit, comma=comma)
         lines.append(delimiter.join(space + quoted(texts[name], delimiter, always=always) for name in order))
         lines += draw(st.sampled_from([[], [""], ["# a comment, with; delimiters"], [delimiter * (len(order) - 1)]]))
-    if any('"' in row.joint and space for row in arm):
-        lines = [line.replace(space, "") if '"' in line else line for line in lines]
-    word = draw(st.sampled_from(["standard", "DH", "Classic"] if convention is Convention.STANDARD else ["MDH", "craig"]))
+    word = draw(
+        st.sampled_from(["standard", "DH", "Classic"] if convention is Convention.STANDARD else ["MDH", "craig"])
+    )
     top = [f"# Convention: {word}", "# Source: somebody's manual, p. 12", ""]
     end = draw(st.sampled_from(["\n", "\r\n", "\r"]))
     text = end.join([*top, *lines]) + draw(st.sampled_from(["", end]))
@@ -245,7 +249,25 @@ plain_numbers = st.sampled_from(
     ["0", "0.5", "-0.25", "1.5707963267948966", "-0", "1e-3", "+2.", ".5", "3", "0.0", "12.5", "1.25", "50"]
 )
 odd_cells = st.sampled_from(
-    ["", " ", "1.57", "pi/2", "90 deg", "nan", "inf", "-inf", "1_0", "٣", "1e400", "400", "7", "x", "#REF!", "j1", "world"]
+    [
+        "",
+        " ",
+        "1.57",
+        "pi/2",
+        "90 deg",
+        "nan",
+        "inf",
+        "-inf",
+        "1_0",
+        "٣",
+        "1e400",
+        "400",
+        "7",
+        "x",
+        "#REF!",
+        "j1",
+        "world",
+    ]
     + ["1,5", "0x10", "1e999", "flange", "é", "\x1f", "fixed", "continuous", "P", '"a"', "-5", "1\xa0"]
 )
 COLUMNS = ["robot", "joint", "link", "i", "type", "a", "alpha", "d", "theta", "offset", "lower", "upper", "velocity"]
@@ -259,7 +281,9 @@ def large_tables(draw: st.DrawFn) -> str:
     columns = list(dict.fromkeys(columns))
     if draw(st.booleans()) and "lower" in columns:
         columns = list(dict.fromkeys([*columns, "lower", "upper", "velocity", "effort"]))
-    headers = [f"{name} [{UNITS[name]}]" if name in UNITS and draw(st.integers(0, 3)) == 0 else name for name in columns]
+    headers = [
+        f"{name} [{UNITS[name]}]" if name in UNITS and draw(st.integers(0, 3)) == 0 else name for name in columns
+    ]
     delimiter = draw(st.sampled_from([",", ",", ";"]))
     lines = [delimiter.join([*headers, ""])]
     for robot in range(draw(st.integers(1, 4))):

@@ -120,7 +120,9 @@ def as_csv(robot: dict[str, Any]) -> str:
 def as_yaml(robot: dict[str, Any]) -> str:
     joints = []
     for number, row in enumerate(robot["rows"], start=1):
-        joint = {"name": f"j{number}"} | {key: row[key] for key in ("type", "a", "alpha", "d", "theta", "offset", "flip")}
+        joint = {"name": f"j{number}"} | {
+            key: row[key] for key in ("type", "a", "alpha", "d", "theta", "offset", "flip")
+        }
         if row["qlim"] and row["type"] != "fixed":
             joint["limits"] = dict(zip(("lower", "upper"), row["qlim"], strict=True))
         joints.append(joint)

@@ -8,7 +8,7 @@ import pytest
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import Inertia, Limits, LinkGeometry, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.source import Mark
+from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 if TYPE_CHECKING:
@@ -121,17 +121,10 @@ def test_other_angles_are_nobodys_business(row: dict[str, Any], table: Table, ro
     assert robot_of(table(row, {"d": 0.1})).notices == ()
 
 
-@pytest.mark.parametrize(
-    ("row", "says"),
-    [
-        ({"type": "continuous", "limits": Limits(lower=-1.0, upper=1.0)}, "continuous joint has no lower and upper"),
-        ({"type": "fixed", "limits": Limits(velocity=1.0)}, "fixed joint has no velocity"),
-    ],
-)
-def test_limits_that_are_not_used_are_a_notice(row: dict[str, Any], says: str, table: Table, robot_of: RobotOf) -> None:
-    """Whoever wrote them believes that they count."""
-    (notice,) = robot_of(table({"d": 0.1} | row)).notices
-    assert says in notice.message
+def test_what_the_reader_said_is_not_said_again(table: Table, robot_of: RobotOf) -> None:
+    """Its notice has the text that stands in the file."""
+    said = Problem(message="'1.57' is kept as it is", severity="notice", joint="joint_1", field="alpha")
+    assert robot_of(table({"alpha": 1.57}, {"d": 0.1}, notices=(said,))).notices == ()
 
 
 @pytest.mark.parametrize("options", [{"radius": 0.0}, {"radius": math.nan}, {"density": -1.0}, {"snap": -0.1}])

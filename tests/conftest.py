@@ -1,8 +1,9 @@
-"""What all tests share: the facts of tests/reference, the project's command, and the rule about skipped tests."""
+"""What all tests share: the facts of tests/reference, the project's command, an oracle of URDF, the rule about skips."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -10,8 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import hypothesis
+import numpy as np
 import pytest
+from lxml import etree
 
+from dh2urdf.cli import _status
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform
 
@@ -27,6 +31,21 @@ hypothesis.settings.register_profile(
     "dh2urdf", derandomize=True, deadline=None, database=None, print_blob=True, max_examples=60
 )
 hypothesis.settings.load_profile("dh2urdf")
+
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--renew",
+        action="store_true",
+        help="write generated files (the README's table of stages, its picture, golden files) in place of comparing them",
+    )
+
+
+@pytest.fixture
+def renew(request: pytest.FixtureRequest) -> bool:
+    """Whether a generated file is to be written again."""
+    return bool(request.config.getoption("--renew"))
 
 
 # A test that needs what is not installed is skipped, with `pytest.importorskip` or `pytest.skip`. Where everything has
@@ -143,3 +162,131 @@ def dh2urdf(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
         return result
 
     return run
+
+
+class Answer(NamedTuple):
+    """What the command line printed."""
+
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def cli(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+    """Call the command line in the test's folder, in this process: as good as the command, and started at once."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words: str | Path, status: int = 0) -> Answer:
+        capfd.readouterr()
+        found = _status([str(word) for word in words], debug=False)
+        answer = Answer(*capfd.readouterr())
+        assert found == status, f"exit status {found}\n{answer.stdout}\n{answer.stderr}"
+        return answer
+
+    return call
+
+
+# --- An oracle of URDF: twenty lines that share nothing with the project ----------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def tool0_of() -> Callable[[Path], Callable[[Sequence[float]], np.ndarray]]:
+    """T(base_link → tool0) of a written URDF as a function of the moving joints' values."""
+    return _tool0_of
+
+
+def _tool0_of(path: Path) -> Callable[[Sequence[float]], np.ndarray]:
+    joints = {joint.find("child").get("link"): joint for joint in etree.parse(path).findall("joint")}
+    chain: list[Any] = []
+    link = "tool0"
+    while link != "base_link":
+        chain.insert(0, joints[link])
+        link = joints[link].find("parent").get("link")
+
+    def pose(q: Sequence[float]) -> np.ndarray:
+        T, values = np.eye(4), iter(q)
+        for joint in chain:
+            T = T @ _origin(joint.find("origin"))
+            if joint.get("type") != "fixed":
+                T = T @ _motion(joint.get("type"), _numbers(joint.find("axis"), "xyz"), next(values))
+        assert not list(values), "more values than moving joints"
+        return T
+
+    return pose
+
+
+def _numbers(element: Any, name: str) -> np.ndarray:
+    return np.array([float(word) for word in element.get(name).split()])
+
+
+def _origin(element: Any) -> np.ndarray:
+    roll, pitch, yaw = _numbers(element, "rpy")
+    T = np.eye(4)
+    T[:3, :3] = _turn([0, 0, 1], yaw) @ _turn([0, 1, 0], pitch) @ _turn([1, 0, 0], roll)
+    T[:3, 3] = _numbers(element, "xyz")
+    return T
+
+
+def _motion(kind: str, axis: Any, value: float) -> np.ndarray:
+    T = np.eye(4)
+    if kind == "prismatic":
+        T[:3, 3] = value * axis
+    else:
+        T[:3, :3] = _turn(axis, value)
+    return T
+
+
+def _turn(axis: Any, angle: float) -> np.ndarray:
+    """Rodrigues' formula."""
+    x, y, z = axis
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + math.sin(angle) * K + (1 - math.cos(angle)) * (K @ K)
+
+
+# --- Tables as files --------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def as_table() -> Callable[..., str]:
+    """The text of a manipulator's table: `as_table(manipulator, "csv")` or `"yaml"`."""
+    return _as_table
+
+
+def _as_table(manipulator: Manipulator, form: str, *, units: tuple[str, str] = ("m", "rad")) -> str:
+    """A table that says all of a manipulator but its masses.
+
+    Args:
+        manipulator: the arm.
+        form: ``csv`` or ``yaml``.
+        units: of lengths and angles.
+    """
+    length, angle = {"m": 1.0, "mm": 1e3}[units[0]], {"rad": 1.0, "deg": 180 / math.pi}[units[1]]
+    rows: list[dict[str, Any]] = []
+    for row in manipulator.rows:
+        variable = length if row.type is JointType.PRISMATIC else angle
+        cells = {"joint": row.joint, "link": row.link, "type": str(row.type)}
+        cells |= {"a": repr(row.a * length), "alpha": repr(row.alpha * angle), "d": repr(row.d * length)}
+        cells |= {"theta": repr(row.theta * angle)}
+        if row.type is not JointType.FIXED:
+            cells |= {"offset": repr(row.offset * variable), "sign": str(row.sign)}
+        if row.limits.lower is not None and row.limits.upper is not None:
+            cells |= {"lower": repr(row.limits.lower * variable), "upper": repr(row.limits.upper * variable)}
+        rows.append(cells)
+    ends = {
+        name: [
+            [*pose.rotation[3 * i : 3 * i + 3], pose.translation[i] * length] for i in range(3)
+        ] + [[0, 0, 0, 1]]
+        for name, pose in (("base", manipulator.base), ("tool", manipulator.tool))
+        if pose != IDENTITY
+    }
+    top = {"convention": str(manipulator.convention), "units": {"length": units[0], "angle": units[1]}, **ends}
+    lines = [f"{key}: {json.dumps(value)}" for key, value in top.items()]
+    if form == "yaml":
+        joints = [{"name" if key == "joint" else key: value for key, value in cells.items()} for cells in rows]
+        for joint in joints:
+            limits = {key: joint.pop(key) for key in ("lower", "upper") if key in joint}
+            joint |= {"limits": limits} if limits else {}
+        return "\n".join([*lines, "joints:", *(f"  - {json.dumps(joint)}" for joint in joints), ""])
+    header = list(dict.fromkeys(key for cells in rows for key in cells))
+    body = [",".join(cells.get(key, "") for key in header) for cells in rows]
+    return "\n".join([*(f"# {line}" for line in lines), ",".join(header), *body, ""])

@@ -47,7 +47,7 @@ def load_yaml(content: bytes | str, file: str, error: type[InputError] = ConfigE
         InputError: of the type given, where the text is not one YAML document.
     """
     if isinstance(content, str) and (word := _WORD.fullmatch(content)):
-        return _word(*word.groups(), file)
+        return _word(word[1], word[2], file)
     (root,) = stream_yaml(content, file, error)
     if root.problems:
         raise error(root.problems)

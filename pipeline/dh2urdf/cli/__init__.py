@@ -59,8 +59,8 @@ class _LazyGroup(click.Group):
             ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{advice}")
         return super().resolve_command(ctx, args)
 
-    def invoke(self, ctx: click.Context) -> Any:
-        """Where the reader of a pipe has left (`dh2urdf convert … | head`), that is no error; for click and rich it is."""
+    def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's signature
+        """Where the reader of a pipe has left (`dh2urdf convert … | head`), that is no error, as it is for click."""
         try:
             return super().invoke(ctx)
         except (BrokenPipeError, SystemExit) as error:

@@ -1,4 +1,4 @@
-"""What all tests share: the facts of tests/reference, the project's command, an oracle of URDF, the rule about skips."""
+"""What all tests share: facts of tests/reference, the command, an oracle of URDF, and the rule about skips."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import os
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -33,12 +34,11 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("dh2urdf")
 
 
-
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--renew",
         action="store_true",
-        help="write generated files (the README's table of stages, its picture, golden files) in place of comparing them",
+        help="write generated files (table of stages and picture of the README) instead of comparing them",
     )
 
 
@@ -252,8 +252,11 @@ def as_table() -> Callable[..., str]:
     return _as_table
 
 
+GROUPS = {"limits": ("lower", "upper"), "inertia": ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
+
+
 def _as_table(manipulator: Manipulator, form: str, *, units: tuple[str, str] = ("m", "rad")) -> str:
-    """A table that says all of a manipulator but its masses.
+    """A table that says all of a manipulator's rows, its base and its tool.
 
     Args:
         manipulator: the arm.
@@ -264,29 +267,32 @@ def _as_table(manipulator: Manipulator, form: str, *, units: tuple[str, str] = (
     rows: list[dict[str, Any]] = []
     for row in manipulator.rows:
         variable = length if row.type is JointType.PRISMATIC else angle
-        cells = {"joint": row.joint, "link": row.link, "type": str(row.type)}
-        cells |= {"a": repr(row.a * length), "alpha": repr(row.alpha * angle), "d": repr(row.d * length)}
-        cells |= {"theta": repr(row.theta * angle)}
+        cells: dict[str, Any] = {"joint": row.joint, "link": row.link, "type": str(row.type)}
+        cells |= {"a": row.a * length, "alpha": row.alpha * angle, "d": row.d * length, "theta": row.theta * angle}
         if row.type is not JointType.FIXED:
-            cells |= {"offset": repr(row.offset * variable), "sign": str(row.sign)}
+            cells |= {"offset": row.offset * variable, "sign": row.sign}
         if row.limits.lower is not None and row.limits.upper is not None:
-            cells |= {"lower": repr(row.limits.lower * variable), "upper": repr(row.limits.upper * variable)}
+            cells |= {"lower": row.limits.lower * variable, "upper": row.limits.upper * variable}
+        if row.mass is not None and row.com is not None and row.inertia is not None:
+            com = {f"com_{axis}": value * length for axis, value in zip("xyz", row.com, strict=True)}
+            cells |= {"mass": row.mass, **com, **asdict(row.inertia)}
         rows.append(cells)
     ends = {
-        name: [
-            [*pose.rotation[3 * i : 3 * i + 3], pose.translation[i] * length] for i in range(3)
-        ] + [[0, 0, 0, 1]]
+        name: [*([*pose.rotation[3 * i : 3 * i + 3], pose.translation[i] * length] for i in range(3)), [0, 0, 0, 1]]
         for name, pose in (("base", manipulator.base), ("tool", manipulator.tool))
         if pose != IDENTITY
     }
     top = {"convention": str(manipulator.convention), "units": {"length": units[0], "angle": units[1]}, **ends}
     lines = [f"{key}: {json.dumps(value)}" for key, value in top.items()]
     if form == "yaml":
-        joints = [{"name" if key == "joint" else key: value for key, value in cells.items()} for cells in rows]
-        for joint in joints:
-            limits = {key: joint.pop(key) for key in ("lower", "upper") if key in joint}
-            joint |= {"limits": limits} if limits else {}
-        return "\n".join([*lines, "joints:", *(f"  - {json.dumps(joint)}" for joint in joints), ""])
+        for cells in rows:
+            cells["name"] = cells.pop("joint")
+            for key, parts in GROUPS.items():
+                if parts[0] in cells:
+                    cells[key] = {part: cells.pop(part) for part in parts}
+            if "com_x" in cells:
+                cells["com"] = [cells.pop(f"com_{axis}") for axis in "xyz"]
+        return "\n".join([*lines, "joints:", *(f"  - {json.dumps(cells)}" for cells in rows), ""])
     header = list(dict.fromkeys(key for cells in rows for key in cells))
-    body = [",".join(cells.get(key, "") for key in header) for cells in rows]
+    body = [",".join(str(cells.get(key, "")) for key in header) for cells in rows]
     return "\n".join([*(f"# {line}" for line in lines), ",".join(header), *body, ""])

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pytest
+from lxml import etree
 
 from dh2urdf.cli import _status
+from dh2urdf.manipulator import Inertia, Manipulator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from conftest import ReferenceRobot
+    from conftest import Answer, ReferenceRobot
 
 FACTS = Path(__file__).with_name("reference") / "robots.json"
 
@@ -76,3 +79,56 @@ def test_the_run_proves_the_same(run: Run, reference_robot: ReferenceRobot) -> N
     for proof in (entry["proof"]["urdf"], entry["proof"]["xacro"]):
         assert proof["position_error"] < 1e-12
         assert proof["angle_error"] < 1e-12
+
+
+PHYSICS = {
+    "rtb_Puma560": (2, "joint 'joint_1', field 'mass': '0.0' is not positive"),
+    "rtb_Stanford": (1, "joint 'joint_5', field 'inertia': the inertia is not positive definite"),
+    "rtb_P8": (2, "joint 'joint_3', field 'mass': '0.0' is not positive"),
+}
+"""What the published mass properties of a robot break first, and who finds it: its reader (2), or the transform (1)."""
+
+
+def with_masses(robot: ReferenceRobot) -> Manipulator:
+    """The robot's table with the masses, centres of mass and inertias that were published with it."""
+    record = next(record for record in json.loads(FACTS.read_text("utf-8"))["robots"] if record["id"] == robot.id)
+    rows = []
+    for row, facts in zip(robot.manipulator.rows, record["rows"], strict=True):
+        if "mass" in facts:
+            (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = facts["inertia"]
+            inertia = Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
+            rows.append(replace(row, mass=facts["mass"], com=tuple(facts["com"]), inertia=inertia))
+        else:
+            rows.append(row)
+    return replace(robot.manipulator, rows=tuple(rows))
+
+
+@pytest.mark.parametrize("form", ["csv", "yaml"])
+@pytest.mark.parametrize("name", PHYSICS)
+def test_masses_that_no_body_can_have_are_refused(
+    *,
+    name: str,
+    form: str,
+    reference_robots: Sequence[ReferenceRobot],
+    as_table: Callable[..., str],
+    cli: Callable[..., Answer],
+    tmp_path: Path,
+) -> None:
+    """The published mass properties of three arms are those of no body: the rule is named, and nothing is written."""
+    robot = next(robot for robot in reference_robots if robot.id == name)
+    (tmp_path / f"arm.{form}").write_text(as_table(with_masses(robot), form), "utf-8")
+    status, rule = PHYSICS[name]
+    assert f"error: {rule}" in cli("convert", f"arm.{form}", "-o", "arm.urdf", status=status).stderr
+    assert [path.name for path in tmp_path.iterdir()] == [f"arm.{form}"]
+
+
+def test_masses_that_a_body_can_have_are_written(
+    reference_robots: Sequence[ReferenceRobot], as_table: Callable[..., str], cli: Callable[..., Answer], tmp_path: Path
+) -> None:
+    """The Panda's published masses are those of its links in the file."""
+    panda = with_masses(next(robot for robot in reference_robots if robot.id == "rtb_Panda"))
+    (tmp_path / "panda.csv").write_text(as_table(panda, "csv"), "utf-8")
+    cli("convert", "panda.csv", "-o", "panda.urdf")
+    links = {link.get("name"): link for link in etree.parse(tmp_path / "panda.urdf").findall("link")}
+    masses = [float(links[row.link].find("inertial/mass").get("value")) for row in panda.rows]
+    assert masses == [row.mass for row in panda.rows]

@@ -168,9 +168,8 @@ def write_robot(
                     raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
                 taken[file.name.casefold()] = emitter.name
             write_files(folder, files)
-            proof = None
-            if emitter.read_back and (prove_costly or not emitter.costly_proof):
-                proof = _prove_file(manipulator, folder / files[0].name, emitter, poses, recipe=recipe)
+            proved = prove_costly or not emitter.costly_proof
+            proof = _prove_file(manipulator, folder / files[0].name, emitter, poses, recipe=recipe) if proved else None
             facts = tuple(
                 WrittenFile(
                     name=file.name,

@@ -24,11 +24,13 @@ from dh2urdf_plugins.readers.names import MAX_NAME
 from dh2urdf_plugins.readers.plain_rows import PlainRows
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.tables import ReadRow, manipulator, stopped
+from dh2urdf_plugins.readers.tables import manipulator, stopped
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
+
+    from dh2urdf.manipulator import DHRow
 
 
 def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
@@ -240,15 +242,15 @@ class _Table:
             self.notices = []  # what is to be said of the file is said once, with the first manipulator
         return result
 
-    def _read_rows(self, rows: _Rows, statements: Statements, reader: RowReader) -> list[ReadRow]:
+    def _read_rows(self, rows: _Rows, statements: Statements, reader: RowReader) -> list[DHRow | None]:
         """The rows as far as they can be read, and what they say of the convention."""
-        read: list[ReadRow] = []
+        read: list[DHRow | None] = []
         numbered = self._numbered(rows)
         for number, (line, texts) in enumerate(zip(rows.lines, rows.cells, strict=True), start=1):
             mark = Mark(file=self.file, line=line)
             cells = self.cells.read(texts, line, number, reader)
             if cells is None:
-                read.append(ReadRow(None))
+                read.append(None)
                 continue
             if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
                 reader.add(_nameless(robot, rows.name, number))
@@ -259,10 +261,8 @@ class _Table:
                 check_index(index, number, reader)
             elif index:
                 cells["joint"] = index
-            row = reader.read(number, cells, mark)
-            joint, link = cells.get("joint"), cells.get("link")
-            read.append(ReadRow(row, joint.mark if joint else mark, link.mark if link else mark))
-            if stopped(reader, mark):
+            read.append(reader.read(number, cells, mark))
+            if stopped(reader):
                 break
         return read
 

@@ -144,13 +144,12 @@ def commented_header(line: str) -> str | None:
 
     The first column may be called ``#``, or the header as a whole may be commented out, as numpy writes it.
     """
+    found: dict[str, set[str]] = {}
     for text in (line, line.replace("#", " ", 1)):
-        delimiter = delimiter_of(text)
-        if delimiter:
-            names = {header.field.name for header in map(read_header, split(text, delimiter)) if header.field}
-            if names.issuperset(REQUIRED):
-                return text
-    return None
+        headers = map(read_header, split(text, delimiter_of(text) or ","))
+        found[text] = {header.field.name for header in headers if header.field}
+    best = max(found, key=lambda text: len(found[text]))
+    return best if found[best].issuperset(REQUIRED) else None
 
 
 def statement(line: str, number: int, file: str) -> tuple[str, Node] | None:

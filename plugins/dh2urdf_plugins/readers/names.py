@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import unicodedata
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from dh2urdf.manipulator import DHRow
+    from collections.abc import Sequence
 
 MAX_NAME = 200
 """Length of a name [1]; readers of robot descriptions cut names of a thousand characters, or crash."""
@@ -42,28 +40,32 @@ def name_fault(name: str) -> tuple[str, str] | None:
     return None
 
 
-def name_problems(rows: Sequence[DHRow], marks: Iterable[tuple[Mark | None, Mark | None]]) -> list[Problem]:
+class RowNames(NamedTuple):
+    """The names of a row's joint and link, and where they stand."""
+
+    joint: str
+    link: str
+    joint_mark: Mark | None = None
+    link_mark: Mark | None = None
+
+
+def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     """What is wrong with the names of a manipulator's joints and links, taken together.
 
     Links and joints share one set of names, with those that every description has.
-
-    Args:
-        rows: the rows.
-        marks: where the joint's and the link's name of each row stand.
     """
     last = rows[-1].link
     taken: dict[str, str] = dict.fromkeys(RESERVED, "it is the name of a link that every robot description has")
-    for joint in ("base_link-base_link_inertia", f"{last}-tool0", f"{last}-flange"):
-        taken[joint] = "it is the name of a joint that the description adds"
+    for name in ("base_link-base_link_inertia", f"{last}-tool0", f"{last}-flange"):
+        taken[name] = "it is the name of a joint that the description adds"
     alike: dict[str, str] = {}
     problems = []
-    for row, (joint_mark, link_mark) in zip(rows, marks, strict=True):
-        for kind, name, mark in (("joint", row.joint, joint_mark), ("link", row.link, link_mark)):
-            place = f"{mark.file}:{mark.line}" if mark else "the same table"
+    for joint, link, joint_mark, link_mark in rows:
+        for kind, name, mark in (("joint", joint, joint_mark), ("link", link, link_mark)):
             if name in taken:
-                problems.append(_taken(kind, name, taken[name], row.joint, mark))
+                problems.append(_taken(kind, name, taken[name], joint, mark))
                 continue
-            taken[name] = f"a {kind} of {place} has it already"
+            taken[name] = f"a {kind} of {mark.file}:{mark.line} has it already" if mark else "it is taken already"
             folded = unicodedata.normalize("NFKC", name).casefold()
             if (twin := alike.setdefault(folded, name)) is not name:
                 problems.append(
@@ -72,7 +74,7 @@ def name_problems(rows: Sequence[DHRow], marks: Iterable[tuple[Mark | None, Mark
                         "is coded; they are kept apart",
                         severity="notice",
                         mark=mark,
-                        joint=row.joint,
+                        joint=joint,
                         field=kind,
                         found=name,
                     )

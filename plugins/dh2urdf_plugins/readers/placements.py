@@ -22,8 +22,9 @@ NEARLY_ORTHONORMAL = 1e-4
 """Largest |RᵀR − 1| of one that is mended, with a notice [1]: four digits, as in 0.7071."""
 
 _SIZE = 4
-_MIRRORED = 2
+_ROUNDED = 0.1
 
+MORE_DIGITS = "write its elements with more digits, or as expressions such as sqrt(2)/2"
 ACCEPTED = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}, or a rigid 4x4 matrix as a list of four rows"
 
 
@@ -146,13 +147,13 @@ class TransformReader:
         given: Rotation = (a, b, c, d, e, f, g, h, i)
         rotation, deviation = nearest_rotation(given)
         if not deviation <= NEARLY_ORTHONORMAL:  # `not <=`: an overflow makes it NaN
-            mirrored = "; it mirrors or flattens space" if deviation >= _MIRRORED else ""
             self._error(
                 mark,
                 what,
-                f"the matrix of {what} is no rotation: |RᵀR − 1| is {deviation:.3g}{mirrored}",
-                accepted=f"orthonormal right-handed axes, to {NEARLY_ORTHONORMAL:g}",
-                suggestion="write its elements with more digits, or as expressions such as sqrt(2)/2",
+                f"the matrix of {what} is no rotation: |RᵀR − 1| is {deviation:.3g}, so that it stretches, skews or "
+                "mirrors",
+                accepted=f"axes of length 1, square to each other and right-handed, to {NEARLY_ORTHONORMAL:g}",
+                suggestion=MORE_DIGITS if deviation < _ROUNDED else None,
             )
             return None
         if deviation > ORTHONORMAL:
@@ -163,7 +164,7 @@ class TransformReader:
                     severity="notice",
                     mark=mark,
                     field=what,
-                    suggestion="write its elements with more digits, or as expressions such as sqrt(2)/2",
+                    suggestion=MORE_DIGITS,
                 )
             )
         return RigidTransform(rotation, (x, y, z))

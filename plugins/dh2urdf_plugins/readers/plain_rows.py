@@ -18,7 +18,7 @@ from dh2urdf.quantities import Dimension
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.source import Mark
 from dh2urdf_plugins.readers.fields import FIELDS, joint_type
-from dh2urdf_plugins.readers.names import END_NAMES, name_fault, name_problems
+from dh2urdf_plugins.readers.names import END_NAMES, RowNames, name_fault, name_problems
 from dh2urdf_plugins.readers.rows import FULL_TURN, LARGEST_LIMIT, NEARLY, NO_LIMITS
 from dh2urdf_plugins.readers.tables import LONGEST_ARM
 
@@ -233,9 +233,7 @@ def _are_plain_names(joints: tuple[str, ...], links: tuple[str, ...]) -> bool:
             or name.casefold() in END_NAMES
         ):
             return False
-    pairs = zip(joints, links, strict=True)
-    rows = [DHRow(joint=joint, link=link, a=0, alpha=0, d=0) for joint, link in pairs]
-    return not name_problems(rows, [(None, None)] * len(rows))
+    return not name_problems(list(map(RowNames, joints, links)))
 
 
 def _unit(units: Units, name: str) -> Unit | None:

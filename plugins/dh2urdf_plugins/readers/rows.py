@@ -21,7 +21,7 @@ from dh2urdf_plugins.readers.fields import (
     flip_of,
     joint_type,
 )
-from dh2urdf_plugins.readers.names import END_NAMES, name_fault
+from dh2urdf_plugins.readers.names import END_NAMES, RowNames, name_fault
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -46,6 +46,7 @@ class RowReader:
 
     Attributes:
         problems: what was found so far, errors and notices.
+        names: the names of the rows so far.
         errors: how many of them are errors.
     """
 
@@ -59,6 +60,7 @@ class RowReader:
         self.units = units
         self.type_is_given = type_is_given
         self.problems: list[Problem] = []
+        self.names: list[RowNames] = []
         self.errors = 0
         self._cells: Mapping[str, Cell] = {}
         self._mark: Mark | None = None
@@ -83,6 +85,7 @@ class RowReader:
         self._joint = f"joint_{number}"
         self._joint = self._name("joint", self._joint)
         link = self._name("link", f"link_{number}")
+        self.names.append(RowNames(self._joint, link, self._place("joint"), self._place("link")))
         kind = self._type()
         for name in REQUIRED:
             if self._absent(name):
@@ -129,7 +132,7 @@ class RowReader:
             Problem(
                 message=message,
                 severity="notice" if notice else "error",
-                mark=cell.mark if cell else self._mark,
+                mark=self._place(name),
                 joint=self._joint,
                 field=name,
                 found=cell.text if cell else None,
@@ -145,6 +148,10 @@ class RowReader:
         self._problem(message, name, suggestion=suggestion, notice=True)
 
     # --- Words --------------------------------------------------------------------------------------------------------
+
+    def _place(self, name: str) -> Mark | None:
+        cell = self._cells.get(name)
+        return cell.mark if cell else self._mark
 
     def _absent(self, name: str) -> bool:
         cell = self._cells.get(name)

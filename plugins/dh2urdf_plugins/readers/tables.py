@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
 from dh2urdf.source import Mark, Problem
@@ -24,24 +24,10 @@ MEASURABLE_ARM = 1e9
 """Length of an arm beyond which a double cannot tell micrometres apart [m]."""
 
 
-class ReadRow(NamedTuple):
-    """A row as far as it could be read.
-
-    Attributes:
-        row: the row; None where there is an error in it.
-        joint: where the joint's name stands.
-        link: where the link's name stands.
-    """
-
-    row: DHRow | None
-    joint: Mark | None = None
-    link: Mark | None = None
-
-
 def manipulator(
     name: Cell,
     statements: Statements,
-    rows: Sequence[ReadRow],
+    rows: Sequence[DHRow | None],
     reader: RowReader,
     mark: Mark,
 ) -> Manipulator | Rejected:
@@ -50,7 +36,7 @@ def manipulator(
     Args:
         name: its name.
         statements: what holds for all rows.
-        rows: the rows as far as they could be read.
+        rows: the rows; None where there is an error in one.
         reader: what read the rows, with the problems so far.
         mark: the manipulator's place.
     """
@@ -70,15 +56,16 @@ def manipulator(
                 "give `--convention standard`",
             )
         )
-    arm = [row for row, _, _ in rows if row]
+    arm = [row for row in rows if row]
     if not rows:
         add(Problem(message="there are no joints: a manipulator has one row for each", mark=mark, field="joints"))
-    elif arm:
-        for problem in name_problems(arm, [(joint, link) for row, joint, link in rows if row]):
+    if reader.names:
+        for problem in name_problems(reader.names):
             add(problem)
+    if arm:
         for problem in _extents(arm, statements):
             add(problem)
-    problems = sorted((problem.about(robot=name.text, mark=mark) for problem in reader.problems), key=_place)
+    problems = [problem.about(robot=name.text, mark=mark) for problem in sorted(reader.problems, key=_place)]
     if reader.errors:
         return Rejected(
             name=name.text, problems=tuple(problem for problem in problems if problem.severity == "error"), mark=mark
@@ -149,9 +136,9 @@ def _extents(rows: Sequence[DHRow], statements: Statements) -> list[Problem]:
     return problems
 
 
-def stopped(reader: RowReader, mark: Mark) -> bool:
+def stopped(reader: RowReader) -> bool:
     """Whether a manipulator has so many errors that reading it stops; says so, then."""
     if reader.errors < MAX_PROBLEMS:
         return False
-    reader.add(Problem(message=f"reading stopped after {reader.errors} errors", mark=mark))
+    reader.add(Problem(message=f"reading the manipulator stopped after {reader.errors} errors"))
     return True

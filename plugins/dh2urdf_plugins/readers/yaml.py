@@ -16,7 +16,7 @@ from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, INERTIA_FIELDS, U
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.tables import ReadRow, manipulator, stopped
+from dh2urdf_plugins.readers.tables import manipulator, stopped
 from dh2urdf_plugins.readers.yaml_schema import table_schema
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.documents import Item, Node
+    from dh2urdf.manipulator import DHRow
     from dh2urdf.source import Mark
 
 KEYS = ("name", "convention", "units", "base", "tool", "defaults", "joints")
@@ -178,11 +179,11 @@ class _Table:
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
-    def _rows(self, reader: RowReader) -> list[ReadRow]:
+    def _rows(self, reader: RowReader) -> list[DHRow | None]:
         joints = self.entries.get("joints")
         if joints is None:
             self._error(self.node.mark, "joints", "there is no key joints", accepted="a list with one entry per joint")
-            return [ReadRow(None)]
+            return [None]
         if not isinstance(joints.value, list):
             self._error(
                 joints.mark,
@@ -191,13 +192,13 @@ class _Table:
                 found=joints.text,
                 accepted="a list with one mapping for each joint, from the base outwards",
             )
-            return [ReadRow(None)]
+            return [None]
         defaults = self.entries.get("defaults")
         common: dict[str, Cell] = {}
         if defaults is not None and isinstance(defaults.value, dict):
             for key in self._joint_keys(defaults):
                 self._take(common, defaults, key, defaults.value[key], "defaults")
-        rows: list[ReadRow] = []
+        rows: list[DHRow | None] = []
         for number, node in enumerate(joints.value, start=1):
             if not isinstance(node.value, dict):
                 self._error(
@@ -208,13 +209,11 @@ class _Table:
                     accepted="a mapping such as {name: shoulder, type: revolute, a: 0, alpha: pi/2, d: 0.1, theta: 0}",
                     suggestion="remove the dash if there is no such joint" if node.value is None else None,
                 )
-                rows.append(ReadRow(None))
+                rows.append(None)
                 continue
             cells = self._cells(node, common, f"joint_{number}")
-            row = reader.read(number, cells, node.mark)
-            joint, link = cells.get("joint"), cells.get("link")
-            rows.append(ReadRow(row, joint.mark if joint else node.mark, link.mark if link else node.mark))
-            if stopped(reader, node.mark):
+            rows.append(reader.read(number, cells, node.mark))
+            if stopped(reader):
                 break
         return rows
 

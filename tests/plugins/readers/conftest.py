@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.statements import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from dh2urdf.stages import Rejected
 
 
 @pytest.fixture

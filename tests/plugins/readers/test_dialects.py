@@ -13,15 +13,17 @@ from typing import TYPE_CHECKING, Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import HALF_PI
-from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.plain_rows import PlainRows
 from dh2urdf_plugins.readers.statements import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from dh2urdf.stages import Rejected
 
 LENGTH_UNITS = {"m": 0, "cm": 2, "mm": 3, "µm": 6}
 HEADERS = {
@@ -89,7 +91,7 @@ def meaning(row: Row, number: int) -> DHRow:
 lengths = st.integers(-2_000_000, 2_000_000)
 angles = st.sampled_from([0, 9000, -9000, 18000]) | st.integers(-18000, 18000)
 visible = st.characters(codec="utf-16", exclude_categories=["Cc", "Cf", "Cs", "Zl", "Zp", "Zs", "Co", "Cn"])
-names = st.text(visible, min_size=1, max_size=8).filter(lambda name: name[0] not in "#" and name.isascii() is not None)
+names = st.text(visible, min_size=1, max_size=8).filter(lambda name: not name.startswith("#"))
 
 
 @st.composite
@@ -249,7 +251,7 @@ plain_numbers = st.sampled_from(
     ["0", "0.5", "-0.25", "1.5707963267948966", "-0", "1e-3", "+2.", ".5", "3", "0.0", "12.5", "1.25", "50"]
 )
 odd_cells = st.sampled_from(
-    [
+    (
         "",
         " ",
         "1.57",
@@ -267,8 +269,20 @@ odd_cells = st.sampled_from(
         "#REF!",
         "j1",
         "world",
-    ]
-    + ["1,5", "0x10", "1e999", "flange", "é", "\x1f", "fixed", "continuous", "P", '"a"', "-5", "1\xa0"]
+        "1,5",
+        "0x10",
+        "flange",
+        "é",
+        "\x1f",
+        "fixed",
+        "continuous",
+        "P",
+        '"a"',
+        "-5",
+        "1\xa0",
+        "0",
+        "DH",
+    )
 )
 COLUMNS = ["robot", "joint", "link", "i", "type", "a", "alpha", "d", "theta", "offset", "lower", "upper", "velocity"]
 UNITS = {"a": "mm", "d": "cm", "alpha": "deg", "theta": "deg", "offset": "deg", "lower": "deg", "upper": "deg"}
@@ -319,8 +333,8 @@ def test_the_fast_way_reads_what_the_careful_one_reads(content: str) -> None:
             try:
                 read_back = read(content.encode(), ".csv", convention="standard")
                 results.append([(arm, [str(p) for p in problems(arm)], marks(arm)) for arm in read_back])
-            except Exception as error:  # noqa: BLE001 - whatever it is, it has to be the same
-                results.append(str(error).partition("arm.csv")[2])
+            except TableError as error:
+                results.append(str(error))
     finally:
         PlainRows.read = fast  # type: ignore[method-assign]
     assert strip_folder(results[0]) == strip_folder(results[1])

@@ -78,11 +78,12 @@ def test_a_table_of_real_life_is_read_rightly_or_refused_clearly(case: dict[str,
     path = REFERENCE / "inputs" / case["file"]
     convention = case.get("convention", "standard") if path.suffix == ".csv" else None
     try:
-        arm = read(path, convention)
+        arm: Manipulator | str = read(path, convention)
     except TableError as error:
-        assert "error" in case["outcome"], error
-        for item in case["mentions"]:
-            assert mentions(str(error), item), (item, str(error))
+        arm = str(error)
+    if isinstance(arm, str):
+        assert "error" in case["outcome"], arm
+        assert [item for item in case["mentions"] if not mentions(arm, item)] == [], arm
         return
     assert "accept" in case["outcome"], arm
     assert [row.type for row in arm.rows] == [row["type"] for row in case["rows"]]

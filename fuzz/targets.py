@@ -1,0 +1,240 @@
+"""What is fuzzed, and what must hold of every input: the oracles, which need no fuzzer.
+
+A target takes bytes. It returns where the input was refused with an error of dh2urdf, or accepted and found to be what
+it claims to be; it raises anything else, which is a bug. `fuzz.py` calls the targets with atheris, and
+`tests/test_fuzz.py` with everything that fuzzing ever found.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.config import load_config
+from dh2urdf.conversion import Call, make_robot
+from dh2urdf.errors import (
+    ConfigError,
+    Dh2UrdfError,
+    EmitterError,
+    ManipulatorError,
+    PluginError,
+    ProofError,
+    TableError,
+)
+from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.proof import proof_vectors, prove
+from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit
+from dh2urdf.registry import load
+from dh2urdf.robot_check import check_robot
+from dh2urdf.run import make_plan
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+from dh2urdf_plugins.urdf_reader import parse_urdf
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.registry import Catalog
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.source import Problem
+    from dh2urdf.stages import Reader
+
+CONVERTED = 3
+"""Manipulators of one input that are converted [1]; all of them are read."""
+CONVERTED_JOINTS = 60
+"""Joints of a manipulator that is converted [1]: more of them tell nothing new."""
+
+
+class Broken(Exception):  # noqa: N818 - what libFuzzer prints as the finding
+    """Something that must hold of every input does not."""
+
+
+def _hold(fact: bool, message: str) -> None:  # noqa: FBT001 - it is the fact
+    if not fact:
+        raise Broken(message)
+
+
+# --- Tables -----------------------------------------------------------------------------------------------------------
+
+
+def csv_table(content: bytes) -> None:
+    """The CSV reader, and everything behind it."""
+    _table(content, csv.READER, "arm.csv")
+
+
+def yaml_table(content: bytes) -> None:
+    """The YAML reader, and everything behind it."""
+    _table(content, yaml.READER, "arm.yaml")
+
+
+def _table(content: bytes, reader: Reader[TableOptions], name: str) -> None:
+    """A table is refused with an error that can be read, or gives arms that can be built.
+
+    A table that speaks of no convention is read as a standard one: that it is not said would be all there is to say.
+    """
+    path = _folder() / name
+    path.write_bytes(content)
+    options = TableOptions(convention=None if b"onvention" in content else "standard")
+    converted = 0
+    try:
+        for item in reader.read(path, options):
+            if isinstance(item, Rejected):
+                _check_problems(item.problems, "error")
+                continue
+            _check_problems(item.notices, "notice")
+            if converted < CONVERTED and len(item.rows) <= CONVERTED_JOINTS:
+                _check_arm(item)
+                converted += 1
+    except TableError as error:
+        _check_problems(error.problems, "error")
+
+
+def _check_problems(problems: Iterable[Problem], severity: str) -> None:
+    """Problems have a text that a terminal can show, and no error hides among notices."""
+    problems = tuple(problems)
+    _hold(severity == "notice" or bool(problems), "refused without a reason")
+    for problem in problems:
+        _hold(problem.severity == severity, f"{problem.severity} where {severity}s stand: {problem}")
+        text = str(problem)
+        _hold(text.replace("\n", "").isprintable(), f"a message that a terminal may act on: {text!r}")
+        _hold(len(text) < 2500, f"a message of {len(text)} characters")  # noqa: PLR2004 - a screenful
+
+
+def _check_arm(arm: Manipulator) -> None:
+    """An arm's DH product is finite, and its description has the same kinematics, or it is refused with a reason."""
+    home = forward_kinematics(arm, [0.0] * len(arm.moving_rows))
+    _check_rigid(home)
+    try:
+        robot = make_robot(arm, Call(stage=TRANSFORM, options=TRANSFORM.options()))
+        (file,) = URDF.emit(robot, "arm", URDF.options())
+    except ManipulatorError as error:
+        _check_problems([problem for problem in error.problems if problem.severity == "error"], "error")
+        return
+    _check_problems(robot.notices, "notice")
+    poses = proof_vectors(arm, robot, 2)
+    written = parse_urdf(file.content, "arm.urdf")
+    proof = prove(arm, written, poses)
+    _hold(proof.holds, f"the description is another arm: {proof}")
+
+
+def _check_rigid(transform: RigidTransform) -> None:
+    _hold(all(map(math.isfinite, (*transform.rotation, *transform.translation))), f"not finite: {transform}")
+    rows = [transform.rotation[k : k + 3] for k in (0, 3, 6)]
+    for i, row in enumerate(rows):
+        for j, other in enumerate(rows):
+            product = sum(x * y for x, y in zip(row, other, strict=True))
+            _hold(abs(product - (i == j)) < 1e-9, f"not rigid: {transform}")  # noqa: PLR2004 - far above rounding
+
+
+# --- Expressions ------------------------------------------------------------------------------------------------------
+
+_PLAIN = re.compile(r"[0-9.+\-*/() \t]*")
+_NUMBER = re.compile(r"[0-9]+\.?[0-9]*|\.[0-9]+")
+_READINGS = (
+    (Dimension.NUMBER, None, False),
+    (Dimension.ANGLE, None, True),
+    (Dimension.ANGLE, "deg", False),
+    (Dimension.LENGTH, "mm", True),
+    (Dimension.EFFORT, None, False),
+)
+
+
+def expression(content: bytes) -> None:
+    """The grammar of numbers: a text is refused with a reason, or is a finite number, the one that arithmetic gives."""
+    text = content.decode("utf-8", "surrogatepass" if b"\xed" in content else "replace")
+    for dimension, unit, comma in _READINGS:
+        try:
+            quantity = evaluate(text, dimension, find_unit(unit, dimension) if unit else None, decimal_comma=comma)
+        except QuantityError as error:
+            _hold(bool(error.message and error.accepted), f"refused without a reason: {text!r}")
+            _hold(error.message.isprintable(), f"a message that a terminal may act on: {error.message!r}")
+            continue
+        _hold(math.isfinite(quantity.value), f"{text!r} is {quantity}")
+        _hold(quantity.sign in (1, -1) and (quantity.variable is not None or quantity.sign == 1), f"{text!r}")
+        _hold(math.copysign(1.0, quantity.value) == 1 or quantity.value < 0, f"{text!r} is -0.0")
+        if dimension is Dimension.NUMBER and _PLAIN.fullmatch(text):
+            # Numbers, brackets and the four signs mean in Python what they mean here.
+            expected = eval(_NUMBER.sub(lambda match: repr(float(match[0])), text).strip(), {"__builtins__": {}})  # noqa: S307 - nothing but digits and signs
+            _hold(quantity.value == expected, f"{text!r} is {quantity.value!r}, and Python says {expected!r}")
+
+
+# --- Robot descriptions -----------------------------------------------------------------------------------------------
+
+
+def urdf(content: bytes) -> None:
+    """The URDF reader: what it accepts and the checks pass is written, and read back as the same robot."""
+    try:
+        robot = parse_urdf(content, "arm.urdf")
+    except ProofError as error:
+        _check_problems(error.problems, "error")
+        return
+    problems = check_robot(robot)
+    for severity in ("error", "notice"):
+        if some := [problem for problem in problems if problem.severity == severity]:
+            _check_problems(some, severity)
+    if any(problem.severity == "error" for problem in problems):
+        return
+    try:
+        (file,) = URDF.emit(robot, "arm", URDF.options())
+    except EmitterError:
+        return
+    _hold(parse_urdf(file.content, "again.urdf") == robot, "written and read again, it is another robot")
+
+
+# --- Run files --------------------------------------------------------------------------------------------------------
+
+_SETTING = re.compile(rb"^# --set (.*)$", re.MULTILINE)
+
+
+def run_file(content: bytes) -> None:
+    """Run files, with the settings of the command line that stand in their comments: `# --set KEY=VALUE`.
+
+    Nothing is run. A pattern for files of other folders is passed over: it would be searched for on this machine.
+    """
+    if b"*" in content and (b"/" in content or b".." in content):
+        return
+    folder = _folder()
+    path = folder / "run.yaml"
+    path.write_bytes(content)
+    (folder / "ur5.csv").write_bytes(b"a,alpha,d\n0,pi/2,0.1\n")
+    settings = [found.decode("utf-8", "replace").rstrip("\r") for found in _SETTING.findall(content)]
+    try:
+        make_plan(load_config(path, settings[:4]), _catalog())
+    except ConfigError as error:
+        _check_problems(error.problems, "error")
+    except PluginError as error:
+        _hold(bool(str(error)), "an error without a text")
+
+
+# --- All of them ------------------------------------------------------------------------------------------------------
+
+TARGETS: dict[str, Callable[[bytes], None]] = {
+    "csv": csv_table,
+    "yaml": yaml_table,
+    "expression": expression,
+    "urdf": urdf,
+    "run_file": run_file,
+}
+
+@cache
+def _folder() -> Path:
+    """A folder for the files of this process, gone at its end."""
+    folder = tempfile.TemporaryDirectory(prefix="dh2urdf-fuzz-")
+    _kept.append(folder)
+    return Path(folder.name)
+
+
+_kept: list[tempfile.TemporaryDirectory[str]] = []
+
+
+@cache
+def _catalog() -> Catalog:
+    return load()

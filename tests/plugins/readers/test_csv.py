@@ -1,0 +1,214 @@
+from __future__ import annotations
+
+import gc
+import io
+import os
+import warnings
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.csv import READER
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+STANDARD = TableOptions(convention="standard")
+HEADER = "joint,type,a,alpha,d,theta\n"
+ROWS = "j1,revolute,0,pi/2,0.1,0\nj2,prismatic,0.4,0,q2,0\n"
+
+
+def lengths(arm: Manipulator | Rejected) -> list[tuple[float, float]]:
+    assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+    return [(row.a, row.d) for row in arm.rows]
+
+
+def test_each_manipulator_of_a_file_is_yielded_as_it_is_read(tmp_path: Path) -> None:
+    """The first of many comes before the file has been read to its end: here it ends in a broken quote."""
+    path = tmp_path / "arms.csv"
+    rows = "".join(f"r{robot},{joint}.5,0,{robot}\n" for robot in range(3000) for joint in range(6))
+    path.write_text(f'robot,a,alpha,d\n{rows}r3000,"1,0,0\n')
+    arms = READER.read(path, STANDARD)
+    assert [arm.name for arm in islice(arms, 100)] == [f"r{robot}" for robot in range(100)]
+    with pytest.raises(TableError, match=r"arms.csv:18002:7: error: a cell opens with a quote that is not closed"):
+        list(arms)
+
+
+def test_a_manipulator_is_as_long_as_it_likes(read_one: Callable[..., Manipulator]) -> None:
+    """20,000 joints are read, across many blocks of the file, with the line of each."""
+    arm = read_one("a,alpha,d\n" + "0.001,pi/2,0\n" * 20_000)
+    assert len(arm.rows) == 20_000
+    assert [row.mark.line for row in arm.rows if row.mark] == list(range(2, 20_002))
+    assert arm.rows[-1].joint == "joint_20000"
+
+
+def test_a_bad_manipulator_fails_alone(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """The others of the file are read, before and behind it."""
+    arms = read("robot,a,alpha,d\nA,0,0,1\nB,0,x,1\nB,y,0,1\nC,0,0,2\n", convention="standard")
+    assert [type(arm) for arm in arms] == [Manipulator, Rejected, Manipulator]
+    assert isinstance(arms[1], Rejected)
+    assert [str(problem.mark) for problem in arms[1].problems] == ["arm.csv:3:5", "arm.csv:4:3"]
+
+
+def test_what_is_to_be_said_of_a_file_is_said_once(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """A column that is left out is no news with every one of a million arms."""
+    first, second = read("robot,a,alpha,d,remark\nA,0,0,1,x\nB,0,0,1,x\n", convention="standard")
+    assert isinstance(first, Manipulator)
+    assert isinstance(second, Manipulator)
+    assert (len(first.notices), len(second.notices)) == (1, 0)
+
+
+@pytest.mark.parametrize("gap", [1, 5000])
+def test_a_manipulator_whose_rows_return_is_refused(
+    read: Callable[..., list[Manipulator | Rejected]], gap: int
+) -> None:
+    """Two halves of an arm are never two arms; far behind, at least the second half is refused."""
+    between = "".join(f"B{number},0,0,1\n" for number in range(gap))
+    arms = read(f"robot,a,alpha,d\nA,0,0,1\n{between}A,0,0,2\n", convention="standard")
+    assert isinstance(arms[-1], Rejected)
+    assert "rows of 'A' stand in several places" in str(arms[-1].problems[0])
+    if gap == 1:
+        assert isinstance(arms[0], Rejected)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_an_encoding_is_recognised(read_one: Callable[..., Manipulator], encoding: str, end: str) -> None:
+    """UTF-8 and UTF-16 with or without a byte order mark, any line ends, letters beyond ASCII."""
+    arm = read_one((HEADER + ROWS).replace("j1", "Grün").replace("\n", end).encode(encoding))
+    assert [row.joint for row in arm.rows] == ["Grün", "j2"]
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        HEADER + ROWS,
+        "\n\n" + HEADER + "\n" + ROWS.replace("\n", "\n\n"),
+        HEADER + "# a comment, with commas\n" + ROWS + "   \n,,,,,\n",
+        (HEADER + ROWS).replace("\n", ",,,\n"),
+        "sep=;\n" + (HEADER + ROWS).replace(",", ";"),
+        (HEADER + ROWS).replace(",", "\t"),
+        (HEADER + ROWS).replace(",", ";").replace(".", ","),
+        (HEADER + ROWS).replace(",", " , "),
+        '"' + (HEADER + ROWS).strip().replace(",", '","').replace("\n", '"\n"') + '"\n',
+        "# " + HEADER + ROWS,
+        HEADER.replace("theta", "theta,remark") + ROWS.replace("0\n", '0,"several\nlines, ""quoted"""\n'),
+        "# convention: standard\n# units: {length: m}\n# Source: a manual, p. 12\n" + HEADER + ROWS,
+    ],
+)
+def test_a_table_means_the_same_in_its_dialects(read_one: Callable[..., Manipulator], table: str) -> None:
+    """Blank lines, comments, empty columns, delimiters, decimal commas, quotes, a header behind a #."""
+    arm = read_one(table)
+    assert lengths(arm) == [(0.0, 0.1), (0.4, 0.0)]
+    assert [(row.joint, row.type.value) for row in arm.rows] == [("j1", "revolute"), ("j2", "prismatic")]
+
+
+def test_what_a_table_cannot_hold_stands_in_comment_lines(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """Name, convention, units, base, tool and defaults, as YAML behind a #."""
+    (arm,) = read(
+        "# Name: 007\n# convention: Craig\n# units: mm, deg\n# base: {xyz: [0, 0, 300], rpy: [0, 0, 90]}\n"
+        "# tool: [[1, 0, 0, 10], [0, 1, 0, 0], [0, 0, 1, 100], [0, 0, 0, 1]]\n"
+        "# defaults: {geometry: {shape: box, radius: 40}, density: 1000}\n"
+        "a,alpha,d\n100,90,50.5\n"
+    )
+    assert isinstance(arm, Manipulator)
+    assert (arm.name, arm.convention, lengths(arm)) == ("007", Convention.MODIFIED, [(0.1, 0.0505)])
+    assert arm.base.translation == (0.0, 0.0, 0.3)
+    assert arm.base.rotation == (0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    assert arm.tool.translation == (0.01, 0.0, 0.1)
+    assert (arm.geometry.shape, arm.geometry.radius, arm.density) == ("box", 0.04, 1000.0)
+
+
+def test_options_say_what_the_table_does_not(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """Convention, units, base and tool, as a run file or the command line gives them."""
+    options = {"length_unit": "mm", "angle_unit": "deg", "base": "{xyz: [0, 0, 300]}", "tool": "{rpy: [0, 0, 90]}"}
+    (arm,) = read("a,alpha,d\n100,90,50.5\n", convention="modified", **options)
+    assert isinstance(arm, Manipulator)
+    assert (arm.convention, lengths(arm)) == (Convention.MODIFIED, [(0.1, 0.0505)])
+    assert arm.base.translation == (0.0, 0.0, 0.3)
+    assert arm.tool.rotation[:3] == (0.0, -1.0, 0.0)
+
+
+def test_the_columns_of_a_message_are_those_of_the_line(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """Quotes, spaces and letters of other scripts before the cell are counted as a person counts them."""
+    (arm,) = read('joint,type,a,alpha,d\n"é, ""x""", R ,  abc,0,1\n', convention="standard")
+    assert isinstance(arm, Rejected)
+    assert str(arm.problems[0].mark) == "arm.csv:2:18"
+
+
+def test_names_keep_their_text(read_one: Callable[..., Manipulator]) -> None:
+    """007 is no 7, 1e3 no thousand."""
+    arm = read_one("joint,link,a,alpha,d\n007,1e3,0,0,1\nno,1.0,0,0,1\n")
+    assert [(row.joint, row.link) for row in arm.rows] == [("007", "1e3"), ("no", "1.0")]
+
+
+def test_an_index_column_alone_numbers_or_names_the_joints(read_one: Callable[..., Manipulator]) -> None:
+    """Numbers are checked and give joint_1, joint_2; names are names."""
+    assert [row.joint for row in read_one("i,a,alpha,d\n1,0,0,1\n2,0,0,1\n").rows] == ["joint_1", "joint_2"]
+    assert [row.joint for row in read_one("#,a,alpha,d\nA1,0,0,1\nA2,0,0,1\n").rows] == ["A1", "A2"]
+
+
+def test_the_header_of_craigs_tables_means_his_convention(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """a_{i-1} says what nobody else says; a notice repeats it."""
+    (arm,) = read("i,aᵢ₋₁,αᵢ₋₁,dᵢ,θᵢ\n1,0,0,0.3,θ₁\n2,0.1,-π/2,0,θ₂ + π/2\n")
+    assert isinstance(arm, Manipulator)
+    assert arm.convention is Convention.MODIFIED
+    assert [notice.field for notice in arm.notices] == ["convention"]
+    assert arm.rows[1].offset == pytest.approx(1.5707963267948966, abs=0)
+
+
+def test_all_problems_of_a_table_come_at_once_in_the_order_of_the_file(
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    """A person mends the table once, not once for each cell."""
+    (arm,) = read("joint,type,a,alpha,d,lower\nj1,X,b,90,,1\nj1,R,0,0,1,2\n\n,R,0,0,1,\n", convention="standard")
+    assert isinstance(arm, Rejected)
+    marks = [(problem.mark.line or 0, problem.mark.column or 0) for problem in arm.problems if problem.mark]
+    assert marks == sorted(marks)
+    assert {problem.field for problem in arm.problems} >= {"type", "a", "alpha", "d", "upper", "joint"}
+
+
+def test_reading_a_hopeless_table_stops(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """A thousand problems are enough to know that the table is not one."""
+    (arm,) = read("a,alpha,d\n" + "x,y,z\n" * 5000, convention="standard")
+    assert isinstance(arm, Rejected)
+    assert 1000 <= len(arm.problems) <= 1010
+    assert "stopped after" in arm.problems[-1].message
+
+
+@pytest.mark.parametrize("content", ["a,alpha,d\n" + "0" * 2**21, "x" * 2**21, "a,alpha,d\n" + '"' + "0,0\n" * 100_000])
+def test_a_line_or_cell_without_end_is_refused(read: Callable[..., list[Manipulator | Rejected]], content: str) -> None:
+    """A file is read in blocks; what does not fit one is no table."""
+    with pytest.raises(TableError):
+        read(content, convention="standard")
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    """A folder, a link to nothing, a loop of links, a pipe: each is an error of the table, not of the program."""
+    (tmp_path / "folder.csv").mkdir()
+    (tmp_path / "dangling.csv").symlink_to("nowhere")
+    (tmp_path / "loop.csv").symlink_to("loop.csv")
+    os.mkfifo(tmp_path / "pipe.csv")
+    for name in ("folder.csv", "dangling.csv", "loop.csv", "pipe.csv", "missing.csv"):
+        with pytest.raises(TableError, match=name):
+            list(READER.read(tmp_path / name, STANDARD))
+
+
+def test_a_reader_that_is_left_closes_its_file(tmp_path: Path) -> None:
+    """A run that is interrupted leaves no file open."""
+    path = tmp_path / "arms.csv"
+    path.write_text("robot,a,alpha,d\n" + "".join(f"r{robot},0,0,1\n" for robot in range(5000)))
+    arms = READER.read(path, STANDARD)
+    next(arms)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        del arms
+        gc.collect()
+    path.unlink()
+    assert not [file for file in gc.get_objects() if isinstance(file, io.BufferedReader) and file.name == str(path)]

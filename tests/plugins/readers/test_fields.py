@@ -1,0 +1,140 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf_plugins.readers.fields import convention_of, joint_type, misspelt, one_slip, read_header
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "unit", "link"),
+    [
+        ("a", "a", None, None),
+        ("R", "a", None, None),
+        ("a [mm]", "a", "mm", None),
+        ("a(mm)", "a", "mm", None),
+        ("a/mm", "a", "mm", None),
+        ("a_mm", "a", "mm", None),
+        ("a, mm", "a", "mm", None),
+        ("a in mm", "a", "mm", None),
+        ("a_i [m]", "a", "m", "i"),
+        ("aᵢ", "a", None, "i"),
+        ("a_{i-1}", "a", None, "i-1"),
+        ("$a_{i-1}$", "a", None, "i-1"),
+        ("aᵢ₋₁ [mm]", "a", "mm", "i-1"),
+        ("a(i-1)", "a", None, "i-1"),
+        ("a_i-1", "a", None, "i-1"),
+        ("a_j−1", "a", None, "i-1"),
+        ("Link length (m)", "a", "m", None),
+        ("α", "alpha", None, None),
+        ("𝛼", "alpha", None, None),
+        ("α°", "alpha", "°", None),
+        ("α [º]", "alpha", "°", None),
+        (r"\alpha_{i-1}", "alpha", None, "i-1"),
+        ("alpha_deg", "alpha", "deg", None),
+        ("ALPHA (DEG)", "alpha", "deg", None),
+        ("Link-Twist", "alpha", None, None),
+        ("d_m", "d", "m", None),
+        ("Link offset", "d", None, None),
+        ("theta*", "theta", None, None),
+        ("ϑ_i", "theta", None, "i"),
+        ("Joint offset", "offset", None, None),
+        ("q_min [deg]", "lower", "deg", None),
+        ("velocity [deg/s]", "velocity", "deg/s", None),
+        ("com_x [mm]", "com_x", "mm", None),
+        ("com x", "com_x", None, None),
+        ("ixx [kg·m²]", "ixx", "kg·m2", None),
+        ("mass [kg]", "mass", "kg", None),
+        ("effort (N m)", "effort", "n m", None),
+        ("#", "index", None, None),
+        ("i", "index", None, None),
+        ("Joint Type", "type", None, None),
+        ("σ", "type", None, None),
+        ("comment", None, None, None),
+        ("a b", None, None, None),
+        ("", None, None, None),
+    ],
+)
+def test_a_header_names_a_field_its_unit_and_its_link(
+    text: str, field: str | None, unit: str | None, link: str | None
+) -> None:
+    """As textbooks, spreadsheets, LaTeX and code write it."""
+    header = read_header(text)
+    assert (header.field and header.field.name, header.unit, header.link) == (field, unit, link)
+
+
+@pytest.mark.parametrize(
+    ("word", "field"), [("alhpa", "alpha"), ("thta", "theta"), ("typ", "type"), ("offsets", "offset")]
+)
+def test_a_header_with_one_slip_is_surely_a_field(word: str, field: str) -> None:
+    """One letter more, less, other or exchanged, in a word of four or more."""
+    meant = misspelt(word)
+    assert meant is not None
+    assert meant.name == field
+
+
+@pytest.mark.parametrize("word", ["jm", "b", "dd", "comment", "remarks", "gear ratio"])
+def test_other_words_are_no_misspelt_fields(word: str) -> None:
+    """A column of somebody's own stands for itself."""
+    assert misspelt(word) is None
+
+
+def slow_distance(left: str, right: str) -> int:
+    """Optimal string alignment, by its recurrence."""
+    table = [[max(i, j) if 0 in (i, j) else 0 for j in range(len(right) + 1)] for i in range(len(left) + 1)]
+    for i in range(1, len(left) + 1):
+        for j in range(1, len(right) + 1):
+            other = left[i - 1] != right[j - 1]
+            table[i][j] = min(table[i - 1][j] + 1, table[i][j - 1] + 1, table[i - 1][j - 1] + other)
+            if i > 1 and j > 1 and left[i - 1] == right[j - 2] and left[i - 2] == right[j - 1]:
+                table[i][j] = min(table[i][j], table[i - 2][j - 2] + 1)
+    return table[-1][-1]
+
+
+@given(st.text("abc", max_size=6), st.text("abc", max_size=6))
+def test_one_slip_is_an_edit_distance_of_one(left: str, right: str) -> None:
+    """Neighbours exchanged count as one slip."""
+    assert one_slip(left, right) == (slow_distance(left, right) == 1)
+
+
+@pytest.mark.parametrize(
+    ("word", "kind"),
+    [
+        ("Revolute", JointType.REVOLUTE),
+        ("r", JointType.REVOLUTE),
+        ("0", JointType.REVOLUTE),
+        ("hinge", JointType.REVOLUTE),
+        ("T", JointType.PRISMATIC),
+        ("linear", JointType.PRISMATIC),
+        ("1", JointType.PRISMATIC),
+        ("C", JointType.CONTINUOUS),
+        ("FIXED", JointType.FIXED),
+        ("2", None),
+        ("spherical", None),
+    ],
+)
+def test_a_word_means_a_type_of_joint(word: str, kind: JointType | None) -> None:
+    """As published tables have them; nothing else is taken for one."""
+    assert joint_type(word) is kind
+
+
+@pytest.mark.parametrize(
+    ("word", "convention"),
+    [
+        ("STANDARD", Convention.STANDARD),
+        ("DH", Convention.STANDARD),
+        ("classic", Convention.STANDARD),
+        ("Spong", Convention.STANDARD),
+        ("MDH", Convention.MODIFIED),
+        ("modified DH", Convention.MODIFIED),
+        ("modified Denavit-Hartenberg", Convention.MODIFIED),
+        ("Craig's", None),
+        ("khalil", None),
+        ("", None),
+    ],
+)
+def test_a_word_means_a_convention(word: str, convention: Convention | None) -> None:
+    """The common names of the two; any other word is not guessed at."""
+    assert convention_of(word) is convention

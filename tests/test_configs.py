@@ -1,0 +1,95 @@
+"""Every run file of configs/ is run, and does what it says."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from lxml import etree
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+CONFIGS = Path(__file__).parents[1] / "configs"
+
+
+@pytest.mark.parametrize("config", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)
+def test_it_is_run(cli: Callable[..., Answer], tmp_path: Path, config: Path) -> None:
+    """Exit status 0, every manipulator ok, and not a word on standard error: an example gives no cause for a notice."""
+    answer = cli("run", config, "-o", tmp_path / "out")
+    assert answer.stderr == ""
+    report = json.loads((tmp_path / "out" / "report.json").read_bytes())
+    assert {entry["status"] for entry in report["manipulators"]} == {"ok"}
+    for entry in report["manipulators"]:
+        assert all((tmp_path / "out" / file["path"]).is_file() for file in entry["files"])
+        assert all(report["hold"]["stayed"] for report in entry["loaders"].values())
+
+
+def test_every_table_is_run(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """folder.yaml takes every table there is."""
+    cli("run", CONFIGS / "folder.yaml", "-o", tmp_path)
+    report = json.loads((tmp_path / "report.json").read_bytes())
+    found = {Path(entry["source"]).name for entry in report["manipulators"]}
+    assert found == {path.name for path in (CONFIGS / "tables").iterdir()}
+
+
+PAPER = {  # Table III and section IV of the paper: joint, axis, (length, axis that it runs along)
+    "joint_1": ("z", (0.089159, "z")),
+    "joint_2": ("y", (0.425, "z")),
+    "joint_3": ("y", (0.39225, "z")),
+    "joint_4": ("y", (0.10915, "y")),
+    "joint_5": ("z", (0.09465, "z")),
+    "joint_6": ("y", (0.0823, "y")),
+}
+
+
+def test_the_paper_is_reproduced(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """ur5_paper.yaml gives the axes y, y, y, z, y and the five link lengths that section IV of the paper reports."""
+    answer = cli("run", CONFIGS / "ur5_paper.yaml", "-o", tmp_path)
+    assert "the transform does not keep the kinematics" in answer.stdout
+    robot = etree.parse(tmp_path / "ur5_paper.urdf")
+    joints = {joint.get("name"): joint for joint in robot.findall("joint")}
+    links = {link.get("name"): link for link in robot.findall("link")}
+    found = {}
+    for name in PAPER:
+        joint = joints[name]
+        sides = numbers(links[joint.find("child").get("link")].find("visual/geometry/box").get("size"))
+        length = max(sides)
+        axis = "xyz"[[abs(number) for number in numbers(joint.find("axis").get("xyz"))].index(1.0)]
+        found[name] = (axis, (length, "xyz"[sides.index(length)]))
+        assert numbers(joint.find("origin").get("rpy")) == [0, 0, 0]
+    assert found == PAPER
+    (entry,) = json.loads((tmp_path / "report.json").read_bytes())["manipulators"]
+    assert entry["keeps_kinematics"] is False
+    assert entry["proof"]["urdf"]["position_error"] > 0.1
+
+
+def numbers(text: str) -> list[float]:
+    return [float(word) for word in text.split()]
+
+
+@pytest.mark.parametrize("alpha", ["60 deg", "-pi", "1.5"])
+def test_the_paper_variant_refuses_other_twists(cli: Callable[..., Answer], tmp_path: Path, alpha: str) -> None:
+    """An alpha outside the paper's set is refused with the joint, the value as it was given, and the set."""
+    (tmp_path / "arm.csv").write_text(
+        f"# convention: standard\njoint,a,alpha,d\nelbow,0.4,{alpha},0.1\nwrist,0,0,0.1\n"
+    )
+    refused = cli("convert", "arm.csv", "--variant", "paper", status=1)
+    assert refused.stdout == ""
+    assert "arm.csv:3" in refused.stderr
+    assert "joint 'elbow', field 'alpha'" in refused.stderr
+    value = {"60 deg": math.radians(60), "-pi": -math.pi, "1.5": 1.5}[alpha]
+    assert alpha in refused.stderr or f"{value:.12g}" in refused.stderr
+    assert "0, pi, pi/2, -pi/2" in refused.stderr
+
+
+def test_convert_takes_the_tables_too(cli: Callable[..., Answer]) -> None:
+    """Each table stands alone: one conversion needs no run file."""
+    for path in sorted((CONFIGS / "tables").iterdir()):
+        described: Any = etree.fromstring(cli("convert", path).stdout.encode())
+        assert described.get("name") == path.stem

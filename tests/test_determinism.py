@@ -1,0 +1,108 @@
+"""The same input gives the same bytes: on every run, with any hash seed, with any number of workers."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from conftest import ReferenceRobot
+
+TABLES = Path(__file__).parents[1] / "configs" / "tables"
+QUARTER_TURNS = ("rtb_Puma560", "rtb_Stanford", "kst_iiwa_14R820", "urdoc_ur5", "franka_fr3", "arte_ABB_IRB120",
+                 "arte_KUKA_KR16_2")  # fmt: skip
+"""Published robots all of whose angles are quarter turns."""
+
+
+@pytest.fixture(scope="module")
+def folder(
+    tmp_path_factory: pytest.TempPathFactory,
+    reference_robots: Sequence[ReferenceRobot],
+    as_table: Callable[..., str],
+) -> Path:
+    """Tables of quarter-turn robots, and two run files for them."""
+    folder = tmp_path_factory.mktemp("determinism")
+    (folder / "tables").mkdir()
+    for path in TABLES.iterdir():
+        (folder / "tables" / path.name).write_bytes(path.read_bytes())
+    for robot in reference_robots:
+        if robot.id in QUARTER_TURNS:
+            (folder / "tables" / f"{robot.id}.csv").write_text(as_table(robot.manipulator, "csv"), "utf-8")
+    for frames in ("aligned", "dh"):
+        (folder / f"{frames}.yaml").write_text(
+            f"inputs: [tables/*.csv, tables/*.yaml]\n"
+            f"transform: {{stage: alpha-swap, options: {{frames: {frames}}}}}\n"
+            f"emitters: [urdf, xacro]\n"
+            f"proof: {{poses: 4}}\n"
+        )
+    return folder
+
+
+def written(folder: Path, frames: str, out: str, *, seed: str, workers: int) -> dict[str, bytes]:
+    """All files of a run, but for its durations."""
+    subprocess.run(
+        [
+            *(sys.executable, "-c", "from dh2urdf.cli import main; main()"),
+            *("run", f"{frames}.yaml", "-o", out, "--workers", str(workers)),
+        ],
+        cwd=folder,
+        env={**os.environ, "PYTHONHASHSEED": seed},
+        capture_output=True,
+        check=True,
+    )
+    return {path.name: path.read_bytes() for path in (folder / out).iterdir() if path.name != "timing.json"}
+
+
+@pytest.fixture(scope="module", params=["aligned", "dh"])
+def frames(request: pytest.FixtureRequest) -> str:
+    """The link frames."""
+    return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def first(folder: Path, frames: str) -> dict[str, bytes]:
+    """The files of a first run, by one process without hash randomisation."""
+    return written(folder, frames, f"first_{frames}", seed="0", workers=1)
+
+
+@pytest.mark.parametrize(("seed", "workers"), [("1", 1), ("random", 2)])
+def test_every_run_writes_the_same_bytes(
+    *, folder: Path, frames: str, first: dict[str, bytes], seed: str, workers: int
+) -> None:
+    """Another hash seed, another number of workers, another folder: not a byte differs, not in the report either."""
+    again = written(folder, frames, f"again_{frames}_{seed}", seed=seed, workers=workers)
+    assert len(first) == 3 * (4 + len(QUARTER_TURNS)) + 1
+    assert set(again) == set(first)
+    assert [name for name in first if first[name] != again[name]] == []
+
+
+NOISE = re.compile(rb"(?<![\w.])-0(?:\.0*)?(?![\w.])|\d[eE]-1[3-9]|\d[eE]-[2-9]\d")
+"""-0, and numbers below 1e-12 that stand where 0 is meant."""
+
+
+def test_noise_is_found_where_there_is_some() -> None:
+    """The pattern of the next test knows noise when it sees it."""
+    assert [bool(NOISE.search(text)) for text in (b'"-0 0 1"', b"6.1e-17", b"${-0.0}", b"1e-16")] == [True] * 4
+    assert [bool(NOISE.search(text)) for text in (b'"-0.5 0 1"', b"link-0a", b"1e-05", b"0.0e-10", b"-10")] == [
+        False
+    ] * 5
+
+
+def test_quarter_turns_leave_no_noise(first: dict[str, bytes]) -> None:
+    """No written description has a -0, or a 6.1e-17 where 0 is meant."""
+    noisy = {
+        (name, line.decode().strip())
+        for name, content in first.items()
+        if name != "report.json"
+        for line in content.splitlines()
+        if NOISE.search(line)
+    }
+    assert noisy == set()

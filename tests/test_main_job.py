@@ -1,0 +1,202 @@
+"""The main job, as a user does it: `dh2urdf run configs/ur5.yaml`."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from subprocess import CompletedProcess
+
+CONFIGS = Path(__file__).parents[1] / "configs"
+FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "report.json", "timing.json"}
+COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
+
+
+def run_in(folder: Path) -> CompletedProcess[str]:
+    """The command in a folder that holds a copy of configs."""
+    return subprocess.run(
+        [*COMMAND, "run", "configs/ur5.yaml"], cwd=folder, capture_output=True, encoding="utf-8", check=True
+    )
+
+
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which the main job was done."""
+    folder = tmp_path_factory.mktemp("checkout")
+    shutil.copytree(CONFIGS, folder / "configs")
+    result = run_in(folder)
+    (folder / "stdout").write_text(result.stdout, "utf-8")
+    (folder / "stderr").write_text(result.stderr, "utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def output(checkout: Path) -> Path:
+    """Where its files are."""
+    return checkout / "build" / "ur5"
+
+
+@pytest.fixture(scope="module")
+def manipulator(output: Path) -> dict[str, Any]:
+    """What the report says of the UR5."""
+    report = json.loads((output / "report.json").read_bytes())
+    (entry,) = report["manipulators"]
+    return dict(entry)
+
+
+def test_all_files_are_there_and_nothing_else(output: Path) -> None:
+    """URDF, macro, top file, picture, report and timing; no temporary file."""
+    assert {path.name for path in output.iterdir()} == FILES
+
+
+def test_the_summary_tells_the_errors(checkout: Path) -> None:
+    """Standard output has a table with the manipulator, its errors, the hold test and the files; no colour in a pipe."""
+    printed = (checkout / "stdout").read_text("utf-8")
+    assert (checkout / "stderr").read_text("utf-8") == ""
+    assert "largest distance of tool0 from the DH product, in metres" in printed
+    header = next(line for line in printed.splitlines() if "manipulator" in line)
+    assert [cell.strip() for cell in header.strip("┃").split("┃")] == [
+        *("manipulator", "status", "urdf", "xacro", "pybullet", "holds still", "files")
+    ]
+    name, status, urdf, xacro, pybullet, holds, files = (
+        cell.strip() for cell in next(line for line in printed.splitlines() if "│" in line).strip("│").split("│")
+    )
+    assert (name, status, holds) == ("ur5", "ok", "yes")
+    assert float(urdf) < 1e-12
+    assert float(xacro) < 1e-12
+    assert 1e-9 < float(pybullet) < 1e-6
+    assert set(files.split(", ")) == FILES - {"report.json", "timing.json"}
+    assert "1 ok\n" in printed
+    assert printed.endswith("written to build/ur5\n")
+    assert "\x1b" not in printed
+
+
+def test_the_report_has_its_full_form(output: Path) -> None:
+    """Schema, version, exit status, and per manipulator all that the interface promises."""
+    report = json.loads((output / "report.json").read_bytes())
+    assert set(report) == {"schema", "version", "exit_status", "manipulators"}
+    assert report["exit_status"] == 0
+    (entry,) = report["manipulators"]
+    assert {"name", "status", "source", "files", "proof", "loaders", "notices", "errors"} <= set(entry)
+    assert (entry["name"], entry["status"], entry["source"]) == ("ur5", "ok", "configs/tables/ur5.csv")
+    assert entry["notices"] == entry["errors"] == []
+    assert [file["stage"] for file in entry["files"]] == ["urdf", "xacro", "xacro"]
+    assert {"position_error", "angle_error", "q"} <= set(entry["proof"]["urdf"]) == set(entry["proof"]["xacro"])
+    assert set(entry["loaders"]) == {"pybullet"}
+
+
+def test_the_report_knows_every_file(output: Path, manipulator: dict[str, Any]) -> None:
+    """Size and hash of each written description are those of the file on the disk."""
+    for file in manipulator["files"]:
+        content = (output / file["path"]).read_bytes()
+        assert (len(content), hashlib.sha256(content).hexdigest()) == (file["bytes"], file["sha256"])
+    assert {file["path"] for file in manipulator["files"]} == {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro"}
+
+
+@pytest.mark.parametrize("stage", ["urdf", "xacro"])
+def test_the_files_are_the_arm(manipulator: dict[str, Any], stage: str) -> None:
+    """The forward kinematics of what was written differs from the DH product by less than a picometre."""
+    proof = manipulator["proof"][stage]
+    assert proof["position_error"] < 1e-12
+    assert proof["angle_error"] < 1e-12
+    assert proof["poses"] >= 25
+    assert len(proof["q"]) == 6
+
+
+def test_an_oracle_agrees(
+    output: Path,
+    reference_robots: Sequence[Any],
+    tool0_of: Callable[[Path], Callable[[Sequence[float]], np.ndarray]],
+) -> None:
+    """The file has the poses that Universal Robots' own figures give, within the tenth of a micrometre of their digits."""
+    ur5 = next(robot for robot in reference_robots if robot.id == "urdoc_ur5")
+    pose = tool0_of(output / "ur5.urdf")
+    for q, expected in zip(ur5.q, ur5.poses, strict=True):
+        np.testing.assert_allclose(pose(q), expected, rtol=0, atol=1e-9)
+
+
+def test_pybullet_holds_the_same_arm(manipulator: dict[str, Any]) -> None:
+    """PyBullet's own kinematics agree within single precision, so do masses and inertias."""
+    report = manipulator["loaders"]["pybullet"]
+    assert report["simulator"] == "PyBullet"
+    assert 1e-9 < report["position_error"] <= report["tolerance"] < 1e-6
+    assert report["poses"] == 25
+    assert report["mass_error"] < 1e-9
+    assert report["inertia_error"] < 1e-9
+    assert len(report["joints"]) == 6
+    assert report["findings"] == []
+
+
+def test_the_arm_stays_in_the_hold_test(manipulator: dict[str, Any]) -> None:
+    """Held at zero under gravity for two seconds, no joint moves, and nothing touches."""
+    hold = manipulator["loaders"]["pybullet"]["hold"]
+    assert hold["seconds"] == 2.0
+    assert hold["stayed"] is True
+    assert hold["largest_displacement"] < hold["threshold"]
+    assert hold["contacts"] == []
+
+
+def test_the_only_message_of_pybullet_is_the_expected_one(manipulator: dict[str, Any]) -> None:
+    """What the C++ side printed is in the report: its build, and its remark on the empty root."""
+    printed = manipulator["loaders"]["pybullet"]["output"]
+    assert "pybullet build time" in printed
+    assert printed.count("b3Warning") == 2
+    assert "No inertial data for link" in printed
+    assert printed.endswith("base_link")
+
+
+def test_the_picture_shows_an_arm(output: Path, manipulator: dict[str, Any]) -> None:
+    """The picture has many colours, and a good part of it is not background."""
+    assert manipulator["loaders"]["pybullet"]["picture"] == "ur5.png"
+    pixels = np.asarray(Image.open(output / "ur5.png").convert("RGB"), dtype=int)
+    assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 100
+    colourful = np.ptp(pixels, axis=2) > 60
+    assert 0.02 < colourful.mean() < 0.8
+
+
+def test_again_it_is_the_same_bytes(checkout: Path, output: Path) -> None:
+    """A second run into the same folder changes timing.json at most, and not a byte of anything else."""
+    first = {path.name: path.read_bytes() for path in output.iterdir()}
+    run_in(checkout)
+    second = {path.name: path.read_bytes() for path in output.iterdir()}
+    assert set(second) == FILES
+    del first["timing.json"], second["timing.json"]
+    assert first == second
+
+
+def test_durations_are_in_timing(output: Path) -> None:
+    """timing.json has the whole duration and that of each step, in seconds."""
+    timing = json.loads((output / "timing.json").read_bytes())
+    (entry,) = timing["manipulators"]
+    assert entry.pop("name") == "ur5"
+    assert set(entry) == {"transform", "write", "load pybullet"}
+    assert 0 < sum(entry.values()) < timing["total"]
+
+
+@pytest.mark.parametrize(("module", "package"), [("pybullet", "pybullet"), ("PIL", "pillow")])
+def test_a_simulator_that_is_not_installed(
+    dh2urdf: Callable[..., CompletedProcess[str]], tmp_path: Path, module: str, package: str
+) -> None:
+    """Without PyBullet, or without Pillow for its picture, nothing starts, and the message says what to type."""
+    shutil.copytree(CONFIGS, tmp_path / "configs")
+    blocker = tmp_path / "blocker"
+    blocker.mkdir()
+    # Python runs this at its start, in every child process too.
+    (blocker / "sitecustomize.py").write_text(f"import sys\nsys.modules[{module!r}] = None\n")
+    failed = dh2urdf("run", "configs/ur5.yaml", path=[blocker], status=3)
+    assert failed.stderr == f"loader 'pybullet' needs {package}: pip install 'dh2urdf[pybullet]'\n"
+    assert failed.stdout == ""
+    assert not (tmp_path / "build").exists()
+    without = ["--set", "loaders.0.options.picture=false"] if module == "PIL" else ["--set", "loaders=[]"]
+    dh2urdf("run", "configs/ur5.yaml", *without, path=[blocker])

@@ -1,0 +1,135 @@
+"""Any table, as a file, against the DH product: what the whole chain from text to text has to keep."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
+from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.options import make_options
+from dh2urdf.registry import load
+from dh2urdf.rotations import IDENTITY, RigidTransform
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+FRAMES = ("aligned", "dh")
+CATALOG = load()
+
+lengths = st.just(0.0) | st.floats(-2, 2).filter(lambda length: abs(length) > 1e-3)
+angles = st.sampled_from([k * math.pi / 2 for k in range(-4, 5)]) | st.floats(-2 * math.pi, 2 * math.pi)
+poses = st.builds(RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles))
+bounds = st.none() | st.tuples(st.floats(-6, 6), st.floats(-6, 6)).map(sorted)
+
+
+@st.composite
+def rows(draw: st.DrawFn, number: int) -> DHRow:
+    """A row with anything that a row may say of geometry."""
+    kind = draw(st.sampled_from(JointType))
+    moves = kind is not JointType.FIXED
+    lower, upper = (draw(bounds) if kind in (JointType.REVOLUTE, JointType.PRISMATIC) else None) or (None, None)
+    return DHRow(
+        joint=f"joint_{number}",
+        link=f"link_{number}",
+        type=kind,
+        a=draw(lengths),
+        alpha=draw(angles),
+        d=draw(lengths),
+        theta=draw(angles),
+        offset=draw(angles) if moves else 0.0,
+        sign=draw(st.sampled_from([1, -1])) if moves else 1,
+        limits=Limits(lower=lower, upper=upper),
+    )
+
+
+@st.composite
+def manipulators(draw: st.DrawFn) -> Manipulator:
+    """Any arm of 1 to 12 axes."""
+    return Manipulator(
+        name="arm",
+        convention=draw(st.sampled_from(Convention)),
+        rows=tuple(draw(rows(number)) for number in range(1, draw(st.integers(1, 12)) + 1)),
+        base=draw(poses | st.just(IDENTITY)),
+        tool=draw(poses | st.just(IDENTITY)),
+    )
+
+
+def homogeneous(rotation: Any, translation: Any) -> np.ndarray:
+    T = np.eye(4)
+    T[:3, :3] = np.reshape(rotation, (3, 3))
+    T[:3, 3] = translation
+    return T
+
+
+def along_and_about_z(length: float, angle: float) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return homogeneous([c, -s, 0, s, c, 0, 0, 0, 1], [0, 0, length])
+
+
+def along_and_about_x(length: float, angle: float) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return homogeneous([1, 0, 0, 0, c, -s, 0, s, c], [length, 0, 0])
+
+
+def dh_product(manipulator: Manipulator, q: Sequence[float]) -> np.ndarray:
+    """base · A_1 · … · A_N · tool, as the conventions define A."""
+    T = homogeneous(manipulator.base.rotation, manipulator.base.translation)
+    values = iter(q)
+    for row in manipulator.rows:
+        variable = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
+        slides = row.type is JointType.PRISMATIC
+        z = along_and_about_z(row.d + variable * slides, row.theta + variable * (not slides))
+        x = along_and_about_x(row.a, row.alpha)
+        T = T @ (z @ x if manipulator.convention is Convention.STANDARD else x @ z)
+    return T @ homogeneous(manipulator.tool.rotation, manipulator.tool.translation)
+
+
+@given(
+    manipulator=manipulators(),
+    form=st.sampled_from(["csv", "yaml"]),
+    units=st.tuples(st.sampled_from(["m", "mm"]), st.sampled_from(["rad", "deg"])),
+    seed=st.integers(0, 99),
+)
+@settings(max_examples=100)
+def test_the_file_of_a_table_file_is_its_arm_in_both_frames(
+    *,
+    tool0_of: Callable[[Path], Callable[[Sequence[float]], np.ndarray]],
+    as_table: Callable[..., str],
+    manipulator: Manipulator,
+    form: str,
+    units: tuple[str, str],
+    seed: int,
+) -> None:
+    """Whatever a table says, in whatever units: the URDF of either frames puts tool0 where the DH product has it."""
+    draw = np.random.default_rng(seed)
+    vectors = [np.zeros(len(manipulator.moving_rows)), *draw.uniform(-7, 7, (4, len(manipulator.moving_rows)))]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / f"arm.{form}").write_text(as_table(manipulator, form, units=units), "utf-8")
+        for frames in FRAMES:
+            pose = tool0_of(convert(folder / f"arm.{form}", frames))
+            for q in vectors:
+                np.testing.assert_allclose(pose(q), dh_product(manipulator, q), rtol=0, atol=1e-9)
+
+
+def convert(table: Path, frames: str) -> Path:
+    """The URDF of a table file: read, transformed, checked, emitted, proved and put in place."""
+    reader = CATALOG.reader_for(table)
+    swap = CATALOG.get("transform", "alpha-swap")
+    urdf = CATALOG.get("emitter", "urdf")
+    recipe = Recipe(
+        transform=Call(stage=swap, options=make_options(swap.options, {"frames": frames}, where="test")),
+        emitters=(Call(stage=urdf, options=urdf.options()),),
+        poses=1,
+    )
+    (manipulator,) = read_items(reader, table, reader.options())
+    assert isinstance(manipulator, Manipulator)
+    write_robot(manipulator, make_robot(manipulator, recipe.transform), recipe, directory=table.parent, stem=frames)
+    return table.parent / f"{frames}.urdf"

@@ -1,0 +1,245 @@
+"""The README keeps its word: its blocks are run, its table is generated, its picture is drawn, its numbers are measured.
+
+The two blocks that set a machine up are run word for word by `.ci/run`; all others here. `pytest --renew` writes the
+table of stages and the picture.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from lxml import etree
+from PIL import Image
+
+import dh2urdf_plugins
+from dh2urdf.cli import COMMANDS
+from dh2urdf.config import load_config
+from dh2urdf.options import describe_options
+from dh2urdf.registry import KINDS, Catalog, Plugin, load
+from dh2urdf.run import execute, make_plan
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+PICTURE = ROOT / "docs" / "ur5.png"
+STAGES = re.compile(r"(?<=<!-- stages: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!-- /stages -->)", re.DOTALL)
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def block(language: str, containing: str = "") -> str:
+    """The one fenced block of a language that has a text in it."""
+    (found,) = (
+        body for tag, body in BLOCK.findall(README.read_text("utf-8")) if tag == language and containing in body
+    )
+    return str(found)
+
+
+def test_no_block_goes_untested() -> None:
+    """The README has the two blocks of `.ci/run` and the four of this file."""
+    tags = [tag for tag, _ in BLOCK.findall(README.read_text("utf-8"))]
+    assert tags == ["sh", "sh", "csv", "sh", "yaml", "python"]
+    assert README.read_text("utf-8").count("```") == 2 * len(tags)
+
+
+# --- Setting up -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["dh2urdf run configs/ur5.yaml", "pytest -n auto"])
+def test_a_machine_is_set_up_in_one_line(command: str) -> None:
+    """Each set-up block is one line that makes an environment, installs into it and does its job there."""
+    (line,) = block("sh", command).splitlines()
+    assert line.startswith("python3 -m venv .venv && .venv/bin/pip install ")
+    assert line.endswith(f"&& .venv/bin/{command}")
+
+
+# --- A table and its conversions --------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def converted(tmp_path: Path) -> Path:
+    """A folder in which the table of the README was saved and its commands were run."""
+    (tmp_path / "arm.csv").write_text(block("csv"), "utf-8")
+    script = Path(sys.executable).parent
+    result = subprocess.run(
+        ["/bin/bash", "-euo", "pipefail", "-c", block("sh", "dh2urdf convert")],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": f"{script}{os.pathsep}{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
+    return tmp_path
+
+
+def test_the_commands_write_what_they_say(converted: Path) -> None:
+    """The URDF, the xacro with its macro, and the URDF with DH frames; nothing else."""
+    assert {path.name for path in converted.iterdir()} == {
+        *("arm.csv", "arm.urdf", "arm.urdf.xacro", "arm_macro.xacro", "arm_with_dh_frames.urdf")
+    }
+
+
+def test_the_same_arm_three_times(converted: Path, tool0_of: Callable[[Path], Callable[..., np.ndarray]]) -> None:
+    """The three files agree on where tool0 is, and the xacro is expanded by the real xacro."""
+    import xacro
+
+    expanded = converted / "expanded.urdf"
+    expanded.write_text(xacro.process_file(str(converted / "arm.urdf.xacro")).toxml(), "utf-8")
+    arms = [tool0_of(converted / name) for name in ("arm.urdf", "arm_with_dh_frames.urdf", "expanded.urdf")]
+    for q in ([0, 0, 0, 0], [0.3, -0.7, 0.15, 1.1]):
+        first, *others = (arm(q) for arm in arms)
+        for other in others:
+            np.testing.assert_allclose(other, first, rtol=0, atol=1e-12)
+
+
+def test_the_table_says_what_it_means(converted: Path) -> None:
+    """Units, degrees and short words of types arrive as they are meant."""
+    joints = {joint.get("name"): joint for joint in etree.parse(converted / "arm.urdf").findall("joint")}
+    assert [joints[name].get("type") for name in ("shoulder", "elbow", "slide", "wrist")] == [
+        *("revolute", "revolute", "prismatic", "revolute")
+    ]
+    assert float(joints["slide"].find("limit").get("upper")) == 0.2
+    assert float(joints["shoulder"].find("limit").get("upper")) == pytest.approx(np.pi, abs=1e-15)
+
+
+# --- The run file -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the run file of the README puts its files."""
+    from dh2urdf.cli import _status
+
+    folder = tmp_path_factory.mktemp("readme")
+    shutil.copytree(ROOT / "configs", folder / "configs")
+    (folder / "run.yaml").write_text(block("yaml"), "utf-8")
+    assert _status(["run", str(folder / "run.yaml")], debug=False) == 0
+    return folder / "build" / "ur5"
+
+
+def test_the_run_file_does_the_main_job(output: Path) -> None:
+    """It is configs/ur5.yaml with every section said."""
+    assert {path.name for path in output.iterdir()} == {
+        *("ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "report.json", "timing.json")
+    }
+
+
+def test_the_errors_are_as_small_as_the_readme_says(output: Path) -> None:
+    """Below 1e-12 m for URDF and xacro, about 1e-7 m for PyBullet."""
+    text = " ".join(README.read_text("utf-8").split())
+    assert "below 1e-12 m for URDF and for the xacro" in text
+    assert "inside PyBullet (about 1e-7 m" in text
+    (entry,) = json.loads((output / "report.json").read_bytes())["manipulators"]
+    assert entry["proof"]["urdf"]["position_error"] < 1e-12
+    assert entry["proof"]["xacro"]["position_error"] < 1e-12
+    assert 1e-8 < entry["loaders"]["pybullet"]["position_error"] < 1e-6
+
+
+def test_what_the_run_file_says_is_the_default(tmp_path: Path) -> None:
+    """All but inputs, loaders, the xacro and the folder could be left out: the defaults are what it says."""
+    (tmp_path / "short.yaml").write_text("inputs: table.csv\n")
+    (tmp_path / "long.yaml").write_text(block("yaml").replace("configs/tables/ur5.csv", "table.csv"), "utf-8")
+    shutil.copy(ROOT / "configs" / "tables" / "ur5.csv", tmp_path / "table.csv")
+    catalog = load()
+    short, long = (make_plan(load_config(tmp_path / f"{name}.yaml"), catalog) for name in ("short", "long"))
+    assert short.recipe.transform == long.recipe.transform
+    assert short.recipe.emitters == long.recipe.emitters[:1]
+    assert (short.executor, short.executor_options) == (long.executor, long.executor_options)
+    assert [call.options for call in long.recipe.loaders] == [call.stage.options() for call in long.recipe.loaders]
+
+
+def test_the_density_is_the_default() -> None:
+    """Masses that no table gives come from the density that the README names."""
+    default = load().get("transform", "alpha-swap").options().density
+    assert f"{default:g} kg/m³" in README.read_text("utf-8")
+
+
+def test_the_picture_is_what_comes_out(*, output: Path, renew: bool) -> None:
+    """docs/ur5.png is the picture of a fresh run, within what renderers differ in."""
+    if renew:
+        shutil.copy(output / "ur5.png", PICTURE)
+    drawn, shown = (np.asarray(Image.open(path).convert("RGB"), dtype=float) for path in (output / "ur5.png", PICTURE))
+    assert drawn.shape == shown.shape
+    different = np.abs(drawn - shown).max(axis=2) > 32
+    assert different.mean() < 0.01
+
+
+# --- The stages -------------------------------------------------------------------------------------------------------
+
+
+def stages_table(catalog: Catalog) -> str:
+    """The built-in stages as a table of Markdown, by kind and name."""
+    lines = ["| kind | stage | what it does | options |", "|---|---|---|---|"]
+    for kind in KINDS:
+        for item in catalog.provided(kind):
+            if item.plugin.distribution.startswith("dh2urdf "):
+                options = ", ".join(f"`{name}`" for name, *_ in describe_options(item.stage.options))
+                lines.append(f"| {kind} | `{item.stage.name}` | {item.stage.summary} | {options} |")
+    return "\n".join([*lines, ""])
+
+
+def test_the_table_of_stages_is_that_of_the_catalog(*, renew: bool) -> None:
+    """Kind, name, summary and options of every built-in stage."""
+    text = README.read_text("utf-8")
+    table = stages_table(load())
+    if renew:
+        README.write_text(STAGES.sub(lambda found: found["remark"] + table, text), "utf-8")
+        text = README.read_text("utf-8")
+    found = STAGES.search(text)
+    assert found is not None
+    assert found["table"] == table, "run `pytest --renew tests/test_readme.py`"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_and_flag_is_there(cli: Callable[..., Answer], command: str) -> None:
+    """The README names every command, and no flag of one that does not have it."""
+    text = README.read_text("utf-8")
+    assert f"dh2urdf {command}" in text
+    for line in re.findall(rf"dh2urdf {command} ([^`\n]*)", text):
+        for flag in re.findall(r"(?<!\S)--?[a-z-]+", line):
+            assert flag in cli(command, "--help").stdout
+
+
+# --- A plugin ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_plugin_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The module of the README is a plugin: a run file names its emitter, with its option, beside a built-in one."""
+    module: Any = ModuleType("my_lab")
+    monkeypatch.setitem(sys.modules, "my_lab", module)  # where dataclasses look for the names of annotations
+    exec(compile(block("python"), "README.md", "exec"), module.__dict__)  # noqa: S102 - our own README
+    catalog = Catalog(
+        [
+            Plugin(name="builtin", distribution="dh2urdf", module=dh2urdf_plugins),
+            Plugin(name="my_lab", distribution="my-lab 1.0", module=module),
+        ]
+    )
+    (tmp_path / "arm.csv").write_text(block("csv"), "utf-8")
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arm.csv\nemitters: [urdf, {stage: list, options: {bullet: '*'}}]\noutput: {directory: out}\n"
+    )
+    (outcome,) = execute(make_plan(load_config(tmp_path / "run.yaml"), catalog))
+    assert (outcome.status, outcome.errors) == ("ok", ())
+    assert (tmp_path / "out" / "arm.txt").read_text() == (
+        "* shoulder: revolute\n* elbow: revolute\n* slide: prismatic\n* wrist: revolute"
+    )
+
+
+def test_the_plugin_is_as_short_as_the_readme_says() -> None:
+    """A plugin of twenty lines, blank ones and imports aside."""
+    lines = [line for line in block("python").splitlines() if line and not line.startswith(("from ", "import "))]
+    assert len(lines) <= 20

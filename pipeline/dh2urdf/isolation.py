@@ -75,7 +75,8 @@ class ChildFailure(Exception):  # noqa: N818 - never raised: it is the cause of 
 def run_in_child(function: Callable[[*Args], T], *args: *Args, timeout: float | None) -> ChildResult[T]:
     """Calls a function in a child process and waits for it.
 
-    The child, and all processes that it started, are gone when this returns or raises, also where it is interrupted.
+    The child is gone, and all processes that it started are killed, when this returns or raises, also where it is
+    interrupted.
 
     Args:
         function: a function of a module that can be imported by name.

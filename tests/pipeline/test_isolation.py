@@ -187,7 +187,7 @@ def test_time_limit_ends_the_whole_group(functions: ModuleType, tmp_path: Path) 
     pids = tmp_path / "pids"
     with pytest.raises(LoaderError, match="did not finish within 3 s"):
         run_in_child(functions.hang, str(pids), timeout=3)
-    assert not any(is_running(int(pid)) for pid in pids.read_text().split())
+    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
 
 
 def test_interrupt_ends_the_child(functions: ModuleType, tmp_path: Path) -> None:
@@ -201,7 +201,7 @@ def test_interrupt_ends_the_child(functions: ModuleType, tmp_path: Path) -> None
     threading.Thread(target=interrupt).start()
     with pytest.raises(KeyboardInterrupt):
         run_in_child(functions.hang, str(pids), timeout=LONG)
-    assert not any(is_running(int(pid)) for pid in pids.read_text().split())
+    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
 
 
 def test_child_leaves_with_a_killed_parent(tmp_path: Path) -> None:

@@ -71,7 +71,8 @@ def main() -> int:
 def in_process(target: str, seconds: int, runs: int, *, keep: bool) -> Result:
     """Fuzz a target in a process of its own: libFuzzer ends the process that it runs in."""
     command = [sys.executable, __file__, target, "--process", f"--seconds={seconds}", f"--runs={runs}"]
-    done = subprocess.run([*command, *["--keep"] * keep], stderr=subprocess.PIPE, text=True, errors="replace")
+    command += ["--keep"] * keep
+    done = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True, errors="replace")
     if done.returncode:
         print(done.stderr[-8000:], file=sys.stderr)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import glob
 import os
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -93,6 +94,15 @@ class RunConfig:
     problems: tuple[Problem, ...] = ()
 
 
+def is_run_file(path: Path) -> bool:
+    """Whether a file has a run file's sections, right or wrong."""
+    try:
+        root = read_yaml(path)
+    except ConfigError:
+        return False
+    return isinstance(root.value, dict) and not root.value.keys().isdisjoint(SECTIONS)
+
+
 def load_config(path: Path, overrides: Sequence[str] = ()) -> RunConfig:
     """A run file with changes from the command line.
 
@@ -104,10 +114,20 @@ def load_config(path: Path, overrides: Sequence[str] = ()) -> RunConfig:
         The run file; `RunConfig.problems` says what is wrong with its structure.
 
     Raises:
-        ConfigError: the file cannot be read, or is not a YAML mapping.
+        ConfigError: the file cannot be read, is not a YAML mapping, or has nothing of a run file.
     """
     root = read_yaml(path)
-    expect_mapping(root, "a run file")
+    keys = expect_mapping(root, "a run file").keys()
+    if keys and not any(get_close_matches(key, (*SECTIONS, *LATER_SECTIONS), cutoff=0.75) for key in keys):
+        raise ConfigError(
+            Problem(
+                message="this is no run file: it has none of its sections",
+                mark=root.mark,
+                found=", ".join(keys),
+                accepted=", ".join(SECTIONS),
+                suggestion="if it is a table, `dh2urdf convert` takes it, or `inputs:` of a run file",
+            )
+        )
     problems: list[Problem] = []
     for setting in overrides:
         try:

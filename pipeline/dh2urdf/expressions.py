@@ -82,8 +82,12 @@ def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False) -> Va
 
 # --- Tokens -----------------------------------------------------------------------------------------------------------
 
+SPACE = r"[^\S\x1c-\x1f]"
+"""White space between the parts of a number; Python counts four control characters to it, and `float` does not."""
+
 _TOKEN = re.compile(
-    r"""(?P<space>\s+)
+    f"(?P<space>{SPACE}+)"
+    r"""
       | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)
       | (?P<word>\\?[^\W\d]\w*(?:_?\{\w+\})?(?:\.[^\W\d]\w*)*)
       | (?P<degree>[°º˚])

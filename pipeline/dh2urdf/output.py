@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 import unicodedata
 from contextlib import contextmanager
 from errno import EISDIR
@@ -84,11 +83,19 @@ def staging(directory: Path) -> Iterator[Path]:
     """
     with reporting_os_errors(directory):
         directory.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=_STAGING, dir=directory))
+    # The name is known before there is a folder of it, and an interrupt (which may come between any two steps, while the
+    # folder is being removed too) has it removed again: so nothing is left at any moment.
+    folder = directory / f"{_STAGING}{os.urandom(6).hex()}"
     try:
-        yield folder
-    finally:
+        try:
+            with reporting_os_errors(directory):
+                folder.mkdir(mode=0o700)
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+    except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def write_files(folder: Path, files: Sequence[EmittedFile]) -> None:

@@ -11,7 +11,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from dh2urdf.expressions import MAX_CHARACTERS, MAX_NESTING, Value, Variable, parse
+from dh2urdf.expressions import MAX_CHARACTERS, MAX_NESTING, SPACE, Value, Variable, parse
 from dh2urdf.source import shown
 from dh2urdf.units import Decimal, Dimension, QuantityError, Unit, accepted_forms, find_unit, is_unit
 
@@ -47,7 +47,7 @@ class Quantity:
     sign: int = 1
 
 
-_DECIMAL = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{1,18}))?\s*")
+_DECIMAL = re.compile(rf"{SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{{1,18}}))?{SPACE}*")
 
 
 def evaluate(text: str, dimension: Dimension, unit: Unit | None = None, *, decimal_comma: bool = False) -> Quantity:

@@ -131,7 +131,9 @@ class Catalog:
             BrokenPluginError: none does, and a plugin that may provide one is broken.
             StageConflictError: two plugins claim the reader's name.
         """
-        reader: Reader[Any] = self._by_suffix("reader", path, "`stage: NAME` beside the path chooses a reader")
+        reader: Reader[Any] = self._by_suffix(
+            "reader", path, "`stage: NAME` beside the path in a run file chooses a reader"
+        )
         return reader
 
     def emitter_for(self, path: Path) -> Emitter[Any]:

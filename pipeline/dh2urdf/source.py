@@ -70,7 +70,7 @@ class Problem:
         tail = [f"accepted: {self.accepted}"] if self.accepted else []
         if self.suggestion:
             tail.append(self.suggestion)
-        return "\n    ".join([head, *tail])
+        return "\n    ".join(map(printable, [head, *tail]))
 
     def as_json(self) -> dict[str, Any]:
         """The problem as the entry of a report: file, line, column, joint, field, found, accepted, message."""
@@ -100,14 +100,22 @@ def in_file_order(problems: Iterable[Problem]) -> list[Problem]:
 
 
 def shown(text: str, limit: int = SHOWN_TEXT) -> str:
-    """A text as a message repeats it: quoted, control characters escaped, cut where it is long.
-
-    A table may come from a stranger, and its text lands on a terminal: escape sequences must not.
-    """
-    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text[: 4 * limit])
+    """A text as a message repeats it: quoted, control characters escaped, cut where it is long."""
+    plain = printable(text[: 4 * limit])
     if len(plain) > limit or len(text) > 4 * limit:
         plain = f"{plain[:limit]}…"
     return f"'{plain}'"
+
+
+def printable(text: str) -> str:
+    """A text with its control characters escaped.
+
+    A table, the name of a file and what a parser says of either may come from a stranger, and land on a terminal:
+    escape sequences must not.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def did_you_mean(word: str, choices: Iterable[str]) -> str | None:

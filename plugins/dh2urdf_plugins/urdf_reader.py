@@ -70,7 +70,7 @@ def parse_urdf(content: bytes, file: str) -> Robot:
         root = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
         line, column = error.position
-        reason = error.msg.removesuffix(f", line {line}, column {column}")
+        reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
         raise ProofError(
             Problem(message=f"this is not XML: {reason}", mark=Mark(file=file, line=line, column=column))
         ) from error

@@ -47,7 +47,7 @@ def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
             document = xacro.process_file(path.name, mappings=dict(arguments or {}))
     except Exception as error:  # xacro evaluates Python: anything may come out.
-        said = str(error) or repr(error)
+        said = " ".join(str(error).split()) or repr(error)
         raise ProofError(Problem(message=f"xacro cannot expand it: {said}", mark=Mark(file=str(path)))) from error
     finally:
         xacro.root_dir = folder_before

@@ -32,6 +32,10 @@ COMMANDS = {
 }
 
 
+class _Interrupted(BaseException):
+    """Ctrl-C or SIGTERM came while a command was at work."""
+
+
 class _LazyGroup(click.Group):
     """A group that imports a command's module when the command is called: help and version cost nothing."""
 
@@ -63,6 +67,8 @@ class _LazyGroup(click.Group):
         """Where the reader of a pipe has left (`dh2urdf convert … | head`), that is no error, as it is for click."""
         try:
             return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            raise _Interrupted from error  # click would print an empty line
         except (BrokenPipeError, SystemExit) as error:
             if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
                 raise
@@ -116,7 +122,7 @@ def _status(words: list[str], *, debug: bool) -> int:
     except click.ClickException as error:
         error.show()
         return error.exit_code
-    except (KeyboardInterrupt, click.Abort):
+    except (KeyboardInterrupt, click.Abort, _Interrupted):
         click.echo("dh2urdf: interrupted; nothing half-written is left", err=True)
         return INTERRUPTED
     except Dh2UrdfError as error:

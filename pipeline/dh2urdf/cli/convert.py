@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.config import is_run_file
 from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.options import make_options
@@ -16,6 +17,7 @@ from dh2urdf.output import safe_stem
 from dh2urdf.registry import load
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Emitter, Rejected
+from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,8 +54,9 @@ def command(
 ) -> int:
     """Turn TABLE into a robot description and prove that it is the same arm.
 
-    The reader goes by TABLE's suffix (csv, tsv, yaml, json), the format by FILE's (urdf, xacro). A xacro goes into two
-    files, the macro beside FILE; on standard output it is one. `dh2urdf plugins` lists all stages and their options.
+    The reader goes by TABLE's suffix, such as .csv or .yaml, the format by FILE's, such as .urdf or .xacro. A xacro
+    has its macro in a file beside FILE; on standard output both are one. `dh2urdf plugins` lists all stages and their
+    options.
 
     \b
     dh2urdf convert ur5.csv -o ur5.urdf
@@ -63,6 +66,7 @@ def command(
     """
     catalog = load()
     target = None if output in (None, "-") else Path(str(output))
+    check_file(table, TableError)
     reader = catalog.reader_for(table)
     transform = catalog.get("transform", DEFAULT_TRANSFORM)
     if target is not None and target.is_dir():
@@ -87,7 +91,18 @@ def command(
     options = _options(stages, given, settings)
     if target is None and emitter.one_file:
         options["emitter"] = emitter.one_file(options["emitter"])
-    manipulator = _choose(read_items(reader, table, options["reader"]), robot, table)
+    try:
+        manipulator = _choose(read_items(reader, table, options["reader"]), robot, table)
+    except TableError:
+        if not is_run_file(table):
+            raise
+        raise ConfigError(
+            Problem(
+                message="this is a run file, not a table",
+                mark=Mark(file=str(table)),
+                suggestion=f"`dh2urdf run {table}` does what it says",
+            )
+        ) from None
     recipe = Recipe(
         transform=Call(stage=transform, options=options["transform"]),
         emitters=(Call(stage=emitter, options=options["emitter"]),),

@@ -78,8 +78,10 @@ class _progress:  # noqa: N801 - used like a function
 
         self._console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-        self._bar = Progress(*columns, console=self._console, transient=True, disable=not sys.stderr.isatty())
-        self._bar.start()
+        self._bar = Progress(*columns, console=self._console, transient=True)
+        self._is_shown = sys.stderr.isatty()
+        if self._is_shown:
+            self._bar.start()
         self._task = self._bar.add_task("manipulators", total=None)
         self._said = {"error": 0, "notice": 0}
         self._debug = click.get_current_context().find_root().params["debug"]
@@ -87,7 +89,8 @@ class _progress:  # noqa: N801 - used like a function
 
     def _note(self, outcome: Outcome) -> None:
         self._bar.advance(self._task)
-        for problem in (*outcome.notices, *outcome.errors):
+        findings = [finding for report in outcome.loads.values() for finding in report.findings]
+        for problem in (*outcome.notices, *findings, *outcome.errors):
             self._said[problem.severity] += 1
             if self._said[problem.severity] <= SCREENFUL:
                 self._console.print(str(problem))
@@ -95,7 +98,8 @@ class _progress:  # noqa: N801 - used like a function
             self._console.print(outcome.traceback)
 
     def __exit__(self, *_error: object) -> None:
-        self._bar.stop()
+        if self._is_shown:  # It prints an empty line otherwise.
+            self._bar.stop()
         for severity, count in self._said.items():
             if (more := count - SCREENFUL) > 0:
                 self._console.print(f"and {more} more {severity}{'s' if more > 1 else ''}: the report has all of them")

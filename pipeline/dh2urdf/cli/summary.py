@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 MOST_ROWS = 40
 """Rows that a summary shows [1]; of a longer run it shows the failures first and counts the rest."""
 
+NAME_WIDTH = 48
+"""Characters of a name in one line [1]; a longer one is folded."""
+
 
 def print_summary(outcomes: Sequence[Outcome], directory: Path, *, dry_run: bool) -> None:
     """Print what became of each manipulator, with the largest error of every file and simulator."""
@@ -46,7 +49,7 @@ def _table(outcomes: Sequence[Outcome]) -> Table:
     emitters = list(dict.fromkeys(written.stage for outcome in outcomes for written in outcome.written))
     loaders = list(dict.fromkeys(name for outcome in outcomes for name in outcome.loads))
     table = Table()
-    table.add_column("manipulator", overflow="fold")
+    table.add_column("manipulator", overflow="fold", max_width=NAME_WIDTH)
     table.add_column("status")
     for name in (*emitters, *loaders):
         table.add_column(name, justify="right")

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal
 
+from dh2urdf.errors import ManipulatorError
+from dh2urdf.source import Problem
 from dh2urdf.stages import Executor
 
 if TYPE_CHECKING:
@@ -59,6 +61,7 @@ def _processors() -> int:
 
 def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], workers: int) -> Iterator[Any]:
     from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     context = get_context("spawn")
@@ -71,6 +74,13 @@ def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], wo
             results = under_way.popleft().result()
             under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, 1))
             yield from results
+    except BrokenProcessPool as error:
+        raise ManipulatorError(
+            Problem(
+                message="a worker process was ended from outside: killed, or out of memory",
+                suggestion="fewer workers need less memory: `--workers 1`",
+            )
+        ) from error
     finally:
         stop.value = 1
         pool.shutdown(cancel_futures=True)
@@ -79,8 +89,16 @@ def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], wo
 _stop: Any = None
 """In a worker: whether the run has ended, and nobody waits for the rest of a chunk."""
 
-# Ctrl-C reaches all processes of a terminal. It ends a worker's work, and a worker that has none, or that is just being
-# started, stays silent: the run tells it, once.
+# Ctrl-C reaches all processes of a terminal, and SIGTERM may: it ends a worker's work, and what the work was writing is
+# taken away. A worker that has none, or that is just being started, stays silent: the run tells it, once.
+
+
+class _Terminated(BaseException):
+    """SIGTERM came while a worker was at work."""
+
+
+def _on_terminate(_number: int, _frame: object) -> None:
+    raise _Terminated
 
 
 def _submit(pool: ProcessPoolExecutor, function: Callable[[Any], Any], chunk: list[Any]) -> Future[list[Any]]:
@@ -103,10 +121,16 @@ def _start_worker(stop: Any) -> None:  # noqa: ANN401 - a number in shared memor
 
 def _map_chunk(function: Callable[[Any], Any], chunk: list[Any]) -> list[Any]:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, _on_terminate)
     try:
         return [function(task) for task in chunk if not _stop.value]
+    except _Terminated:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        os.kill(os.getpid(), signal.SIGTERM)  # Everything is cleaned up: now it ends as SIGTERM ends a process.
+        raise
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _chunks(first: list[Any], rest: Iterator[Any]) -> Iterator[list[Any]]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -64,7 +63,6 @@ class Arm:
 
     def __init__(self, bullet: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
         self.bullet, self.request, self.robot = bullet, request, request.robot
-        self.problem = partial(Problem, robot=request.manipulator.name, mark=request.manipulator.mark)
         bullet.setPhysicsEngineParameter(enableFileCaching=0)  # Or a rewritten file would give the old arm again.
         try:
             self.body = bullet.loadURDF(
@@ -76,6 +74,12 @@ class Arm:
         self.moving = [info for info in infos if info[2] != bullet.JOINT_FIXED]
         self.joints = {_text(info[1]): info[0] for info in infos}
         self.links = {self.robot.links[0].name: _ROOT, **{_text(info[12]): info[0] for info in infos}}
+
+    def problem(self, *, joint: str | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
+        """A problem of this manipulator, at the row of the joint that it is about."""
+        table = self.request.manipulator
+        mark = next((row.mark for row in table.rows if row.joint == joint), table.mark)
+        return Problem(robot=table.name, mark=mark, joint=joint, **words)
 
     def report(self) -> LoadReport:
         """Measure everything.

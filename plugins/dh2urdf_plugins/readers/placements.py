@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.rows import FULL_TURN
+from dh2urdf_plugins.readers.rows import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 
 if TYPE_CHECKING:
@@ -112,6 +112,10 @@ class TransformReader:
                 accepted="at most 2π rad where no unit is declared",
                 suggestion=f"if these are degrees, say so: '{node.text.strip()} deg'",
             )
+            return None
+        if dimension is Dimension.ANGLE and abs(quantity.value) > LARGEST_ANGLE:
+            message = f"{shown(node.text)} is more than a thousand turns"
+            self._error(node.mark, field, message, found=node.text, accepted=ACCEPTED_ANGLE)
             return None
         return quantity.value
 

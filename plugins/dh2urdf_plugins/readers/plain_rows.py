@@ -19,7 +19,7 @@ from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.source import Mark
 from dh2urdf_plugins.readers.fields import FIELDS, joint_type
 from dh2urdf_plugins.readers.names import END_NAMES, RowNames, name_fault, name_problems
-from dh2urdf_plugins.readers.rows import FULL_TURN, LARGEST_LIMIT, NEARLY, NO_LIMITS
+from dh2urdf_plugins.readers.rows import FULL_TURN, LARGEST_ANGLE, LARGEST_LIMIT, NEARLY, NO_LIMITS
 from dh2urdf_plugins.readers.tables import LONGEST_ARM
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ class PlainRows:
         slides = all(_unit(units, name) is None for name in ("offset", "lower", "upper", "velocity") if name in names)
         # Fixed and continuous joints have rules of their own.
         self.plain_kinds = (JointType.REVOLUTE, JointType.PRISMATIC) if slides else (JointType.REVOLUTE,)
-        self.alpha_bound = math.inf if units.angle or "alpha" in units.columns else FULL_TURN
+        self.alpha_bound = LARGEST_ANGLE if units.angle or "alpha" in units.columns else FULL_TURN
         self.limit_bounds = [
             math.inf if units.angle or name in units.columns else LARGEST_LIMIT for name in ("lower", "upper")
         ]
@@ -189,6 +189,7 @@ class PlainRows:
         return (
             max(map(abs, alpha)) <= self.alpha_bound
             and max(map(abs, theta)) <= FULL_TURN
+            and max(map(abs, offset)) <= LARGEST_ANGLE
             and math.isfinite(sum(alpha) + sum(theta) + sum(offset))
         )
 

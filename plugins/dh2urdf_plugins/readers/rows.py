@@ -34,9 +34,13 @@ MAX_PROBLEMS = 1000
 NEARLY = 1e-3
 """How near an angle has to be to a quarter turn to be taken for a rounded one, relative [1]."""
 FULL_TURN = 2 * math.pi
+LARGEST_ANGLE = 1000 * FULL_TURN
+"""Angle of a table beyond which its sum with a joint value loses what a micrometre at the tool needs [rad]."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
 
+ACCEPTED_ANGLE = "an angle of at most 2000π rad, or 360000°"
+_TURNS = ("alpha", "theta", "offset")
 _ROTARY_VARIABLES = ("q", "theta")
 _LINEAR_VARIABLES = ("q", "d")
 
@@ -206,6 +210,9 @@ class RowReader:
         if foreign and unit and quantity.value and not quantity.has_unit:
             self._foreign_unit(name, what, dimension, unit)
         if quantity.variable and not self._variable_fits(name, quantity, variables):
+            return Quantity(0.0)
+        if dimension is Dimension.ANGLE and name in _TURNS and abs(quantity.value) > LARGEST_ANGLE:
+            self._error(f"{shown(text)} is more than a thousand turns", name, accepted=ACCEPTED_ANGLE)
             return Quantity(0.0)
         return quantity
 

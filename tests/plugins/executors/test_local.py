@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from dh2urdf.errors import ManipulatorError
 from dh2urdf_plugins.executors.local import EXECUTOR, LocalOptions, map_locally
 
 if TYPE_CHECKING:
@@ -96,6 +97,12 @@ class TestProcesses:
         results = map_locally(operator.neg, count(), LocalOptions(workers=2))
         next(results)
         results.close()  # type: ignore[attr-defined]
+        assert multiprocessing.active_children() == []
+
+    def test_one_that_is_killed_is_told_in_a_sentence(self) -> None:
+        """Where the system ends a worker, for want of memory or at a person's wish, the run does not call it a fault."""
+        with pytest.raises(ManipulatorError, match="a worker process was ended from outside: killed, or out of memory"):
+            list(map_locally(call, [partial(signal.raise_signal, signal.SIGKILL)] * 3, LocalOptions(workers=2)))
         assert multiprocessing.active_children() == []
 
     @pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")

@@ -1,0 +1,303 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from lxml import etree
+
+from dh2urdf_plugins.xacro_reader import expand
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+ARM = "joint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
+STANDARD = f"# convention: standard\n{ARM}"
+ARMS = "# convention: standard\nrobot,a,alpha,d\nleft,0.4,0,0.1\nright,0.4,0,0.1\n../up,0.4,0,0.1\nbad,0.4,ninety,0.1\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """The working directory, with tables in it."""
+    (tmp_path / "arm.csv").write_text(STANDARD)
+    (tmp_path / "bare.csv").write_text(ARM)
+    (tmp_path / "arms.csv").write_text(ARMS)
+    return tmp_path
+
+
+def files(folder: Path) -> set[str]:
+    """What was written."""
+    return {path.name for path in folder.iterdir()} - {"arm.csv", "bare.csv", "arms.csv"}
+
+
+def robot_name(urdf: str | Path) -> str:
+    return str((etree.parse(urdf).getroot() if isinstance(urdf, Path) else etree.fromstring(urdf.encode())).get("name"))
+
+
+@pytest.mark.usefixtures("folder")
+class TestStandardOutput:
+    def test_a_urdf_is_the_default(self, cli: Cli) -> None:
+        """Without -o the URDF goes to standard output, and nothing else does."""
+        answer = cli("convert", "arm.csv")
+        assert robot_name(answer.stdout) == "arm"
+        assert answer.stderr == ""
+
+    def test_it_is_the_same_as_the_file(self, cli: Cli, folder: Path) -> None:
+        """Byte for byte; a dash names standard output too."""
+        cli("convert", "arm.csv", "-o", "arm.urdf")
+        expected = (folder / "arm.urdf").read_text("utf-8")
+        assert cli("convert", "arm.csv").stdout == cli("convert", "arm.csv", "-o", "-").stdout == expected
+
+    def test_a_xacro_is_one_file(self, cli: Cli, folder: Path) -> None:
+        """The macro and its call stand in one file, that the real xacro expands without another."""
+        text = cli("convert", "arm.csv", "--to", "xacro").stdout
+        alone = folder / "alone"
+        alone.mkdir()
+        (alone / "any.xacro").write_text(text, "utf-8")
+        expanded = subprocess.run(
+            [sys.executable, "-c", "import xacro; xacro.main()", str(alone / "any.xacro")],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        assert {joint.get("name") for joint in etree.fromstring(expanded.encode()).findall("joint")} >= {
+            *("shoulder", "elbow")
+        }
+
+    def test_nothing_of_an_error_gets_there(self, cli: Cli, folder: Path) -> None:
+        """All problems of a table come at once on standard error, each with file:line:column; no half of a file."""
+        (folder / "bad.csv").write_text(
+            "# convention: standard\njoint,type,a,alpha,d\none,revolute,0,90,0.1\ntwo,revolut,x,0,\n"
+        )
+        answer = cli("convert", "bad.csv", status=2)
+        assert answer.stdout == ""
+        places = [line.partition(": error: ")[0] for line in answer.stderr.splitlines() if ": error: " in line]
+        assert places == ["bad.csv:3:16", "bad.csv:4:5", "bad.csv:4:13", "bad.csv:4:17"]
+        for words in ("joint 'one', field 'alpha'", "did you mean 'revolute'?", "--angle-unit deg"):
+            assert words in answer.stderr
+
+    def test_notices_go_to_standard_error(self, cli: Cli, folder: Path) -> None:
+        """A file in a pipe stays a file."""
+        (folder / "arm.csv").write_text("# convention: standard\na,alpha,d,colour\n0.4,1.5708,0.1,red\n")
+        answer = cli("convert", "arm.csv")
+        assert robot_name(answer.stdout) == "arm"
+        assert "notice: " in answer.stderr
+        assert "colour" in answer.stderr
+        assert answer.stderr.count("pi/2 was probably meant") == 1
+
+
+@pytest.mark.usefixtures("folder")
+class TestFiles:
+    def test_the_suffix_chooses_the_format(self, cli: Cli, folder: Path) -> None:
+        """.urdf is a URDF; .urdf.xacro and .xacro are xacro, whose macro lies beside."""
+        for name in ("one.urdf", "two.urdf.xacro", "three.xacro", "FOUR.URDF"):
+            answer = cli("convert", "arm.csv", "-o", name)
+            assert (answer.stdout, answer.stderr) == ("", "")
+        assert files(folder) == {
+            *("one.urdf", "two.urdf.xacro", "two_macro.xacro", "three.xacro", "three_macro.xacro", "FOUR.URDF")
+        }
+        assert b'name="shoulder"' in expand(folder / "two.urdf.xacro")
+        assert b'name="shoulder"' in expand(folder / "three.xacro")
+
+    def test_a_missing_folder_is_made(self, cli: Cli, folder: Path) -> None:
+        """As deep as it is."""
+        cli("convert", "arm.csv", "-o", "robots/new/arm.urdf")
+        assert [path.name for path in (folder / "robots" / "new").iterdir()] == ["arm.urdf"]
+
+    def test_a_file_is_replaced(self, cli: Cli, folder: Path) -> None:
+        """By a good one."""
+        (folder / "arm.urdf").write_text("old")
+        cli("convert", "arm.csv", "-o", "arm.urdf")
+        assert robot_name(folder / "arm.urdf") == "arm"
+
+    def test_a_failure_leaves_it_alone(self, cli: Cli, folder: Path) -> None:
+        """A table that cannot be converted changes nothing."""
+        (folder / "bad.urdf").write_text("old")
+        cli("convert", "arms.csv", "--robot", "bad", "-o", "bad.urdf", status=2)
+        assert files(folder) == {"bad.urdf"}
+        assert (folder / "bad.urdf").read_text() == "old"
+
+    def test_an_unknown_suffix(self, cli: Cli, folder: Path) -> None:
+        """The error says what is known, and how to choose."""
+        answer = cli("convert", "arm.csv", "-o", "arm.sdf", status=2)
+        assert "no emitter is known for the file 'arm.sdf'" in answer.stderr
+        assert ".urdf, .urdf.xacro, .xacro" in answer.stderr
+        assert "`--to NAME`" in answer.stderr
+        assert files(folder) == set()
+        cli("convert", "arm.csv", "-o", "arm.txt", "--to", "urdf")
+        assert robot_name(folder / "arm.txt") == "arm"
+
+    @pytest.mark.parametrize("name", ["robots", "robots/"])
+    def test_a_folder_is_no_file(self, cli: Cli, folder: Path, name: str) -> None:
+        """It is told with a name that would do."""
+        (folder / "robots").mkdir()
+        answer = cli("convert", "arm.csv", "-o", name, status=2)
+        assert "-o 'robots' is a folder, and one file is written" in answer.stderr
+        assert "robots/arm.urdf" in answer.stderr
+
+    def test_a_folder_where_the_macro_goes_leaves_nothing(self, cli: Cli, folder: Path) -> None:
+        """Both files, or none."""
+        (folder / "arm_macro.xacro").mkdir()
+        assert "arm_macro.xacro': Is a directory" in cli("convert", "arm.csv", "-o", "arm.xacro", status=2).stderr
+        assert files(folder) == {"arm_macro.xacro"}
+
+    def test_a_file_in_place_of_a_folder(self, cli: Cli, folder: Path) -> None:
+        """It is told in one line."""
+        answer = cli("convert", "arm.csv", "-o", "arm.csv/arm.urdf", status=2)
+        assert answer.stderr.startswith("error: cannot write 'arm.csv")
+        assert answer.stderr.count("\n") == 1
+        assert files(folder) == set()
+
+
+@pytest.mark.usefixtures("folder")
+class TestRobot:
+    def test_one_of_several(self, cli: Cli) -> None:
+        """--robot chooses; a bad one of the others does not matter."""
+        assert robot_name(cli("convert", "arms.csv", "--robot", "right").stdout) == "right"
+
+    def test_which_one_must_be_said(self, cli: Cli) -> None:
+        """Without --robot a table of several is an error that shows how, and what makes all of them."""
+        answer = cli("convert", "arms.csv", status=2)
+        assert "the table holds several manipulators" in answer.stderr
+        assert "--robot 'left' or --robot 'right'" in answer.stderr
+        assert "`dh2urdf run`" in answer.stderr
+
+    def test_an_unknown_one(self, cli: Cli) -> None:
+        """It is told with those that there are, and the one that was probably meant."""
+        answer = cli("convert", "arms.csv", "--robot", "rihgt", status=2)
+        assert "the table holds no manipulator 'rihgt'" in answer.stderr
+        assert "left, right, ../up, bad" in answer.stderr
+        assert "did you mean 'right'?" in answer.stderr
+
+    def test_the_only_one_may_be_named(self, cli: Cli) -> None:
+        """By its file's stem, where the table has no name."""
+        assert robot_name(cli("convert", "arm.csv", "--robot", "arm").stdout) == "arm"
+
+    def test_a_name_that_is_a_path_names_no_file(self, cli: Cli, folder: Path) -> None:
+        """The user's -o does."""
+        cli("convert", "arms.csv", "--robot", "../up", "-o", "up.urdf")
+        assert files(folder) == {"up.urdf"}
+        assert robot_name(folder / "up.urdf") == "../up"
+
+
+@pytest.mark.usefixtures("folder")
+class TestOptions:
+    def test_the_convention_is_never_guessed(self, cli: Cli) -> None:
+        """A table that says none is an error that tells the two apart; --convention says it."""
+        answer = cli("convert", "bare.csv", status=2)
+        assert "standard" in answer.stderr
+        assert "modified" in answer.stderr
+        assert "--convention" in answer.stderr
+        standard, modified = (cli("convert", "bare.csv", "--convention", word).stdout for word in ("DH", "Craig"))
+        assert standard == cli("convert", "arm.csv").stdout.replace('name="arm"', 'name="bare"').replace(
+            "arm:", "bare:"
+        )
+        assert standard != modified
+
+    def test_units(self, cli: Cli, folder: Path) -> None:
+        """--length-unit and --angle-unit say what a bare number means."""
+        (folder / "datasheet.csv").write_text(STANDARD.replace("pi/2,0.1", "90,100").replace("0.4", "400"))
+        (folder / "arm.csv").rename(folder / "si.csv")
+        converted = cli("convert", "datasheet.csv", "--length-unit", "mm", "--angle-unit", "deg").stdout
+        assert converted.replace("datasheet", "si") == cli("convert", "si.csv").stdout
+
+    def test_base_and_tool(self, cli: Cli, folder: Path, tool0_of: Callable[..., Callable[..., object]]) -> None:
+        """--base and --tool take the YAML of a table."""
+        cli("convert", "arm.csv", "--base", "{xyz: [1, 0, 0.3]}", "--tool", "{xyz: [0, 0, 0.1]}", "-o", "arm.urdf")
+        pose = tool0_of(folder / "arm.urdf")([0, 0])
+        assert [float(x) for x in pose[:3, 3]] == pytest.approx([1.4, -0.1, 0.4])  # type: ignore[index]
+
+    def test_variant_and_frames(self, cli: Cli) -> None:
+        """They are the transform's."""
+        aligned, dh, paper = (
+            cli("convert", "arm.csv", *words).stdout for words in ([], ["--frames", "dh"], ["--variant", "paper"])
+        )
+        assert '<axis xyz="0 -1 0"/>' in aligned
+        assert '<axis xyz="0 -1 0"/>' not in dh
+        assert len({aligned, dh, paper}) == 3
+
+    @pytest.mark.parametrize("setting", ["shape=box", "transform.shape=box", " shape = box"])
+    def test_set(self, cli: Cli, setting: str) -> None:
+        """--set reaches every option of the stages, with or without the kind of stage."""
+        text = cli("convert", "arm.csv", "--set", setting, "--set", "radius=0.02").stdout
+        assert '<box size="0.04 0.04 0.4"/>' in text
+
+    def test_all_that_is_wrong_with_options_is_said_at_once(self, cli: Cli, folder: Path) -> None:
+        """Flags and settings together, each with what is accepted and what was probably meant."""
+        words = ["--frames", "algined", "--set", "radus=1", "--set", "density", "--set", "transform.shape=sphere"]
+        answer = cli("convert", "arm.csv", *words, "-o", "arm.urdf", status=2)
+        errors = [line for line in answer.stderr.splitlines() if line.startswith("command line: error: ")]
+        assert len(errors) == 4
+        for words_of_one in (
+            "--set 'radus=1' names no option",
+            "did you mean 'radius'?",
+            "--set 'density' has no value",
+            "did you mean 'aligned'?",
+            "cylinder, box or capsule",
+        ):
+            assert words_of_one in answer.stderr
+        assert files(folder) == set()
+
+    @pytest.mark.parametrize(
+        ("words", "found"),
+        [
+            (["--to", "udrf"], "no emitter is named 'udrf'"),
+            (["--convention", "Denavit"], "Denavit"),
+            (["--angle-unit", "turns"], "turns"),
+            (["--base", "{xyz: [0, 0]}"], "xyz"),
+            (["--base", "[1, 2"], "[1, 2"),
+            (["--set", "transform.snap=-1"], "snap"),
+            (["--set", "executor.workers=1"], "executor.workers"),
+        ],
+    )
+    def test_a_wrong_word_is_an_error_before_anything_is_written(
+        self, cli: Cli, folder: Path, words: list[str], found: str
+    ) -> None:
+        """Status 2, nothing on standard output, and the word that is wrong in the message."""
+        answer = cli("convert", "arm.csv", *words, status=2)
+        assert answer.stdout == ""
+        assert found in answer.stderr
+        assert files(folder) == set()
+
+
+@pytest.mark.usefixtures("folder")
+class TestRefusals:
+    def test_a_missing_table(self, cli: Cli) -> None:
+        """It is told with a neighbour whose name is near."""
+        answer = cli("convert", "arsm.csv", status=2)
+        assert answer.stderr.startswith("arsm.csv: error: there is no such file\n    did you mean ")
+        assert "'arms.csv'" in answer.stderr
+
+    def test_a_run_file_is_no_table(self, cli: Cli, folder: Path) -> None:
+        """Whoever mistakes one for the other is told what to type."""
+        (folder / "run.yaml").write_text("inputs: arm.csv\nemitters: [urdf]\n")
+        answer = cli("convert", "run.yaml", status=2)
+        assert answer.stderr == (
+            "run.yaml: error: this is a run file, not a table\n    `dh2urdf run run.yaml` does what it says\n"
+        )
+
+    def test_a_folder(self, cli: Cli, folder: Path) -> None:
+        """It is told as such, whatever its name ends in."""
+        (folder / "tables.csv").mkdir()
+        for name in (".", "tables.csv"):
+            assert cli("convert", name, status=2).stderr.startswith(f"{name}: error: this is a folder, not a file")
+
+    def test_a_table_of_an_unknown_kind(self, cli: Cli, folder: Path) -> None:
+        """The error says which suffixes are known."""
+        (folder / "arm.docx").touch()
+        answer = cli("convert", "arm.docx", status=2)
+        assert "no reader is known for the file 'arm.docx'" in answer.stderr
+        assert ".csv" in answer.stderr
+
+    def test_what_the_transform_refuses_is_status_1(self, cli: Cli, folder: Path) -> None:
+        """The table could be read; its arm cannot be made with these options."""
+        (folder / "arm.csv").write_text(STANDARD.replace("pi/2", "1.2"))
+        answer = cli("convert", "arm.csv", "--variant", "paper", "-o", "arm.urdf", status=1)
+        assert "joint 'shoulder', field 'alpha'" in answer.stderr
+        assert files(folder) == set()

@@ -1,0 +1,194 @@
+from __future__ import annotations
+
+import os
+import platform
+import pty
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+import dh2urdf.cli.plugins
+from dh2urdf import __version__, cli
+from dh2urdf.cli import COMMANDS, _status, main
+from dh2urdf.hookspecs import INTERFACE_VERSION
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
+CONFIGS = Path(__file__).parents[3] / "configs"
+
+
+class TestHelp:
+    @pytest.mark.parametrize("words", [["--help"], ["-h"]])
+    def test_it_names_every_command_and_status(self, cli: Callable[..., Answer], words: list[str]) -> None:
+        """What the program is for, an example, each command with what it does, and what each exit status means."""
+        text = cli(*words).stdout
+        assert "provably the same arm" in text
+        assert "dh2urdf convert ur5.csv -o ur5.urdf" in text
+        for name, summary in COMMANDS.items():
+            assert f"  {name}" in text
+            assert summary in text
+        assert_statuses(text)
+
+    @pytest.mark.parametrize("command", COMMANDS)
+    def test_each_command_has_examples(self, cli: Callable[..., Answer], command: str) -> None:
+        """The help of a command begins with what it does and shows how it is called."""
+        text = cli(command, "--help").stdout
+        assert text.startswith(f"Usage: dh2urdf {command} ")
+        assert f"\n  dh2urdf {command}" in text
+        assert "-h, --help" in text
+
+    @pytest.mark.parametrize("command", ["run", "convert"])
+    def test_commands_that_may_fail_tell_their_statuses(self, cli: Callable[..., Answer], command: str) -> None:
+        """0, 1, 2, 3 and 130, with what each means."""
+        assert_statuses(cli(command, "--help").stdout)
+
+    def test_every_option_is_explained(self, cli: Callable[..., Answer]) -> None:
+        """No flag stands without a sentence."""
+        for command in COMMANDS:
+            lines = cli(command, "--help").stdout.split("Options:")[1].splitlines()
+            flags = [line for line in lines if line.startswith("  -")]
+            assert flags
+            assert [line for line in flags if "  " not in line.strip()] == []
+
+    def test_without_a_command_it_is_shown_and_nothing_was_done(self, cli: Callable[..., Answer]) -> None:
+        """The help goes to standard error: nobody asked for it."""
+        answer = cli(status=2)
+        assert answer.stdout == ""
+        assert "Usage: dh2urdf [OPTIONS] COMMAND" in answer.stderr
+
+
+def assert_statuses(text: str) -> None:
+    words = " ".join(text.split())
+    for status in (
+        "0 all done",
+        "1 some manipulators failed",
+        "2 nothing could start",
+        "3 a plugin",
+        "130 interrupted",
+    ):
+        assert status in words
+
+
+class TestWords:
+    def test_version(self, cli: Callable[..., Answer]) -> None:
+        """Version of the program, of Python, and of the interface for plugins."""
+        assert cli("--version").stdout == (
+            f"dh2urdf {__version__} (Python {platform.python_version()}, plugin interface {INTERFACE_VERSION})\n"
+        )
+
+    def test_an_unknown_command(self, cli: Callable[..., Answer]) -> None:
+        """It is told with all commands and the one that was probably meant."""
+        answer = cli("convrt", "arm.csv", status=2)
+        assert answer.stdout == ""
+        assert (
+            "no command 'convrt'; the commands are run, convert, plugins, schema; did you mean 'convert'?"
+            in answer.stderr
+        )
+
+    def test_an_unknown_option(self, cli: Callable[..., Answer]) -> None:
+        """Of the program, or of a command, with the one that was probably meant."""
+        assert "No such option '--versoin'" in cli("--versoin", status=2).stderr
+        assert "'--frames'" in cli("convert", "arm.csv", "--frams", "dh", status=2).stderr
+
+    def test_control_characters_do_not_reach_the_terminal(self, cli: Callable[..., Answer]) -> None:
+        """A word of the command line is shown harmlessly."""
+        assert "\x1b" not in cli("\x1b[31mred", status=2).stderr
+
+
+class TestDebug:
+    def test_an_error_is_one_sentence_without_it(self, cli: Callable[..., Answer]) -> None:
+        """A person gets no traceback."""
+        assert cli("convert", "nope.csv", status=2).stderr == "nope.csv: error: there is no such file\n"
+
+    def test_with_it_the_traceback_comes_first(self, capfd: pytest.CaptureFixture[str]) -> None:
+        """The last line is still the sentence."""
+        with pytest.raises(SystemExit) as left:
+            main(["--debug", "convert", "nope.csv"])
+        assert left.value.code == 2
+        lines = capfd.readouterr().err.splitlines()
+        assert lines[0] == "Traceback (most recent call last):"
+        assert lines[-1] == "nope.csv: error: there is no such file"
+
+    def test_a_fault_of_the_program_says_so(
+        self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        """An error that nobody foresaw is status 1, one sentence, and a way to see more; with --debug it is raised."""
+
+        def broken() -> None:
+            raise LookupError("the ground is gone")
+
+        monkeypatch.setattr(dh2urdf.cli.plugins, "load", broken)
+        assert _status(["plugins"], debug=False) == cli.INTERNAL_ERROR == 1
+        assert capfd.readouterr().err == (
+            "dh2urdf: internal error: LookupError: the ground is gone\n"
+            "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where\n"
+        )
+        with pytest.raises(LookupError):
+            _status(["--debug", "plugins"], debug=True)
+
+
+class TestPipes:
+    @pytest.mark.parametrize(
+        "words",
+        [
+            ["plugins"],
+            ["plugins", "--json"],
+            ["schema"],
+            ["convert", str(CONFIGS / "tables" / "ur5.csv")],
+            ["run", str(CONFIGS / "ur5_paper.yaml"), "-o", "out"],
+            ["run", str(CONFIGS / "ur5_paper.yaml"), "-o", "out", "--json"],
+        ],
+        ids=lambda words: "_".join(word for word in words[:1] + words[4:]),
+    )
+    def test_a_reader_that_leaves_early_is_no_error(self, tmp_path: Path, words: list[str]) -> None:
+        """`dh2urdf … | head -1` ends with 0 and says nothing."""
+        reading, writing = os.pipe()
+        os.close(reading)
+        process = subprocess.run(
+            [*COMMAND, *words], stdout=writing, stderr=subprocess.PIPE, text=True, cwd=tmp_path, check=False
+        )
+        os.close(writing)
+        assert (process.returncode, process.stderr) == (0, "")
+
+
+def on_a_terminal(words: list[str], folder: Path, **environment: str) -> tuple[int, str]:
+    """Exit status of a command on a terminal of its own, and what it printed there."""
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.chdir(folder)
+        os.environ.update({"TERM": "xterm", "COLUMNS": "120", **environment})
+        os.execv(COMMAND[0], [*COMMAND, *words])  # noqa: S606 - our own command
+    printed = b""
+    try:
+        while chunk := os.read(terminal, 4096):
+            printed += chunk
+    except OSError:  # the way in which a terminal of Linux ends
+        pass
+    _, status = os.waitpid(pid, 0)
+    os.close(terminal)
+    return os.waitstatus_to_exitcode(status), printed.decode()
+
+
+class TestColours:
+    WORDS = ("run", str(CONFIGS / "ur5_paper.yaml"), "-o", "out")
+
+    def test_a_terminal_shows_them(self, tmp_path: Path) -> None:
+        """The status is green there."""
+        status, printed = on_a_terminal([*self.WORDS], tmp_path)
+        assert status == 0
+        assert "\x1b[32mok" in printed
+
+    def test_whoever_wants_none_gets_none(self, tmp_path: Path) -> None:
+        """NO_COLOR is respected."""
+        assert "\x1b[32m" not in on_a_terminal([*self.WORDS], tmp_path, NO_COLOR="1")[1]
+
+    def test_a_pipe_gets_none(self, cli: Callable[..., Answer]) -> None:
+        """Nor does a file."""
+        assert "\x1b" not in cli(*self.WORDS).stdout

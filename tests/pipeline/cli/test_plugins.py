@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+from dh2urdf import __version__
+from dh2urdf.registry import KINDS, load
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+# Broken plugins are listed in tests/pipeline/test_registry.py.
+
+
+def test_every_stage_is_listed_with_its_options(cli: Callable[..., Answer]) -> None:
+    """By kind: name, what it does, the distribution, and per option its default, its type and what it is for."""
+    lines = cli("plugins").stdout.splitlines()
+    assert [line for line in lines if not line.startswith(" ")] == [f"{kind}s" for kind in KINDS]
+    for kind in KINDS:
+        for item in load().provided(kind):
+            assert f"  {item.stage.name}: {item.stage.summary}  [{item.plugin.distribution}]" in lines
+    option = next(line for line in lines if line.startswith("      frames = "))
+    assert option.startswith("      frames = aligned (aligned or dh): exact variant: link frames parallel to the base")
+
+
+def test_every_option_is_explained(cli: Callable[..., Answer]) -> None:
+    """No option stands without a sentence."""
+    options = [line for line in cli("plugins").stdout.splitlines() if line.startswith("      ")]
+    assert len(options) > 10
+    assert [line for line in options if line.rstrip().endswith(":")] == []
+
+
+def test_the_same_as_json(cli: Callable[..., Answer]) -> None:
+    """A script gets kind, name, summary, distribution and options, and the broken plugins."""
+    listed = json.loads(cli("plugins", "--json").stdout)
+    assert set(listed) == {"stages", "broken"}
+    stages = {(stage["kind"], stage["name"]): stage for stage in listed["stages"]}
+    assert {("reader", "csv"), ("reader", "yaml"), ("transform", "alpha-swap"), ("emitter", "urdf"), ("emitter", "xacro"),
+            ("loader", "pybullet"), ("executor", "local")} <= set(stages)  # fmt: skip
+    swap = stages["transform", "alpha-swap"]
+    assert swap["distribution"] == f"dh2urdf {__version__}"
+    frames = next(option for option in swap["options"] if option["name"] == "frames")
+    assert set(frames) == {"name", "type", "default", "help"}
+    assert (frames["type"], frames["default"]) == ("aligned or dh", "aligned")
+
+
+def test_no_simulator_is_imported() -> None:
+    """Neither a simulator nor numpy nor pydantic: the list is there at once, whatever is installed."""
+    script = (
+        "import sys\n"
+        "from dh2urdf.cli import _status\n"
+        "assert _status(['plugins'], debug=False) == 0\n"
+        "heavy = {'numpy', 'pybullet', 'pydantic', 'PIL', 'xacro', 'rich'} & set(sys.modules)\n"
+        "sys.exit(' '.join(heavy) or 0)\n"
+    )
+    listed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (listed.returncode, listed.stderr) == (0, "")
+    assert "pybullet" in listed.stdout

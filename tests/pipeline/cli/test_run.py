@@ -1,0 +1,306 @@
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from subprocess import CompletedProcess
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+TABLE = "# convention: standard\njoint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
+ARMS = "# convention: standard\nrobot,a,alpha,d\nleft,0.4,0,0.1\nbad,0.4,ninety,0.1\nright,0.4,1.5708,0.1\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """The working directory, with tables and run files in it."""
+    (tmp_path / "arm.csv").write_text(TABLE)
+    (tmp_path / "arms.csv").write_text(ARMS)
+    (tmp_path / "arm.yaml").write_text("inputs: arm.csv\noutput: {directory: out}\n")
+    (tmp_path / "arms.yaml").write_text("inputs: arms.csv\noutput: {directory: out}\n")
+    return tmp_path
+
+
+def written(folder: Path) -> set[str]:
+    return {path.name for path in (folder / "out").iterdir()} if (folder / "out").exists() else set()
+
+
+def report(folder: Path) -> dict[str, Any]:
+    return dict(json.loads((folder / "out" / "report.json").read_bytes()))
+
+
+REPORTS = {"report.json", "timing.json"}
+
+
+class TestOutput:
+    def test_files_reports_and_a_summary(self, cli: Cli, folder: Path) -> None:
+        """The files and both reports in the folder of the run file; the summary on standard output."""
+        answer = cli("run", "arm.yaml")
+        assert written(folder) == {"arm.urdf", *REPORTS}
+        assert answer.stderr == ""
+        assert answer.stdout.startswith("largest distance of tool0 from the DH product, in metres:\n")
+        assert answer.stdout.endswith("1 ok\nwritten to out\n")
+
+    def test_another_folder(self, cli: Cli, folder: Path) -> None:
+        """-o is relative to the working directory, not to the run file."""
+        (folder / "configs").mkdir()
+        (folder / "configs" / "arm.yaml").write_text("inputs: ../arm.csv\n")
+        assert cli("run", "configs/arm.yaml", "-o", "elsewhere").stdout.endswith("written to elsewhere\n")
+        assert {path.name for path in (folder / "elsewhere").iterdir()} == {"arm.urdf", *REPORTS}
+        assert not (folder / "configs" / "build").exists()
+
+    def test_json(self, cli: Cli, folder: Path) -> None:
+        """--json prints report.json in place of the summary; what people read stays on standard error."""
+        answer = cli("run", "arms.yaml", "--json", status=1)
+        assert answer.stdout == (folder / "out" / "report.json").read_text("utf-8")
+        assert json.loads(answer.stdout)["exit_status"] == 1
+        assert "error: " in answer.stderr
+        assert "notice: " in answer.stderr
+
+    def test_dry_run(self, cli: Cli, folder: Path) -> None:
+        """--dry-run reads and checks everything, says what it would say, and writes nothing."""
+        answer = cli("run", "arms.yaml", "--dry-run", status=1)
+        assert written(folder) == set()
+        assert "2 skipped" in answer.stdout.replace("1 failed, ", "")
+        assert "(dry run: nothing was written)" in answer.stdout
+        assert "arms.csv:4" in answer.stderr
+        assert (
+            json.loads(cli("run", "arm.yaml", "--dry-run", "--json").stdout)["manipulators"][0]["status"] == "skipped"
+        )
+        assert written(folder) == set()
+
+    @pytest.mark.parametrize("workers", ["1", "2", "auto"])
+    def test_workers(self, cli: Cli, folder: Path, workers: str) -> None:
+        """With any number of workers the files are the same."""
+        (folder / "tables").mkdir()
+        for number in range(4):
+            (folder / "tables" / f"arm{number}.csv").write_text(TABLE.replace("0.4", f"0.{4 + number}"))
+        (folder / "many.yaml").write_text("inputs: tables/*.csv\nemitters: [urdf, xacro]\noutput: {directory: out}\n")
+        cli("run", "many.yaml", "--workers", workers)
+        assert [entry["name"] for entry in report(folder)["manipulators"]] == ["arm0", "arm1", "arm2", "arm3"]
+        lengths = [b'xyz="0.%d 0 0"' % (4 + number) for number in range(4)]
+        assert [length in (folder / "out" / f"arm{i}.urdf").read_bytes() for i, length in enumerate(lengths)] == [
+            True
+        ] * 4
+
+
+class TestFailures:
+    def test_one_of_several_is_status_1(self, cli: Cli, folder: Path) -> None:
+        """The others are written; the summary and the report say which failed, standard error says why."""
+        answer = cli("run", "arms.yaml", status=1)
+        assert written(folder) == {"left.urdf", "right.urdf", *REPORTS}
+        assert "2 ok, 1 failed" in answer.stdout
+        entries = {entry["name"]: entry for entry in report(folder)["manipulators"]}
+        assert [entry["status"] for entry in entries.values()] == ["ok", "failed", "ok"]
+        (error,) = entries["bad"]["errors"]
+        assert (Path(error["file"]).name, error["line"], error["field"], error["found"]) == (
+            *("arms.csv", 4, "alpha", "ninety"),
+        )
+        assert answer.stderr.count(": error: ") == 1
+        assert "arms.csv:4:9: error: " in answer.stderr
+
+    def test_notices_are_said_and_reported(self, cli: Cli, folder: Path) -> None:
+        """What was accepted and a careful person would want to know, once on standard error and once in the report."""
+        answer = cli("run", "arms.yaml", status=1)
+        (notice,) = next(entry for entry in report(folder)["manipulators"] if entry["name"] == "right")["notices"]
+        assert "pi/2 was probably meant" in notice["message"]
+        assert answer.stderr.count("pi/2 was probably meant") == 1
+
+    def test_findings_of_a_simulator_are_said(self, cli: Cli, folder: Path) -> None:
+        """An arm that sinks is no failure; the summary says so, and standard error which row of the table is weak."""
+        rows = "one,0,pi/2,0.1,-1,1,1,50\ntwo,0.8,0,0,-1,1,1,0.5\n"
+        (folder / "arm.csv").write_text(f"# convention: standard\njoint,a,alpha,d,lower,upper,velocity,effort\n{rows}")
+        answer = cli("run", "arm.yaml", "--set", "loaders=[{stage: pybullet, options: {picture: false}}]")
+        assert "│ no " in answer.stdout
+        assert "arm.csv:4: notice: joint 'two', field 'limits.effort': the arm did not stay in place" in answer.stderr
+
+    def test_nothing_readable_is_status_2(self, cli: Cli, folder: Path) -> None:
+        """Where no manipulator can be read, nothing is written, and each problem is said once."""
+        (folder / "arms.csv").write_text(ARMS.replace("0.4,0,", "0.4,zero,").replace("1.5708", "half a turn"))
+        answer = cli("run", "arms.yaml", status=2)
+        assert written(folder) == set()
+        assert answer.stdout == ""
+        assert answer.stderr.count(": error: ") == 3
+
+    def test_two_of_one_name(self, cli: Cli, folder: Path) -> None:
+        """Two tables of one name give two files; the second one's is told in a notice."""
+        for name in ("a", "b"):
+            (folder / f"{name}.yml").write_text(
+                "{name: twin, convention: standard, joints: [{a: 0.4, alpha: 0, d: 0}]}"
+            )
+        (folder / "twins.yaml").write_text("inputs: [a.yml, b.yml]\noutput: {directory: out}\n")
+        answer = cli("run", "twins.yaml")
+        assert written(folder) == {"twin.urdf", "twin-2.urdf", *REPORTS}
+        assert "its files are named 'twin-2'" in answer.stderr
+        assert [[file["path"] for file in entry["files"]] for entry in report(folder)["manipulators"]] == [
+            *(["twin.urdf"], ["twin-2.urdf"])
+        ]
+
+    def test_names_that_are_no_file_names(self, cli: Cli, folder: Path) -> None:
+        """They become safe ones in the output folder; the robot keeps its name."""
+        names = ["../up", "a/b", "con", ".hidden", "x" * 150]
+        rows = "".join(f"{name},0.4,0,0.1\n" for name in names)
+        (folder / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
+        cli("run", "arms.yaml")
+        assert [entry["name"] for entry in report(folder)["manipulators"]] == names
+        stems = {path.stem for path in (folder / "out").glob("*.urdf")}
+        assert {stem for stem in stems if len(stem) < 100} == {"up", "a_b", "con_", "hidden"}
+        assert len(stems) == len(names)
+        assert {path.name for path in folder.iterdir()} == {"arm.csv", "arms.csv", "arm.yaml", "arms.yaml", "out"}
+
+    def test_a_screenful_is_said_and_the_rest_counted(self, cli: Cli, folder: Path) -> None:
+        """Of 30 notices and 25 errors 20 each; the report has all of them."""
+        rows = "".join(f"odd{i},0.4,1.5708,0.1\n" for i in range(30)) + "".join(f"bad{i},x,0,0\n" for i in range(25))
+        (folder / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
+        answer = cli("run", "arms.yaml", "--workers", "1", status=1)
+        assert answer.stderr.count(": notice: ") == 20
+        assert answer.stderr.count(": error: ") == 20
+        assert "and 10 more notices" in answer.stderr
+        assert "and 5 more errors" in answer.stderr
+        assert sum(len(entry["notices"] + entry["errors"]) for entry in report(folder)["manipulators"]) == 55
+
+
+class TestWords:
+    def test_set(self, cli: Cli, folder: Path) -> None:
+        """--set changes a value of the run file, through lists and sections that are not there."""
+        words = ["transform.options.frames=dh", "emitters=[xacro]", "inputs.0.options.tool={xyz: [0, 0, 1]}"]
+        cli("run", "arm.yaml", *(word for setting in words for word in ("--set", setting)))
+        assert written(folder) == {"arm.urdf.xacro", "arm_macro.xacro", *REPORTS}
+        assert "dh frames" in (folder / "out" / "arm_macro.xacro").read_text("utf-8")
+
+    def test_all_that_is_wrong_is_said_at_once(self, cli: Cli, folder: Path) -> None:
+        """Wrong settings, wrong stages and wrong options come together, before anything is read or written."""
+        (folder / "arm.yaml").write_text("inputs: arm.csv\nemitters: [udrf]\ntransfrom: {}\noutput: {directory: out}\n")
+        answer = cli("run", "arm.yaml", "--set", "a.b=1", "--set", "transform.options.frames=dx", status=2)
+        assert answer.stdout == ""
+        assert answer.stderr.count(": error: ") == 4
+        for words in ("arm.yaml:2:12", "'urdf'", "arm.yaml:3:1", "'transform'", "--set 'a.b=1'", "aligned or dh"):
+            assert words in answer.stderr
+        assert written(folder) == set()
+
+    @pytest.mark.parametrize("workers", ["0", "-1", "many"])
+    def test_wrong_numbers_of_workers(self, cli: Cli, folder: Path, workers: str) -> None:
+        """They are told with what is accepted."""
+        answer = cli("run", "arm.yaml", "--workers", workers, status=2)
+        assert "workers" in answer.stderr
+        assert "auto" in answer.stderr
+        assert written(folder) == set()
+
+    def test_a_table_is_no_run_file(self, cli: Cli, folder: Path) -> None:
+        """Whoever mistakes one for the other is told what takes a table."""
+        (folder / "table.yaml").write_text("{name: arm, convention: standard, joints: [{a: 0.4, alpha: 0, d: 0}]}")
+        answer = cli("run", "table.yaml", status=2)
+        assert answer.stderr.count(": error: ") == 1
+        assert "table.yaml:1:1: error: this is no run file: it has none of its sections" in answer.stderr
+        assert "`dh2urdf convert` takes it" in answer.stderr
+
+    @pytest.mark.parametrize("name", ["nope.yaml", "arm.csv", "."])
+    def test_what_is_no_run_file(self, cli: Cli, folder: Path, name: str) -> None:
+        """A missing file, a table, a folder: one message, with the name."""
+        answer = cli("run", name, status=2)
+        assert answer.stderr.startswith(f"{name}")
+        assert ": error: " in answer.stderr
+        assert written(folder) == set()
+
+    def test_an_output_folder_that_is_a_file(self, cli: Cli, folder: Path) -> None:
+        """It is told in one line."""
+        answer = cli("run", "arm.yaml", "-o", "arm.csv", status=2)
+        assert answer.stderr.startswith("error: cannot write 'arm.csv")
+        assert answer.stderr.count("\n") == 1
+        assert (folder / "arm.csv").read_text() == TABLE
+
+
+# --- Plugins that misbehave -------------------------------------------------------------------------------------------
+
+EMITTER = """
+import os, time
+from pathlib import Path
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.stages import EmittedFile, Emitter, NoOptions
+
+def slow(robot, stem, options):
+    Path(f"{stem}.begun").touch()
+    time.sleep(60)
+    return []
+
+def broken(robot, stem, options):
+    return [EmittedFile(name=f"{stem}.txt", content=robot.nmae)]
+
+@hookimpl
+def dh2urdf_emitters():
+    for emit in (slow, broken):
+        yield Emitter(name=emit.__name__, summary="misbehaves", emit=emit, options=NoOptions, suffixes=(".txt",))
+"""
+
+
+@pytest.fixture
+def lab(folder: Path) -> Path:
+    """A folder of a distribution with emitters that misbehave, as pip would make it."""
+    metadata = folder / "site" / "lab-1.0.dist-info"
+    metadata.mkdir(parents=True)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: lab\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[dh2urdf]\nlab = lab_module\n")
+    (folder / "site" / "lab_module.py").write_text(EMITTER)
+    (folder / "broken.yaml").write_text("inputs: arm.csv\nemitters: [urdf, broken]\noutput: {directory: out}\n")
+    (folder / "slow.yaml").write_text("inputs: arm*.csv\nemitters: [urdf, slow]\noutput: {directory: out}\n")
+    return folder
+
+
+class TestPluginsThatMisbehave:
+    def test_a_broken_stage_fails_its_manipulator(
+        self, dh2urdf: Callable[..., CompletedProcess[str]], lab: Path
+    ) -> None:
+        """Status 1, one message that names the stage; no file of the other emitters stays either."""
+        failed = dh2urdf("run", "broken.yaml", path=[lab / "site"], status=1)
+        assert "emitter 'broken' failed: AttributeError" in failed.stderr
+        assert "Traceback" not in failed.stderr
+        assert written(lab) == REPORTS
+
+    def test_debug_shows_where(self, dh2urdf: Callable[..., CompletedProcess[str]], lab: Path) -> None:
+        """The line of the plugin that is wrong."""
+        failed = dh2urdf("--debug", "run", "broken.yaml", path=[lab / "site"], status=1)
+        assert "Traceback (most recent call last):" in failed.stderr
+        assert "robot.nmae" in failed.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
+def test_an_interrupt_is_told_in_one_line_and_leaves_nothing(lab: Path, number: signal.Signals, workers: int) -> None:
+    """Ctrl-C and SIGTERM, with one process and with several: status 130, no half of a file, no temporary one."""
+    shutil.copy(lab / "arm.csv", lab / "arms.csv")  # two tables, one for each worker
+    with subprocess.Popen(
+        [
+            *(sys.executable, "-c", "from dh2urdf.cli import main; main()"),
+            *("run", "slow.yaml", "--workers", str(workers)),
+        ],
+        cwd=lab,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(lab / "site"), os.environ.get("PYTHONPATH", "")])},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        patience = time.monotonic() + 60
+        while len(list(lab.glob("*.begun"))) < workers and time.monotonic() < patience:
+            time.sleep(0.02)
+        assert [path.name[:9] for path in (lab / "out").iterdir()] == [".dh2urdf-"] * workers
+        os.killpg(process.pid, number)
+        printed, said = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert printed == ""
+    assert said.strip() == "dh2urdf: interrupted; nothing half-written is left"
+    assert written(lab) == set()

@@ -1,0 +1,412 @@
+from __future__ import annotations
+
+import pickle
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf import run
+from dh2urdf.config import load_config
+from dh2urdf.conversion import Call
+from dh2urdf.errors import ConfigError, MissingDependencyError, OutputError, TableError, TransformError
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.registry import KINDS, Catalog, Plugin, load
+from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
+from dh2urdf.run import Outcome, execute, make_plan
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+# The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
+# names, a line each, and what a name begins with says what becomes of it.
+
+BODY = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
+LIMITS = Limits(lower=-1.0, upper=1.0, velocity=1.0, effort=1.0)
+
+
+def read(path: Path, _options: NoOptions) -> Iterator[Manipulator | Rejected]:
+    for number, name in enumerate(path.read_text().splitlines(), start=1):
+        mark = Mark(file=str(path), line=number)
+        if name == "crash":
+            raise ZeroDivisionError("no such number")
+        if name.startswith("bad"):
+            yield Rejected(name=name, problems=(Problem(message=f"{name} is bad"),), mark=mark)
+        else:
+            notices = (Problem(message="read with care", severity="notice"),) if name.startswith("odd") else ()
+            row = DHRow(joint="turn", link="one", a=0.5, alpha=0.0, d=0.0)
+            yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,), mark=mark, notices=notices)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawOptions:
+    length: float = field(default=0.5, metadata={"help": "length of the link [m]"})
+    keeps: bool = field(default=True, metadata={"help": "whether it claims to keep the kinematics"})
+
+
+def draw(manipulator: Manipulator, options: DrawOptions) -> Robot:
+    if manipulator.name.startswith("stiff"):
+        raise TransformError(Problem(message="it does not bend", joint="turn"))
+    joints = (
+        Joint(name="base", type=JointType.FIXED, parent="base_link", child="base_link_inertia"),
+        Joint(name="turn", type=JointType.REVOLUTE, parent="base_link_inertia", child="one", limits=LIMITS),
+        Joint(
+            name="one-tool0",
+            type=JointType.FIXED,
+            parent="one",
+            child="tool0",
+            origin=Origin(xyz=(options.length, 0.0, 0.0)),
+        ),
+    )
+    links = (
+        Link(name="base_link"),
+        Link(name="base_link_inertia", inertial=BODY),
+        Link(name="one", inertial=BODY),
+        Link(name="tool0", inertial=Inertial(mass=0.0)),
+    )
+    notices = (Problem(message="drawn with care", severity="notice"),) if manipulator.name.startswith("odd") else ()
+    return Robot(name=manipulator.name, links=links, joints=joints, notices=notices)
+
+
+def emit(robot: Robot, stem: str, _options: NoOptions) -> list[EmittedFile]:
+    return [EmittedFile(name=f"{stem}.pickle", content=pickle.dumps(replace(robot, notices=())))]
+
+
+def read_back(path: Path) -> Robot:
+    return pickle.loads(path.read_bytes())  # type: ignore[no-any-return]  # noqa: S301 - made here
+
+
+LOADER = """
+from dh2urdf.errors import LoaderError
+from dh2urdf.stages import LoadReport
+
+def load(request, options):
+    print("loading", request.path.name)
+    if request.manipulator.name.startswith("heavy"):
+        raise LoaderError("too heavy to hold")
+    if request.picture:
+        request.picture.write_text("an arm")
+    return LoadReport(
+        simulator="paper", version="1", position_error=request.expected[0][3], poses=len(request.poses),
+        picture=request.picture and request.picture.name,
+    )
+"""
+"""A simulator, which works in a child process: a module of its own."""
+
+
+class Lab:
+    """A folder with a table and a run file, and a catalog of the stages above."""
+
+    def __init__(self, folder: Path, loaders: tuple[Loader[Any], ...]) -> None:
+        self.folder = folder
+        self.output = folder / "out"
+        module = ModuleType("lab")
+        for kind, stages in {
+            "readers": [Reader(name="list", summary="names", read=read, options=NoOptions, suffixes=(".list",))],
+            "transforms": [
+                Transform(
+                    name="draw",
+                    summary="draws",
+                    transform=draw,
+                    options=DrawOptions,
+                    keeps_kinematics=lambda o: o.keeps,
+                )
+            ],
+            "emitters": [
+                Emitter(
+                    name="pickle",
+                    summary="pickles",
+                    emit=emit,
+                    options=NoOptions,
+                    suffixes=(".pickle",),
+                    read_back=read_back,
+                    costly_proof=True,
+                )
+            ],
+            "loaders": loaders,
+            "executors": [
+                Executor(name="here", summary="here", options=NoOptions, map=lambda work, tasks, _: map(work, tasks))
+            ],
+        }.items():
+            setattr(module, f"dh2urdf_{kind}", hookimpl(self.hook(kind, stages)))
+        self.catalog = Catalog([Plugin(name="lab", distribution="lab 1.0", module=module)])
+
+    @staticmethod
+    def hook(kind: str, stages: Any) -> Callable[[], Any]:
+        def provide() -> Any:
+            return stages
+
+        provide.__name__ = f"dh2urdf_{kind}"
+        return provide
+
+    def plan(self, config: str, **tables: str) -> run.Plan:
+        for name, text in tables.items():
+            (self.folder / f"{name}.list").write_text(text)
+        (self.folder / "run.yaml").write_text(
+            config + "\ntransform: draw\nemitters: pickle\nexecution: here\noutput: {directory: out}\n"
+        )
+        return make_plan(load_config(self.folder / "run.yaml"), self.catalog)
+
+    def run(self, names: str, more: str = "", **how: Any) -> list[Outcome]:
+        """A run over a table of names."""
+        return execute(self.plan(f"inputs: names.list\n{more}", names=names.replace(" ", "\n")), **how)
+
+    def written(self) -> set[str]:
+        return {path.name for path in self.output.iterdir()} if self.output.exists() else set()
+
+
+@pytest.fixture
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Lab:
+    (tmp_path / "paper_simulator.py").write_text(LOADER)
+    monkeypatch.syspath_prepend(tmp_path)
+    import paper_simulator  # type: ignore[import-not-found]
+
+    def missing(_options: NoOptions) -> None:
+        raise MissingDependencyError("loader 'absent'", "absent", "lab[absent]")
+
+    loaders = [
+        Loader(
+            name=name,
+            summary="loads",
+            load=paper_simulator.load,
+            options=NoOptions,
+            formats=formats,
+            poses=lambda _: 3,
+            picture=lambda _: True,
+            require=require,
+        )
+        for name, formats, require in (
+            ("paper", ("pickle",), lambda _: None),
+            ("cardboard", ("sdf", "pickle"), lambda _: None),
+            ("glass", ("sdf",), lambda _: None),
+            ("absent", ("pickle",), missing),
+        )
+    ]
+    return Lab(tmp_path, tuple(loaders))
+
+
+def messages(problems: tuple[Problem, ...]) -> list[str]:
+    return [problem.message for problem in problems]
+
+
+class TestPlan:
+    def test_stages_and_options_are_resolved(self, lab: Lab) -> None:
+        """A plan holds the records of the stages, the readers by the files' suffixes, and the options as their types."""
+        plan = lab.plan("inputs: [a.list, {path: b.list, stage: list}]\nloaders: paper", a="x", b="y")
+        assert [(path.name, reader.name) for path, reader, _ in plan.inputs] == [("a.list", "list"), ("b.list", "list")]
+        assert plan.recipe.transform.stage.transform is draw
+        assert plan.recipe.transform.options == DrawOptions()
+        assert [call.stage.name for call in plan.recipe.loaders] == ["paper"]
+        assert plan.executor.name == "here"
+        assert plan.directory == lab.output
+
+    def test_all_that_is_wrong_is_said_at_once(self, lab: Lab) -> None:
+        """Unknown stages, wrong options, a file that nobody reads and a loader without a file come together, by line."""
+        (lab.folder / "a.txt").touch()
+        (lab.folder / "run.yaml").write_text(
+            "inputs: [a.txt]\n"
+            "transform: {stage: draw, options: {length: long, width: 2}}\n"
+            "emitters: [pickel]\n"
+            "loaders: [glass]\n"
+            "execution: there\n"
+        )
+        with pytest.raises(ConfigError) as caught:
+            make_plan(load_config(lab.folder / "run.yaml"), lab.catalog)
+        found = [(problem.mark.line, str(problem)) for problem in caught.value.problems if problem.mark]
+        assert [line for line, _ in found] == [1, 2, 2, 3, 4, 5]
+        for (_, message), words in zip(
+            found,
+            ("the file 'a.txt'", "'long'", "width", "no emitter is named 'pickel'", "'glass' has no file", "'there'"),
+            strict=True,
+        ):
+            assert words in message
+        assert "did you mean 'pickle'?" in str(caught.value)
+
+    def test_a_missing_package_is_known_before_anything_is_read(self, lab: Lab) -> None:
+        """A loader that is not installed ends the run before it begins."""
+        with pytest.raises(MissingDependencyError, match=r"loader 'absent' needs absent: pip install 'lab\[absent\]'"):
+            lab.run("arm", "loaders: [paper, absent]")
+        assert lab.written() == set()
+
+
+class TestExecute:
+    def test_outcomes_come_in_the_order_of_the_inputs(self, lab: Lab) -> None:
+        """One outcome per manipulator, with its source, and its files in the output folder."""
+        plan = lab.plan("inputs: [a.list, b.list]", a="two\none", b="three")
+        outcomes = execute(plan)
+        assert [(outcome.name, outcome.status) for outcome in outcomes] == [
+            ("two", "ok"),
+            ("one", "ok"),
+            ("three", "ok"),
+        ]
+        assert [Path(outcome.source).name for outcome in outcomes] == ["a.list", "a.list", "b.list"]
+        assert lab.written() == {"two.pickle", "one.pickle", "three.pickle"}
+        (written,) = outcomes[0].written
+        assert written.proof is not None
+        assert written.proof.position_error < 1e-15
+        assert set(outcomes[0].seconds) == {"transform", "write"}
+
+    def test_a_bad_manipulator_fails_alone(self, lab: Lab) -> None:
+        """What cannot be read, and what the transform refuses, fail with their reasons and places; others are written."""
+        outcomes = lab.run("arm bad1 stiff leg")
+        assert [outcome.status for outcome in outcomes] == ["ok", "failed", "failed", "ok"]
+        source = str(lab.folder / "names.list")
+        assert str(outcomes[1].errors[0]) == f"{source}:2: error: bad1 is bad"
+        assert str(outcomes[2].errors[0]) == f"{source}:3: error: joint 'turn': it does not bend"
+        assert outcomes[2].errors[0].robot == "stiff"
+        assert lab.written() == {"arm.pickle", "leg.pickle"}
+
+    def test_nothing_readable_is_one_error(self, lab: Lab) -> None:
+        """Where no manipulator can be read, the run is an error with all problems, and nobody is told twice."""
+        noted: list[Outcome] = []
+        with pytest.raises(TableError) as caught:
+            lab.run("bad1 bad2", note=noted.append)
+        assert messages(caught.value.problems) == ["bad1 is bad", "bad2 is bad"]
+        assert noted == []
+        assert lab.written() == set()
+
+    def test_every_outcome_is_noted_in_order(self, lab: Lab) -> None:
+        """Also those that failed before the first that could be read."""
+        noted: list[Outcome] = []
+        assert lab.run("bad1 bad2 arm bad3", note=noted.append) == noted
+        assert [outcome.name for outcome in noted] == ["bad1", "bad2", "arm", "bad3"]
+
+    def test_an_empty_input_is_an_error_of_its_own(self, lab: Lab) -> None:
+        """A table without a manipulator does not pass in silence, and does not stop the others."""
+        empty, arm = execute(lab.plan("inputs: [empty.list, arm.list]", empty="", arm="arm"))
+        assert (empty.name, empty.status) == ("empty", "failed")
+        assert str(empty.errors[0]) == f"{lab.folder / 'empty.list'}: error: there is no manipulator in it"
+        assert arm.status == "ok"
+
+    def test_a_reader_that_breaks_ends_its_own_input(self, lab: Lab) -> None:
+        """Manipulators before the crash and other inputs are written; the crash is told with file, stage, traceback."""
+        first, crash, last = execute(lab.plan("inputs: [a.list, b.list]", a="arm\ncrash\nleg", b="hand"))
+        assert (first.name, last.name) == ("arm", "hand")
+        assert crash.status == "failed"
+        (problem,) = crash.errors
+        assert str(problem).startswith(
+            f"{lab.folder / 'a.list'}: error: reader 'list' failed: ZeroDivisionError: no such number"
+        )
+        assert 'raise ZeroDivisionError("no such number")' in crash.traceback
+
+    def test_notices_of_reader_and_transform_are_kept(self, lab: Lab) -> None:
+        """What reader and transform want a person to know, in this order."""
+        (outcome,) = lab.run("odd")
+        assert messages(outcome.notices) == ["read with care", "drawn with care"]
+
+    def test_a_file_that_is_another_arm_fails(self, lab: Lab) -> None:
+        """A transform that says it keeps the kinematics, and does not, fails in the proof; nothing is written."""
+        plan = lab.plan("inputs: arm.list", arm="arm")
+        longer = replace(plan.recipe.transform, options=DrawOptions(length=0.6))
+        (outcome,) = execute(replace(plan, recipe=replace(plan.recipe, transform=longer)))
+        assert outcome.status == "failed"
+        assert "is not the arm of the table: tool0 is off by 0.1 m" in outcome.errors[0].message
+        assert lab.written() == set()
+
+    def test_a_difference_that_was_announced_fails_nothing(self, lab: Lab) -> None:
+        """A transform that does not keep the kinematics is reported with its error."""
+        plan = lab.plan("inputs: arm.list", arm="arm")
+        other = replace(plan.recipe.transform, options=DrawOptions(length=0.6, keeps=False))
+        (outcome,) = execute(replace(plan, recipe=replace(plan.recipe, transform=other)))
+        assert (outcome.status, outcome.keeps_kinematics) == ("ok", False)
+        assert outcome.written[0].proof is not None
+        assert outcome.written[0].proof.position_error == pytest.approx(0.1)
+
+    def test_a_dry_run_writes_nothing_and_finds_what_a_run_finds(self, lab: Lab) -> None:
+        """Everything is read and transformed; what fails fails, what would be written is skipped."""
+        outcomes = lab.run("odd stiff bad1", dry_run=True)
+        assert [outcome.status for outcome in outcomes] == ["skipped", "failed", "failed"]
+        assert messages(outcomes[0].notices) == ["read with care", "drawn with care"]
+        assert lab.written() == set()
+
+    def test_a_folder_that_cannot_be_written_to_ends_the_run(self, lab: Lab) -> None:
+        """It is no manipulator's fault."""
+        (lab.folder / "out").write_text("a file")
+        with pytest.raises(OutputError, match="cannot write"):
+            lab.run("arm")
+
+
+class TestNames:
+    def test_two_manipulators_of_one_name_do_not_overwrite_each_other(self, lab: Lab) -> None:
+        """The second gets a stem of its own, and a notice with it; upper and lower case make no other name."""
+        outcomes = lab.run("arm arm ARM")
+        assert [outcome.written[0].files[0].name for outcome in outcomes] == [
+            *("arm.pickle", "arm-2.pickle", "ARM-3.pickle")
+        ]
+        assert outcomes[0].notices == ()
+        assert messages(outcomes[1].notices) == [
+            "its files are named 'arm-2': 'arm' belongs to the manipulator 'arm' of this run"
+        ]
+        assert [read_back(path).name for path in sorted(lab.output.iterdir())] == ["ARM", "arm", "arm"]
+
+    def test_a_name_stays_in_the_output_folder(self, lab: Lab) -> None:
+        """A name that is a path becomes a plain file name; the robot keeps it as it is."""
+        (outcome,) = lab.run("../../etc/passwd")
+        assert lab.written() == {"etc_passwd.pickle"}
+        assert outcome.name == "../../etc/passwd"
+        assert read_back(lab.output / "etc_passwd.pickle").name == "../../etc/passwd"
+
+
+class TestLoaders:
+    def test_the_report_of_each_is_in_the_outcome(self, lab: Lab) -> None:
+        """By the loader's name, with what the simulator printed, how long it took, and a picture of its own name."""
+        (outcome,) = lab.run("arm", "loaders: [paper, cardboard]")
+        assert set(outcome.loads) == {"paper", "cardboard"}
+        assert [report.picture for report in outcome.loads.values()] == ["arm.png", "arm.cardboard.png"]
+        assert outcome.loads["paper"].output == "loading arm.pickle\n"
+        assert outcome.loads["paper"].poses == 3
+        assert set(outcome.seconds) == {"transform", "write", "load paper", "load cardboard"}
+        assert lab.written() == {"arm.pickle", "arm.png", "arm.cardboard.png"}
+
+    @pytest.mark.parametrize(("keeps", "expected"), [(True, 0.5), (False, 0.6)])
+    def test_it_is_held_against_the_table_or_the_robot(self, *, lab: Lab, keeps: bool, expected: float) -> None:
+        """The expected pose at zero is the DH product's; where the transform gives another arm, that arm's."""
+        plan = lab.plan("inputs: arm.list\nloaders: paper", arm="arm")
+        options = DrawOptions(length=expected, keeps=keeps)
+        recipe = replace(plan.recipe, transform=replace(plan.recipe.transform, options=options))
+        (outcome,) = execute(replace(plan, recipe=recipe))
+        assert outcome.loads["paper"].position_error == expected
+
+    def test_one_that_refuses_fails_its_manipulator_alone(self, lab: Lab) -> None:
+        """The files stay for a person to look at; other manipulators go on."""
+        heavy, arm = lab.run("heavy arm", "loaders: paper")
+        assert (heavy.status, arm.status) == ("failed", "ok")
+        assert messages(heavy.errors) == ["too heavy to hold"]
+        assert lab.written() == {"heavy.pickle", "arm.pickle", "arm.png"}
+
+
+class TestLongRuns:
+    def test_slow_proofs_are_a_sample(self, lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Beyond the first hundred, a format whose proof is slow is proved in every fiftieth manipulator."""
+        assert (run.ALL_PROVED, run.SAMPLE) == (100, 50)
+        monkeypatch.setattr(run, "ALL_PROVED", 3)
+        monkeypatch.setattr(run, "SAMPLE", 5)
+        outcomes = lab.run(" ".join(f"arm{number}" for number in range(12)))
+        proved = [number for number, outcome in enumerate(outcomes) if outcome.written[0].proof]
+        assert proved == [0, 1, 2, 5, 10]
+
+    def test_tasks_are_taken_as_they_are_needed(self, lab: Lab) -> None:
+        """A table of a million is not read before the first manipulator is made."""
+        taken = []
+        for task in run.tasks(lab.plan("inputs: a.list", a="arm\nleg\ncrash")):
+            taken.append(task.item.name)
+            if len(taken) == 2:
+                break
+        assert taken == ["arm", "leg"]
+
+
+class TestCallsInOtherProcesses:
+    @pytest.mark.parametrize("kind", KINDS)
+    def test_a_stage_goes_by_its_name(self, kind: Any) -> None:
+        """Stages need not be picklable: a worker finds them as the run did, among what is installed."""
+        catalog = load()
+        for item in catalog.provided(kind):
+            call = Call(stage=item.stage, options=item.stage.options())
+            again = pickle.loads(pickle.dumps(call))  # noqa: S301 - made here
+            assert (again.stage.name, again.options) == (call.stage.name, call.options)
+            assert type(again.stage) is type(call.stage)

@@ -79,7 +79,7 @@ def test_the_paper_variant_refuses_other_twists(cli: Callable[..., Answer], tmp_
     (tmp_path / "arm.csv").write_text(
         f"# convention: standard\njoint,a,alpha,d\nelbow,0.4,{alpha},0.1\nwrist,0,0,0.1\n"
     )
-    refused = cli("convert", "arm.csv", "--variant", "paper", status=1)
+    refused = cli("convert", "arm.csv", "--variant", "paper", status=2)
     assert refused.stdout == ""
     assert "arm.csv:3" in refused.stderr
     assert "joint 'elbow', field 'alpha'" in refused.stderr

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-import shutil
 import unicodedata
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from errno import EISDIR
 from hashlib import sha256
 from pathlib import Path
@@ -83,8 +82,8 @@ def staging(directory: Path) -> Iterator[Path]:
     """
     with reporting_os_errors(directory):
         directory.mkdir(parents=True, exist_ok=True)
-    # The name is known before there is a folder of it, and an interrupt (which may come between any two steps, while the
-    # folder is being removed too) has it removed again: so nothing is left at any moment.
+    # The name is known before there is a folder of it, and an interrupt, which may come between any two steps and while
+    # the folder is being removed, has it removed again: so nothing is left at any moment.
     folder = directory / f"{_STAGING}{os.urandom(6).hex()}"
     try:
         try:
@@ -92,10 +91,21 @@ def staging(directory: Path) -> Iterator[Path]:
                 folder.mkdir(mode=0o700)
             yield folder
         finally:
-            shutil.rmtree(folder, ignore_errors=True)
+            _remove(folder)
     except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
+        _remove(folder)
         raise
+
+
+def _remove(folder: Path) -> None:
+    """Remove a staging folder, which holds files alone; an interrupt meanwhile goes its way as what it is.
+
+    (In `shutil.rmtree` it may become an OSError, and it costs twice the time.)
+    """
+    with suppress(OSError):
+        for name in os.listdir(folder):  # noqa: PTH208 - a few microseconds for each manipulator of a million
+            os.unlink(folder / name)  # noqa: PTH108
+        folder.rmdir()
 
 
 def write_files(folder: Path, files: Sequence[EmittedFile]) -> None:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import tempfile
+from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS
-from dh2urdf.config import is_run_file
 from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
-from dh2urdf.errors import ConfigError, TableError
+from dh2urdf.errors import ConfigError, RobotError, TableError, TransformError
 from dh2urdf.options import make_options
 from dh2urdf.output import safe_stem
 from dh2urdf.registry import load
@@ -69,7 +69,7 @@ def command(
     check_file(table, TableError)
     reader = catalog.reader_for(table)
     transform = catalog.get("transform", DEFAULT_TRANSFORM)
-    if target is not None and target.is_dir():
+    if target is not None and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
         raise ConfigError(
             Problem(
                 message=f"-o {shown(str(target))} is a folder, and one file is written",
@@ -94,6 +94,8 @@ def command(
     try:
         manipulator = _choose(read_items(reader, table, options["reader"]), robot, table)
     except TableError:
+        from dh2urdf.config import is_run_file
+
         if not is_run_file(table):
             raise
         raise ConfigError(
@@ -108,7 +110,10 @@ def command(
         emitters=(Call(stage=emitter, options=options["emitter"]),),
         poses=POSES,
     )
-    made = make_robot(manipulator, recipe.transform)
+    try:
+        made = make_robot(manipulator, recipe.transform)
+    except (TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
+        raise TableError(error.problems) from error
     for notice in (*manipulator.notices, *made.notices):
         click.echo(notice, err=True)
     if target is not None:

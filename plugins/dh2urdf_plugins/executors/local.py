@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal
 
-from dh2urdf.errors import ManipulatorError
+from dh2urdf.errors import ManipulatorError, OutputError
 from dh2urdf.source import Problem
 from dh2urdf.stages import Executor
 
@@ -65,8 +65,15 @@ def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], wo
     from multiprocessing import get_context
 
     context = get_context("spawn")
-    stop = context.RawValue("b", 0)
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(stop,))
+    try:
+        stop = context.RawValue("b", 0)
+        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(stop,))
+    except OSError as error:  # Shared memory and semaphores are files, too: a full disk is met here first.
+        raise OutputError(
+            Problem(
+                message=f"worker processes cannot be started: {error.strerror}", suggestion="`--workers 1` needs none"
+            )
+        ) from error
     under_way: deque[Future[list[Any]]] = deque()
     try:
         under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, AHEAD * workers))

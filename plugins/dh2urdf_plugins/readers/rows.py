@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
+from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
@@ -409,6 +410,7 @@ class RowReader:
     def _inertia(self) -> Inertia | None:
         if all(self._absent(name) for name in INERTIA_FIELDS):
             return None
+        before = self.errors
         for name in INERTIA_FIELDS[:3]:
             if self._absent(name):
                 message = f"a part of the inertia tensor is given, and {name} is not"
@@ -419,7 +421,10 @@ class RowReader:
                 "mass",
                 accepted="both, or neither: they are computed from the link's shape and density then",
             )
-        return Inertia(**{name: self._quantity(name).value for name in INERTIA_FIELDS})
+        inertia = Inertia(**{name: self._quantity(name).value for name in INERTIA_FIELDS})
+        if self.errors == before and (broken := inertia_problem(inertia)):
+            self._error(broken, "inertia", accepted="the inertia of a body about its centre of mass, or none")
+        return inertia
 
 
 NO_LIMITS = Limits()

@@ -295,9 +295,9 @@ class TestRefusals:
         assert "no reader is known for the file 'arm.docx'" in answer.stderr
         assert ".csv" in answer.stderr
 
-    def test_what_the_transform_refuses_is_status_1(self, cli: Cli, folder: Path) -> None:
-        """The table could be read; its arm cannot be made with these options."""
+    def test_a_table_that_the_transform_refuses_is_wrong(self, cli: Cli, folder: Path) -> None:
+        """The table can be read, but no arm can be made of it with these options: nothing is written."""
         (folder / "arm.csv").write_text(STANDARD.replace("pi/2", "1.2"))
-        answer = cli("convert", "arm.csv", "--variant", "paper", "-o", "arm.urdf", status=1)
+        answer = cli("convert", "arm.csv", "--variant", "paper", "-o", "arm.urdf", status=2)
         assert "joint 'shoulder', field 'alpha'" in answer.stderr
         assert files(folder) == set()

@@ -1,0 +1,366 @@
+"""What the command leaves in the output folder, whatever tables are called and whatever happens meanwhile."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+import unicodedata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from lxml import etree
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+MAIN = "from dh2urdf.cli import main; main()"
+INTERRUPTED = "dh2urdf: interrupted; nothing half-written is left\n"
+ROWS = ((0, 1.5707963267948966, 0.2), (0.4, 0, 0.1), (0.3, 0.5, 0))
+URDF = "a,alpha,d\n0,pi/2,0.2\n0.4,0,0.1\n"
+HOSTILE = (
+    "../../escaped",
+    "/etc/passwd",
+    "..\\..\\escaped",
+    "C:\\escaped",
+    ".hidden",
+    "-rf",
+    "con",
+    "aux.urdf",
+    "$(touch escaped)",
+    "${1/0}",
+    "`touch escaped`",
+    "a b; c",
+    "<robot>&amp;",
+    "'\"",
+    "report",
+    "report.json",
+    "Arm",
+    "aRM",
+    "arm_macro",
+    "ARM.URDF",
+    "straße",
+    "STRASSE",
+    unicodedata.normalize("NFC", "Ä"),
+    unicodedata.normalize("NFD", "ä"),
+    "機械臂",
+    "🦾",
+    "x" * 200,
+    "x" * 199 + "y",
+    "~",
+    "*",
+)
+
+
+def table(names: Iterable[str]) -> str:
+    """A CSV table with one manipulator for each name."""
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(["robot", "a", "alpha", "d"])
+    writer.writerows([name, *row] for name in names for row in ROWS)
+    return text.getvalue()
+
+
+def run_file(folder: Path, *, workers: int = 1, emitters: str = "[urdf, xacro]") -> Path:
+    path = folder / "run.yaml"
+    path.write_text(
+        f"inputs: [{{path: arms.csv, options: {{convention: standard}}}}]\nemitters: {emitters}\n"
+        f"output: {{directory: out}}\nexecution: {{stage: local, options: {{workers: {workers}}}}}\n"
+    )
+    return path
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """Everything below a folder, hidden files included; folders are empty."""
+    return {str(path.relative_to(folder)): path.read_bytes() if path.is_file() else b"" for path in folder.rglob("*")}
+
+
+def is_whole(path: Path) -> bool:
+    content = path.read_bytes()
+    return content.endswith(b"</robot>\n") and etree.fromstring(content).tag == "robot"
+
+
+# --- Names ------------------------------------------------------------------------------------------------------------
+
+
+def test_whatever_manipulators_are_called_their_files_stay_in_the_folder(dh2urdf: Any, tmp_path: Path) -> None:
+    """Paths, devices, hidden files, shell words, markup: each name has files of its own, directly in the folder."""
+    (tmp_path / "arms.csv").write_text(table(HOSTILE), "utf-8")
+    run_file(tmp_path)
+    dh2urdf("run", "run.yaml", "--json")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["arms.csv", "out", "run.yaml"]
+    found = list((tmp_path / "out").iterdir())
+    assert all(path.is_file() and not path.is_symlink() for path in found)
+    names = [unicodedata.normalize("NFC", path.name).casefold() for path in found]
+    assert len(set(names)) == len(names) == 3 * len(HOSTILE) + len(["report.json", "timing.json"])
+    assert not any(name.startswith((".", "-")) for name in names)
+    assert all(len(path.name.encode()) <= 255 for path in found)
+
+
+def test_every_file_is_the_one_of_its_manipulator(dh2urdf: Any, tmp_path: Path) -> None:
+    """The report says which files are whose, and the description in them has that very name."""
+    (tmp_path / "arms.csv").write_text(table(HOSTILE), "utf-8")
+    run_file(tmp_path, emitters="[urdf]")
+    report = json.loads(dh2urdf("run", "run.yaml", "--json").stdout)
+    for name, entry in zip(HOSTILE, report["manipulators"], strict=True):
+        (file,) = entry["files"]
+        assert entry["name"] == name
+        assert etree.parse(tmp_path / "out" / file["path"]).getroot().get("name") == name
+
+
+# --- Failures ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_failed_conversion_leaves_nothing_and_touches_nothing(dh2urdf: Any, tmp_path: Path) -> None:
+    """A table that is refused makes no file and no folder, and an older file stays as it was."""
+    (tmp_path / "bad.csv").write_text("a,alpha,d\n0,pi/2,x\n")
+    (tmp_path / "old.urdf").write_text("old")
+    before = files(tmp_path)
+    for target in ("new.urdf", "new/new.urdf", "old.urdf", "new.xacro"):
+        dh2urdf("convert", "bad.csv", "--convention", "standard", "-o", target, status=2)
+        assert files(tmp_path) == before
+
+
+def test_a_robot_that_is_refused_keeps_the_older_file(dh2urdf: Any, tmp_path: Path) -> None:
+    """The same where the table can be read, and the transform refuses the arm."""
+    (tmp_path / "bad.csv").write_text("a,alpha,d\n0,0.3,1\n")
+    (tmp_path / "old.urdf").write_text("old")
+    before = files(tmp_path)
+    words = ("--convention", "standard", "--variant", "paper", "-o", "old.urdf")
+    dh2urdf("convert", "bad.csv", *words, status=2)
+    assert files(tmp_path) == before
+
+
+def test_in_a_run_the_bad_ones_keep_their_older_files(dh2urdf: Any, tmp_path: Path) -> None:
+    """Of many manipulators the good ones get new files, and those of a bad one stay as an earlier run left them."""
+    (tmp_path / "arms.csv").write_text(table(["one", "two", "three"]))
+    run_file(tmp_path)
+    dh2urdf("run", "run.yaml")
+    before = files(tmp_path / "out")
+    (tmp_path / "arms.csv").write_text(
+        table(["one", "two", "three"]).replace("two,0.4", "two,nan").replace("0.3", "0.5")
+    )
+    dh2urdf("run", "run.yaml", status=1)
+    after = files(tmp_path / "out")
+    changed = {name for name in before if before[name] != after[name]} - {"report.json", "timing.json"}
+    assert set(after) == set(before)
+    assert changed == {f"{name}{end}" for name in ("one", "three") for end in (".urdf", "_macro.xacro")}
+
+
+# --- A system that refuses --------------------------------------------------------------------------------------------
+
+
+def small_files(size: int) -> Callable[[], None]:
+    """Lets a process write no file beyond a size: as on a full disk, part of a file is written, and the rest fails."""
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    return limit
+
+
+def command(folder: Path, *words: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}  # Byte code would be among the files that fail.
+    arguments = [sys.executable, "-c", MAIN, *words]
+    return subprocess.run(
+        arguments, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=120, **options
+    )
+
+
+@pytest.mark.parametrize("size", [0, 1000])
+@pytest.mark.parametrize("target", ["new.urdf", "old.urdf"])
+def test_a_full_disk_costs_a_conversion_one_line_and_no_file(tmp_path: Path, target: str, size: int) -> None:
+    """A file that cannot be finished is not there, and the older one is; the line names file and reason."""
+    (tmp_path / "arm.csv").write_text(URDF)
+    (tmp_path / "old.urdf").write_text("old")
+    before = files(tmp_path)
+    result = command(
+        tmp_path, "convert", "arm.csv", "--convention", "standard", "-o", target, preexec_fn=small_files(size)
+    )
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == f"error: cannot write '{target}': File too large\n"
+    assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_full_disk_ends_a_run_with_one_line(tmp_path: Path, workers: int) -> None:
+    """No half of a file stays, and no temporary folder; what an earlier run wrote does."""
+    (tmp_path / "arms.csv").write_text(table(f"arm{number}" for number in range(20)))
+    run_file(tmp_path, workers=workers)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "arm7.urdf").write_text("old")
+    before = files(tmp_path)
+    result = command(tmp_path, "run", "run.yaml", preexec_fn=small_files(5000))
+    assert (result.returncode, result.stdout) == (2, "")
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("error: cannot write 'out/arm")
+    assert line.endswith("': File too large")
+    assert files(tmp_path) == before
+
+
+def forbidden_folder(tmp_path: Path) -> tuple[Path, str]:
+    """A folder in which nobody may write, not even the superuser, and what the system says of it."""
+    if Path("/proc/self").is_dir():
+        return Path("/proc/dh2urdf"), "No such file or directory"
+    folder = tmp_path / "locked"
+    folder.mkdir(mode=0o500)
+    return folder, "Permission denied"
+
+
+def test_a_folder_that_may_not_be_written_is_one_line(tmp_path: Path) -> None:
+    """Without permission nothing is written, and one line says where and why, of a conversion and of a run."""
+    (tmp_path / "arm.csv").write_text(URDF)
+    (tmp_path / "arms.csv").write_text(table(["one", "two"]))
+    run_file(tmp_path)
+    folder, reason = forbidden_folder(tmp_path)
+    before = files(tmp_path)
+    one = command(tmp_path, "convert", "arm.csv", "--convention", "standard", "-o", str(folder / "arm.urdf"))
+    many = command(tmp_path, "run", "run.yaml", "-o", str(folder))
+    for result in (one, many):
+        assert (result.returncode, result.stdout) == (2, "")
+        assert result.stderr == f"error: cannot write '{folder}': {reason}\n"
+    assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("target", "message"),
+    [
+        ("arm.csv/arm.urdf", "error: cannot write 'arm.csv': File exists\n"),
+        ("arm.csv/deeper/arm.urdf", "error: cannot write 'arm.csv/deeper': Not a directory\n"),
+        ("x" * 300 + ".urdf", f"error: cannot write '{'x' * 200}…': File name too long\n"),
+    ],
+)
+def test_a_target_that_cannot_be_is_one_line(tmp_path: Path, target: str, message: str) -> None:
+    """A file where a folder is needed, and a name that no file system takes."""
+    (tmp_path / "arm.csv").write_text(URDF)
+    before = files(tmp_path)
+    result = command(tmp_path, "convert", "arm.csv", "--convention", "standard", "-o", target)
+    assert (result.returncode, result.stdout, result.stderr) == (2, "", message)
+    assert files(tmp_path) == before
+
+
+# --- Interrupts -------------------------------------------------------------------------------------------------------
+
+ARMS = 400
+
+
+def started_run(folder: Path) -> subprocess.Popen[str]:
+    """A run in a process group of its own, with a folder of its own for temporary files."""
+    (folder / "tmp").mkdir()
+    environment = {**os.environ, "TMPDIR": str(folder / "tmp")}
+    return subprocess.Popen(
+        [sys.executable, "-c", MAIN, "run", "run.yaml"],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("to_all", [True, False], ids=["to all processes", "to the command alone"])
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("written", [1, 30])
+def test_an_interrupted_run_says_so_and_leaves_whole_files_alone(
+    tmp_path: Path,
+    number: signal.Signals,
+    to_all: bool,  # noqa: FBT001 - a parameter of the test
+    workers: int,
+    written: int,
+) -> None:
+    """Ctrl-C of a terminal, `kill`, and the end of a service, whenever they come: one line, status 130, no half file."""
+    (tmp_path / "arms.csv").write_text(table(f"arm{number}" for number in range(ARMS)))
+    run_file(tmp_path, workers=workers, emitters="[urdf]")
+    out = tmp_path / "out"
+    with started_run(tmp_path) as process:
+        while len(list(out.glob("*.urdf")) if out.is_dir() else []) < written and process.poll() is None:
+            time.sleep(0.001)
+        assert process.poll() is None, "the run ended before it was interrupted"
+        (os.killpg if to_all else os.kill)(process.pid, number)
+        printed, said = process.communicate(timeout=60)
+    assert (process.returncode, printed, said) == (130, "", INTERRUPTED)
+    assert [path.name for path in (tmp_path / "tmp").iterdir()] == []
+    left = list(out.iterdir())
+    assert written <= len(left) < ARMS
+    assert all(path.suffix == ".urdf" and is_whole(path) for path in left)
+
+
+def test_an_interrupted_run_keeps_what_an_earlier_one_wrote(tmp_path: Path) -> None:
+    """Every file is the old one or the new one, and both are whole."""
+    (tmp_path / "arms.csv").write_text(table(f"arm{number}" for number in range(ARMS)))
+    run_file(tmp_path, emitters="[urdf]")
+    out = tmp_path / "out"
+    out.mkdir()
+    old = b"<robot/>\n"
+    for number in range(ARMS):
+        (out / f"arm{number}.urdf").write_bytes(old)
+    with started_run(tmp_path) as process:
+        while (out / "arm20.urdf").read_bytes() == old and process.poll() is None:
+            time.sleep(0.001)
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=60) == ("", INTERRUPTED)
+    contents = [(out / f"arm{number}.urdf") for number in range(ARMS)]
+    new = [path for path in contents if path.read_bytes() != old]
+    assert 20 < len(new) < ARMS
+    assert all(is_whole(path) for path in new)
+    assert len(list(out.iterdir())) == ARMS
+
+
+def test_a_run_that_was_interrupted_can_be_done_again(dh2urdf: Any, tmp_path: Path) -> None:
+    """The next run writes the same bytes as if nothing had happened."""
+    (tmp_path / "arms.csv").write_text(table(f"arm{number}" for number in range(30)))
+    run_file(tmp_path, emitters="[urdf]")
+    out = tmp_path / "out"
+    with started_run(tmp_path) as process:
+        while not (out / "arm3.urdf").exists() and process.poll() is None:
+            time.sleep(0.001)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+    dh2urdf("run", "run.yaml", "-o", "fresh")
+    dh2urdf("run", "run.yaml")
+    first, second = files(tmp_path / "fresh"), files(out)
+    first.pop("timing.json"), second.pop("timing.json")
+    assert first == second
+
+
+# --- In the middle of anything ----------------------------------------------------------------------------------------
+
+
+def test_an_interrupt_between_any_two_steps_leaves_no_temporary_folder(tmp_path: Path) -> None:
+    """A folder for temporary files is gone whatever step of its making, its use and its removal is interrupted."""
+    from dh2urdf.output import staging
+
+    interrupted = 0
+    for step in range(1, 1000):
+        seen = 0
+
+        def stop(_frame: Any, event: str, _argument: Any) -> Any:
+            nonlocal seen
+            if event == "line":
+                seen += 1
+                if seen == step:  # noqa: B023 - it is called in this round alone
+                    sys.settrace(None)
+                    raise KeyboardInterrupt
+            return stop
+
+        sys.settrace(stop)
+        try:
+            with staging(tmp_path / "out") as folder:
+                (folder / "file").write_text("half")
+        except KeyboardInterrupt:
+            interrupted += 1
+        finally:
+            sys.settrace(None)
+        assert list(tmp_path.rglob("*")) in ([], [tmp_path / "out"]), f"interrupted at step {step}"
+        if seen < step:
+            break
+    assert interrupted > 50

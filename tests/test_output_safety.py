@@ -205,6 +205,25 @@ def test_a_full_disk_ends_a_run_with_one_line(tmp_path: Path, workers: int) -> N
     assert files(tmp_path) == before
 
 
+@pytest.mark.parametrize("words", [["run", "run.yaml", "--json"], ["schema"], ["convert", "arm.csv"]])
+def test_standard_output_that_takes_nothing_is_one_line(tmp_path: Path, words: list[str]) -> None:
+    """Where the file behind `>` is on a full disk, the command says so; it is no fault of the program."""
+    (tmp_path / "arm.csv").write_text("# convention: standard\n" + URDF)
+    (tmp_path / "arms.csv").write_text(table(["one"]))
+    run_file(tmp_path)
+    with Path("/dev/full").open("wb") as full:
+        result = subprocess.run(
+            [sys.executable, "-c", MAIN, *words],
+            cwd=tmp_path,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert result.returncode == 2
+    assert result.stderr == "error: cannot write to standard output: No space left on device\n"
+
+
 def forbidden_folder(tmp_path: Path) -> tuple[Path, str]:
     """A folder in which nobody may write, not even the superuser, and what the system says of it."""
     if Path("/proc/self").is_dir():

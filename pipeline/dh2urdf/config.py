@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import glob
 import os
+import re
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,6 +33,12 @@ DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
 DEFAULT_EXECUTOR = "local"
 DEFAULT_POSES = 32
+MAX_POSES = 1_000_000
+"""Random joint vectors of one proof [1]."""
+MAX_FILES = 1_000_000
+"""Files that one pattern may match [1]."""
+_SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
+"""What a shell would put something else in place of."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,6 +185,22 @@ def _mapping_of(node: Node, key: str) -> Node:
     return node if isinstance(node.value, (dict, list)) or node.value is None else _mapping({key: node}, node)
 
 
+def _tidy(path: Path) -> Path:
+    """`configs/../build` as `build`, unless `configs` is a link."""
+    tidy = Path(os.path.normpath(path))
+    return tidy if tidy.resolve() == path.resolve() else path
+
+
+def _matches(folder: Path, pattern: str) -> Iterator[Path]:
+    """The files that match a pattern, from a folder; ``**`` follows no links, which may lead in circles."""
+    whole = folder / pattern
+    anchor = Path(whole.anchor)
+    for path in anchor.glob(str(whole.relative_to(anchor))):
+        hidden = [part for part in path.parts if part.startswith(".") and part not in whole.parts]
+        if not hidden and not path.is_dir():
+            yield path
+
+
 # --- The sections -----------------------------------------------------------------------------------------------------
 
 
@@ -273,10 +297,13 @@ class _Sections:
     def _poses(self, node: Node | None) -> int:
         if node is None or node.value is None:
             return DEFAULT_POSES
-        if isinstance(node.value, int) and not isinstance(node.value, bool) and node.value >= 1:
+        if isinstance(node.value, int) and not isinstance(node.value, bool) and 1 <= node.value <= MAX_POSES:
             return node.value
         self._say(
-            f"the number of poses cannot be {node.describe()}", node, "proof.poses", accepted="a number from 1 on"
+            f"the number of poses cannot be {node.describe()}",
+            node,
+            "proof.poses",
+            accepted=f"a whole number from 1 to {MAX_POSES}",
         )
         return DEFAULT_POSES
 
@@ -289,13 +316,19 @@ class _Sections:
         if "\0" in text:
             self._say("a path cannot hold the character U+0000", node, field)
             return None
+        if (found := _SHELL.search(text)) and (found.start() == 0 or found[0].startswith("$")):
+            self._say(
+                f"nothing takes the place of {shown(found[0])} in a path of a run file",
+                node,
+                field,
+                accepted="an absolute path, or one from the run file's folder",
+            )
+            return None
         return text, node
 
     def _resolved(self, text: str, node: Node) -> Path:
         """A path of the run file is relative to it, one of the command line to the working directory."""
-        path = self._folder(node) / text
-        tidy = Path(os.path.normpath(path))  # `configs/../build` reads as `build`, unless `configs` is a link
-        return tidy if tidy.resolve() == path.resolve() else path
+        return _tidy(self._folder(node) / text)
 
     def _folder(self, node: Node) -> Path:
         return Path() if node.file == COMMAND_LINE.file else self.path.parent
@@ -306,8 +339,12 @@ class _Sections:
         if not glob.has_magic(text) or os.path.exists(path):  # noqa: PTH110 - it takes any text; Path.exists raises
             paths = [path]
         else:
-            names = sorted(glob.glob(text, root_dir=self._folder(node), recursive=True))  # noqa: PTH207 - absolute too
-            paths = [file for name in names if not (file := self._resolved(name, node)).is_dir()]
+            paths = sorted(islice(_matches(self._folder(node), text), MAX_FILES + 1))
+            if len(paths) > MAX_FILES:
+                accepted = f"at most {MAX_FILES} files for one pattern"
+                self._say(f"more than {MAX_FILES} files match {shown(text)}", node, field, accepted=accepted)
+                return
+            paths = [_tidy(path) for path in paths]
             if not paths:
                 folder = self._folder(node).absolute()
                 self._say(f"no file matches {shown(text)} in the folder {shown(str(folder), LONG_PATH)}", node, field)

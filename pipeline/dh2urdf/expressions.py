@@ -94,6 +94,8 @@ _TOKEN = re.compile(
       | (?P<sign>.)""",
     re.VERBOSE | re.DOTALL,
 )
+# What a spreadsheet makes of 1/2 and 3-4 where it takes them for dates; as an expression it would be a number.
+_DATE = re.compile(r"\s*([0-9]{4}([-/])[0-9]{1,2}\2[0-9]{1,2}|[0-9]{1,2}([-/])[0-9]{1,2}\3([0-9]{2}|[0-9]{4}))\s*")
 _DECIMAL_COMMA = re.compile(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
 # What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
 _SIGNS = str.maketrans({"−": "-", "–": "-", "‐": "-", "‑": "-", "×": "*", "÷": "/", "⁄": "/", "∕": "/"})
@@ -188,6 +190,8 @@ class _Parser:
     def parse(self) -> Value:
         if len(self.tokens) == 1:
             raise QuantityError("there is nothing", self.accepted)
+        if _DATE.fullmatch(self.text):
+            self.fail("it is a date", "a spreadsheet makes dates of fractions: format the column as text")
         value = self.sum()
         if self.next.kind != "end":
             self.unexpected()
@@ -380,6 +384,8 @@ class _Parser:
         ratio = function.arguments > 1 and len(dimensions) == 1  # atan2 of two lengths
         if not ratio and function.call is not abs and dimensions - {None, function.takes}:
             self.fail(f"{written} is taken of a quantity with a unit")
+        if function.call is math.atan2 and not any(argument.number for argument in arguments):
+            self.fail(f"{written} has no value there")
         try:
             number = function.call(*(argument.number for argument in arguments))
         except (ValueError, ZeroDivisionError, OverflowError):

@@ -96,7 +96,7 @@ class _Call(Generic[O]):
             else:
                 options = self.type(**values)
         except InputError as error:  # from here, or from the type's own __post_init__
-            problems += [problem.about(mark=self.mark) for problem in error.problems]
+            problems += [problem.about(mark=self._mark_of(problem.field)) for problem in error.problems]
         except ValueError as error:
             problems.append(self._refused(str(error), ()))
         except Exception as error:
@@ -109,6 +109,11 @@ class _Call(Generic[O]):
 
     def _entries(self) -> dict[str, Node]:
         return self.given.value if isinstance(self.given.value, dict) else {}
+
+    def _mark_of(self, field: str | None) -> Mark:
+        """Where an option stands; where it stands nowhere, the place of all."""
+        node = self._entries().get((field or "").partition(".")[0])
+        return node.mark if node and node.line else self.mark
 
     def _required(self) -> set[str]:
         return {

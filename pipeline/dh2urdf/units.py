@@ -107,6 +107,19 @@ _SYMBOLS = {
 }
 
 
+_CONVERT = "convert the numbers: 1 inch is 25.4 mm, 1 foot is 304.8 mm, 1 gon is 0.9 deg"
+_DEGREES = "write deg for degrees; gradians have to be converted: 1 gon is 0.9 deg"
+_MULTIPLES = "write rad, and the multiples of π in the cells: 0.5*pi"
+_OTHER_UNITS = {
+    **dict.fromkeys(
+        ("in", "inch", "inches", '"', "″", "ft", "foot", "feet", "gon", "gons", "gradian", "gradians"), _CONVERT
+    ),
+    **dict.fromkeys(("grad", "grads", "grado", "grados", "gradi", "degré", "degrés", "grau", "graus"), _DEGREES),
+    **dict.fromkeys(("pi", "π", "pirad", "πrad", "radpi", "radπ", "rad/pi", "rad/π", "×π"), _MULTIPLES),
+}
+"""What to do about units that people write and that are none here, by their words as `unit_word` has these."""
+
+
 class QuantityError(ValueError):
     """A text is no quantity of the kind asked for.
 
@@ -145,7 +158,9 @@ def find_unit(text: str, dimension: Dimension) -> Unit:
     word = unit_word(text)
     unit = UNITS.get(word)
     if unit is None:
-        near = did_you_mean(word, [word for word, unit in UNITS.items() if unit.dimension is dimension])
+        near = _OTHER_UNITS.get(word) or did_you_mean(
+            word, [word for word, unit in UNITS.items() if unit.dimension is dimension]
+        )
         raise QuantityError(f"{shown(text)} is no unit of {dimension.plain} that is known", _SYMBOLS[dimension], near)
     if unit.dimension is not dimension:
         message = f"{shown(text)} is a unit of {unit.dimension.plain}, and one of {dimension.plain} is needed"

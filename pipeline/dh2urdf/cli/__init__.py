@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf import __version__
-from dh2urdf.errors import Dh2UrdfError
+from dh2urdf.errors import Dh2UrdfError, OutputError
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -133,6 +133,9 @@ def _status(words: list[str], *, debug: bool) -> int:
         click.echo(str(error), err=True)
         return error.exit_status
     except Exception as error:
+        if isinstance(error, OSError) and error.filename is None:  # what has a name was reported where it was met
+            click.echo(f"error: cannot write to standard output: {error.strerror}", err=True)
+            return OutputError.exit_status
         if debug:
             raise
         click.echo(

@@ -9,6 +9,9 @@ from typing import NamedTuple
 from dh2urdf.quantities import Dimension, Unit
 from dh2urdf.source import Mark  # noqa: TC001 - the field of a NamedTuple is looked up when it is made
 
+SPACES = " \t\u00a0\u2007\u2009\u202f"
+"""White space around a cell."""
+
 
 class Cell(NamedTuple):
     """A text of a table and its place."""

@@ -14,20 +14,24 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.quantities import Dimension
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Reader, Rejected
-from dh2urdf_plugins.readers.cells import Cell
+from dh2urdf_plugins.readers.cells import SPACES, Cell, Units
 from dh2urdf_plugins.readers.csv_cells import CsvCells, check_index
-from dh2urdf_plugins.readers.csv_header import SPACES, Top, read_top, undeclared_units, unit_problems
+from dh2urdf_plugins.readers.csv_comments import prose_notices
+from dh2urdf_plugins.readers.csv_header import Top, headers_unit, read_top, undeclared_units, unit_problems
 from dh2urdf_plugins.readers.csv_lines import CsvLines
+from dh2urdf_plugins.readers.fields import convention_of
 from dh2urdf_plugins.readers.names import MAX_NAME
 from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf_plugins.readers.records import make_manipulators
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
 from dh2urdf_plugins.readers.tables import manipulator, stopped
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.manipulator import DHRow
@@ -73,10 +77,10 @@ class _Rows:
 
     __slots__ = ("cells", "lines", "name", "nameless", "torn")
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, lines: Iterable[int] = (), cells: list[list[str]] | None = None) -> None:
         self.name = name
-        self.lines: list[int] = []
-        self.cells: list[list[str]] = []
+        self.lines = list(lines)
+        self.cells = cells or []
         self.torn = False
         self.nameless = False
 
@@ -92,12 +96,21 @@ class _Table:
         self.statements = Statements()
         self.notices: list[Problem] = [*columns.notices]
         self.name = self._state(top, options)
-        self.units = replace(self.statements.units(), columns=columns.units, decimal_comma=columns.delimiter != ",")
-        self.notices += undeclared_units(columns, self.units, self.file)
+        units = self.statements.units()
+        self.notices += undeclared_units(columns, units, self.file)
+        self.units = Units(
+            length=units.length or headers_unit(columns, Dimension.LENGTH),
+            angle=units.angle or headers_unit(columns, Dimension.ANGLE),
+            columns=columns.units,
+            decimal_comma=columns.delimiter != ",",
+        )
         self.robot_column = self._column("robot")
-        self.plain_table = self.statements.convention is not None and "convention" not in columns.fields
+        self.convention_column = self._column("convention")
+        self.plain_table = self.statements.convention is not None or self.convention_column is not None
         self.has_type = "type" in columns.fields
         self.cells = CsvCells(columns, lines)
+        lines.row_form = columns.delimiter, len(columns.headers)
+        self.commented = 0
         self.plain = PlainRows(columns, self.units, self.file)
         self.seen: set[str] = set()
 
@@ -131,6 +144,8 @@ class _Table:
         if errors:
             raise TableError(errors)
         self.notices += problems
+        if self.statements.convention is not None:
+            self.notices += prose_notices(top.comments, self.statements.convention[0])
         name = said.get("name")
         return Cell(name.text or "", name.mark) if name else Cell(self.path.stem, Mark(file=self.file))
 
@@ -141,6 +156,8 @@ class _Table:
         any_rows = False
         for groups in self._groups():
             any_rows = any_rows or bool(groups)
+            self.notices += self.lines.notices[self.commented :]
+            self.commented = len(self.lines.notices)
             while groups and (self.notices or not self.plain_table):
                 yield self._careful(groups.pop(0))
             yield from self._plain(groups) or map(self._any, groups)
@@ -157,7 +174,8 @@ class _Table:
                     rows.nameless = True
                 elif name != rows.name or not rows.lines:
                     finished.append(rows)
-                    rows = _Rows(name)
+                    rows = _Rows(name, some_lines, some_rows)
+                    continue
                 rows.lines.extend(some_lines)
                 rows.cells.extend(some_rows)
             yield self._whole(finished, rows)
@@ -214,9 +232,22 @@ class _Table:
         lines = chain.from_iterable(rows.lines for rows in groups)
         if not cells or (read := self.plain.read(cells, lines, [len(rows.lines) for rows in groups])) is None:
             return None
-        return [
-            self.statements.manipulator(rows.name, arm, arm[0].mark) for rows, arm in zip(groups, read, strict=True)
-        ]
+        if (statements := self._agreed(cells)) is None:
+            return None
+        model = statements.manipulator("", (), None)
+        return make_manipulators(model, zip([rows.name for rows in groups], read, strict=True))
+
+    def _agreed(self, cells: list[list[str]]) -> Statements | None:
+        """What holds for all of some rows, the convention included; None where they say several, or an unknown one."""
+        if self.convention_column is None:
+            return self.statements
+        said = {cells[self.convention_column] for cells in cells}
+        conventions = {None if "\n" in word else convention_of(word.strip(SPACES)) for word in said}
+        stated = self.statements.convention
+        (convention, *others) = conventions
+        if others or convention is None or (stated and stated[0] is not convention):
+            return None
+        return replace(self.statements, convention=(convention, Mark(file=self.file)))
 
     # --- Rows, with care ----------------------------------------------------------------------------------------------
 

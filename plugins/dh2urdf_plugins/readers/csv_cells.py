@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate
+from dh2urdf.manipulator import JointType
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate, is_unit
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.cells import Cell
-from dh2urdf_plugins.readers.csv_header import DELIMITERS, SPACES, SPREADSHEET_ERROR
-from dh2urdf_plugins.readers.fields import FIELDS
+from dh2urdf_plugins.readers.cells import SPACES, Cell
+from dh2urdf_plugins.readers.csv_comments import SPREADSHEET_ERROR
+from dh2urdf_plugins.readers.csv_header import DELIMITERS
+from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED, joint_type
 
 if TYPE_CHECKING:
     from dh2urdf_plugins.readers.csv_header import Columns
@@ -50,9 +52,16 @@ class CsvCells:
         if len(texts) < self.needed or any(map(str.strip, texts[len(columns.headers) :])):
             reader.add(self._ragged(texts, line, number))
             return None
+        if number == 1 and self._are_units(texts):
+            reader.add(self._row_of_units(texts, line))
+            return None
+        if [text.strip(SPACES) for text in texts[: len(columns.headers)]] == columns.headers:
+            reader.add(self._header_again(line, number))
+            return None
         cells = {}
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if name is None and index not in columns.unheld:
+                self._look_for_types(text, index, line, number, reader)
                 continue
             place = Mark(
                 file=self.lines.file, line=line, column=self.lines.column(line, texts, index, columns.delimiter)
@@ -80,6 +89,56 @@ class CsvCells:
             joint=f"joint_{number}",
             accepted=f"one cell for each column, with a {DELIMITERS[delimiter]} between them",
             suggestion="is there a decimal comma in it, or a comma in a text without quotes?" if comma else None,
+        )
+
+    def _are_units(self, texts: list[str]) -> bool:
+        """Whether what stands in the columns of geometry are units, and nothing else."""
+        words = [
+            text.strip(f"{SPACES}[]()")
+            for name, text in zip(self.columns.fields, texts, strict=False)
+            if name in REQUIRED
+        ]
+        return all(map(is_unit, words))
+
+    def _row_of_units(self, texts: list[str], line: int) -> Problem:
+        index = self.columns.fields.index("a")
+        header, unit = self.columns.headers[index], texts[index].strip(f"{SPACES}[]()")
+        return Problem(
+            message="this row holds units, not a joint",
+            mark=Mark(file=self.lines.file, line=line),
+            joint="joint_1",
+            field="a",
+            found=texts[index].strip(SPACES),
+            accepted=f"units in the headers, such as `{header} [{unit}]`",
+        )
+
+    def _header_again(self, line: int, number: int) -> Problem:
+        return Problem(
+            message=f"row {number} is the header of line {self.columns.line} again",
+            mark=Mark(file=self.lines.file, line=line),
+            joint=f"joint_{number}",
+            accepted="one header; tables of several manipulators have a column robot",
+        )
+
+    def _look_for_types(self, text: str, index: int, line: int, number: int, reader: RowReader) -> None:
+        """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
+        word = text.strip(SPACES)
+        if "type" in self.columns.fields or not word.isalpha():
+            return
+        kind = joint_type(word)
+        if kind is None or kind is JointType.REVOLUTE:
+            return
+        header = self.columns.headers[index]
+        reader.add(
+            Problem(
+                message=f"{shown(word)} seems to be a type, and no field is called {shown(header)}: the joint would be "
+                "taken as revolute",
+                mark=Mark(file=self.lines.file, line=line),
+                joint=f"joint_{number}",
+                field="type",
+                found=word,
+                accepted=f"one of the headers {', '.join(FIELDS['type'].headers)}",
+            )
         )
 
     def _unheld(self, cell: Cell, index: int, joint: str, reader: RowReader) -> None:

@@ -7,11 +7,14 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import Node, load_yaml
+from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention
 from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED, UNHELD_GEOMETRY, Header, misspelt, one_slip, read_header
+from dh2urdf_plugins.readers.cells import SPACES, Cell
+from dh2urdf_plugins.readers.csv_comments import convention_in_prose, is_comment, statement
+from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED, UNHELD_GEOMETRY, Header, misspelt, read_header
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,15 +22,12 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.cells import Units
 
 DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
-STATEMENTS = ("name", "convention", "units", "base", "tool", "defaults")
-"""What comment lines before the header may say, as YAML."""
-MAX_STATEMENT = 10_000
-"""Length of a comment line that says something [1]."""
+MAX_HEADER = 100_000
+"""Length of the header [1]."""
 
-_STATEMENT = re.compile(r"\s*#\s*([^\W\d]+)\s*:(?:\s+|$)")
+_FEW = 5
+_KHALIL = ("sigma", "σ", "gamma", "γ", "mu", "μ", "b")
 _EXCEL_SEPARATOR = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)  # Excel's own way to name the delimiter
-SPREADSHEET_ERROR = re.compile(r"\s*#(REF!|N/A|NAME\?|VALUE!|DIV/0!|NUM!|NULL!|SPILL!|CALC!)")
-SPACES = " \t\u00a0\u2007\u2009\u202f"
 
 
 @dataclass(slots=True)
@@ -64,10 +64,12 @@ class Top:
     Attributes:
         columns: the header.
         statements: what comment lines say, by key.
+        comments: comment lines that speak of the one convention or the other in prose.
     """
 
     columns: Columns
     statements: dict[str, Node]
+    comments: list[tuple[Convention, Cell]]
 
 
 def read_top(lines: Iterable[str], file: str) -> Top:
@@ -77,6 +79,7 @@ def read_top(lines: Iterable[str], file: str) -> Top:
         TableError: there is no header, or it is wrong, or a comment line is.
     """
     statements: dict[str, Node] = {}
+    comments: list[tuple[Convention, Cell]] = []
     delimiter: str | None = None
     number = 0
     for number, line in enumerate(lines, start=1):
@@ -85,9 +88,17 @@ def read_top(lines: Iterable[str], file: str) -> Top:
         if number == 1 and (match := _EXCEL_SEPARATOR.fullmatch(line)):
             delimiter = match[1]
             continue
-        header = commented_header(line) if is_comment(line) else line
+        long = len(line) > MAX_HEADER
+        if long and not is_comment(line):
+            message = f"this line should be the header, and has {len(line)} characters"
+            raise TableError(
+                Problem(message=message, mark=Mark(file=file, line=number), accepted=f"at most {MAX_HEADER} characters")
+            )
+        header = line if not is_comment(line) else None if long else commented_header(line)
         if header is not None:
-            return Top(read_columns(header, number, file, delimiter), statements)
+            return Top(read_columns(header, number, file, delimiter), statements, comments)
+        if convention := convention_in_prose(line):
+            comments.append((convention, Cell(line.strip(), Mark(file=file, line=number))))
         if found := statement(line, number, file):
             key, node = found
             if key in statements:
@@ -101,11 +112,6 @@ def read_top(lines: Iterable[str], file: str) -> Top:
             accepted="a header with at least the columns a, alpha and d, and one row for each joint",
         )
     )
-
-
-def is_comment(line: str) -> bool:
-    """Whether a line is a comment; what spreadsheets write for an error begins with # too, and is none."""
-    return line.lstrip(SPACES + "\ufeff").startswith("#") and not SPREADSHEET_ERROR.match(line)
 
 
 def split(line: str, delimiter: str) -> list[str]:
@@ -150,37 +156,6 @@ def commented_header(line: str) -> str | None:
         found[text] = {header.field.name for header in headers if header.field}
     best = max(found, key=lambda text: len(found[text]))
     return best if found[best].issuperset(REQUIRED) else None
-
-
-def statement(line: str, number: int, file: str) -> tuple[str, Node] | None:
-    """What a comment line says, as a key and the YAML value behind it; None where it is only a comment.
-
-    Raises:
-        TableError: it is a misspelt key, or the value is not YAML.
-    """
-    match = _STATEMENT.match(line)
-    if not match:
-        return None
-    key = match[1].casefold()
-    if key not in STATEMENTS:
-        near = next((word for word in STATEMENTS if one_slip(key, word)), None)
-        if near:
-            raise TableError(
-                Problem(
-                    message=f"the comment line says {shown(match[1])}, which nothing is called",
-                    mark=Mark(file=file, line=number, column=match.start(1) + 1),
-                    found=match[1],
-                    accepted=", ".join(STATEMENTS),
-                    suggestion=f"did you mean {near!r}?",
-                )
-            )
-        return None
-    if len(line) > MAX_STATEMENT:
-        message = f"the comment line has {len(line)} characters"
-        accepted = f"at most {MAX_STATEMENT} where it says {key}"
-        raise TableError(Problem(message=message, mark=Mark(file=file, line=number), accepted=accepted))
-    # The value is moved to its own line and column, so that its marks are those of the file.
-    return key, load_yaml("\n" * (number - 1) + " " * match.end() + line[match.end() :], file, TableError)
 
 
 def read_columns(line: str, number: int, file: str, delimiter: str | None = None) -> Columns:
@@ -250,8 +225,9 @@ def read_columns(line: str, number: int, file: str, delimiter: str | None = None
                 accepted="a_{i-1} and alpha_{i-1} (modified), or a_i and alpha_i (standard)",
             )
         )
+    problems += _foreign_r(columns, file)
     known = {*columns.fields, *columns.meant}
-    problems.extend(_missing(name, number, file) for name in REQUIRED if name not in known)
+    problems.extend(_missing(name, columns, file) for name in REQUIRED if name not in known)
     if problems:
         raise TableError(problems)
     return columns
@@ -316,15 +292,39 @@ def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, probl
         problems.append(problem)
 
 
-def _missing(name: str, number: int, file: str) -> Problem:
+def _missing(name: str, columns: Columns, file: str) -> Problem:
     words = ", ".join(FIELDS[name].headers)
+    others = [text for text, field_ in zip(columns.headers, columns.fields, strict=True) if text and field_ is None]
     return Problem(
         message=f"there is no column for {name} in the header",
-        mark=Mark(file=file, line=number),
+        mark=Mark(file=file, line=columns.line),
         field=name,
         accepted=f"one of the headers {words}; its unit may follow, as in `{name} "
         f"[{'deg' if name == 'alpha' else 'mm'}]`",
+        suggestion=f"no field is called {', '.join(map(shown, others[:_FEW]))}" if others else None,
     )
+
+
+def _foreign_r(columns: Columns, file: str) -> list[Problem]:
+    """Refuses `r` beside the other letters of Khalil and Kleinfinger, to whom r is what is d here, and d what is a."""
+    keys = [read_header(text).key for text in columns.headers]
+    letters = [text for text, key in zip(columns.headers, keys, strict=True) if key in _KHALIL]
+    if "a" not in columns.fields or "d" not in columns.fields or not letters:
+        return []
+    index = columns.fields.index("a")
+    header = columns.headers[index]
+    if not header.casefold().startswith("r"):
+        return []
+    return [
+        Problem(
+            message=f"{shown(header)} beside {shown(letters[0])} may be the r of Khalil and Kleinfinger, which is d "
+            "here, while their d is a",
+            mark=Mark(file=file, line=columns.line),
+            field="a",
+            found=header,
+            accepted="a for the length along x, d for the length along z",
+        )
+    ]
 
 
 def _accepted_headers() -> str:
@@ -353,10 +353,8 @@ def unit_problems(columns: Columns, declared: Iterable[tuple[Unit, Mark] | None]
 
 def undeclared_units(columns: Columns, units: Units, file: str) -> list[Problem]:
     """Notices of columns without a unit beside columns that have another one than the SI unit."""
-    notices = []
+    notices = _followers(columns, units, file)
     for dimension, names, si in ((Dimension.LENGTH, ("a", "d"), "m"), (Dimension.ANGLE, ("alpha", "theta"), "rad")):
-        if units.of(dimension):
-            continue
         foreign = {columns.units[name].symbol for name in names if name in columns.units} - {si}
         notices += [
             Problem(
@@ -367,6 +365,47 @@ def undeclared_units(columns: Columns, units: Units, file: str) -> list[Problem]
                 suggestion=f"declare it: `{name} [{min(foreign)}]`",
             )
             for name in names
-            if foreign and name in columns.fields and name not in columns.units
+            if not units.of(dimension) and foreign and name in columns.fields and name not in columns.units
         ]
     return notices
+
+
+_GEOMETRY = {Dimension.LENGTH: ("a", "d"), Dimension.ANGLE: ("alpha", "theta")}
+_RATES = {Dimension.LENGTH: Dimension.SPEED, Dimension.ANGLE: Dimension.TURN_RATE}
+
+
+def headers_unit(columns: Columns, dimension: Dimension) -> Unit | None:
+    """The unit that the headers of all columns of geometry declare; None where one has none, they differ, or it is SI.
+
+    Offsets, limits, centres of mass and radii without a unit of their own follow it.
+    """
+    units = [columns.units.get(name) for name in _GEOMETRY[dimension] if name in columns.fields]
+    unit = units[0] if units and all(unit == units[0] for unit in units) else None
+    return unit if unit and (unit.power or unit.degrees) else None
+
+
+def _followers(columns: Columns, units: Units, file: str) -> list[Problem]:
+    """A notice of the columns that follow the unit of others."""
+    followed = {
+        dimension: unit
+        for dimension in _GEOMETRY
+        if not units.of(dimension) and (unit := headers_unit(columns, dimension))
+    }
+    measured = {name: {FIELDS[name].dimension, FIELDS[name].linear} for name in columns.fields if name}
+    names = [
+        name
+        for name, dimensions in measured.items()
+        if name not in columns.units and any({dimension, _RATES[dimension]} & dimensions for dimension in followed)
+    ]
+    if not names:
+        return []
+    return [
+        Problem(
+            message=f"no unit is declared for {', '.join(names)}: the units of the geometry hold, "
+            f"{' and '.join(unit.symbol for unit in followed.values())}",
+            severity="notice",
+            mark=Mark(file=file, line=columns.line),
+            field=names[0],
+            suggestion="declare the unit in each header",
+        )
+    ]

@@ -7,9 +7,11 @@ from collections import deque
 from itertools import chain
 from typing import TYPE_CHECKING, NoReturn
 
-from dh2urdf.errors import TableError
+from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.csv_header import SPACES, column_of, is_comment, statement
+from dh2urdf_plugins.readers.cells import SPACES
+from dh2urdf_plugins.readers.csv_comments import is_comment, statement
+from dh2urdf_plugins.readers.csv_header import column_of
 from dh2urdf_plugins.readers.text import line_blocks
 
 if TYPE_CHECKING:
@@ -24,6 +26,8 @@ class CsvLines:
         quoted: number and text of the latest lines with quotes: where a cell of these starts, the lengths of the
             cells before it do not tell.
         quotes_in_block: whether the latest block has any.
+        row_form: the delimiter and the number of columns, where a comment that looks like a row is worth a notice.
+        notices: of such comments, the first ones.
     """
 
     def __init__(self, path: Path) -> None:
@@ -33,6 +37,8 @@ class CsvLines:
         self.quotes_in_block = False
         self.blocks = line_blocks(path)
         self.rest: Iterator[str] = iter(())
+        self.row_form: tuple[str, int] | None = None
+        self.notices: list[Problem] = []
 
     def __iter__(self) -> Iterator[str]:
         """The lines as they are, one by one: the top of the file."""
@@ -68,6 +74,16 @@ class CsvLines:
                     message=f"{shown(line.strip())} stands below the header, and would not hold for the rows above",
                     mark=Mark(file=self.file, line=number),
                     accepted="such lines above the header",
+                )
+            )
+        if self.row_form and len(self.notices) < SCREENFUL and line.count(self.row_form[0]) + 1 == self.row_form[1]:
+            self.notices.append(
+                Problem(
+                    message=f"{shown(line.strip())} is a comment, since it begins with #, and no row",
+                    severity="notice",
+                    mark=Mark(file=self.file, line=number),
+                    found=line,
+                    suggestion="put the first cell in quotes if this is a row",
                 )
             )
         return True

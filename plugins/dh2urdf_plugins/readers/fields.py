@@ -37,14 +37,14 @@ def _fields() -> dict[str, Field]:
         Field("index", ("i", "#", "index", "no", "nr")),
         Field("joint", ("joint", "joint name", "name")),
         Field("link", ("link", "link name")),
-        Field("type", ("type", "joint type", "kind", "sigma", "σ")),
+        Field("type", ("type", "joint type", "kind", "sigma", "σ", "r/p", "p/r")),
         Field("a", ("a", "r", "link length"), length),
         Field("alpha", ("alpha", "α", "twist", "link twist", "twist angle"), angle),
         Field("d", ("d", "link offset"), length),
-        Field("theta", ("theta", "θ", "joint angle"), angle),
+        Field("theta", ("theta", "θ", "th", "joint angle"), angle),
         Field("offset", ("offset", "joint offset"), angle, length),
-        Field("sign", ("sign", "direction"), number),
-        Field("flip", ("flip", "flipped")),
+        Field("sign", ("sign", "direction", "dir"), number),
+        Field("flip", ("flip", "flipped", "inverted", "reversed")),
         Field("lower", ("lower", "q_min", "min", "lower limit", "limit lower"), angle, length),
         Field("upper", ("upper", "q_max", "max", "upper limit", "limit upper"), angle, length),
         Field("velocity", ("velocity", "max velocity", "velocity limit"), Dimension.TURN_RATE, Dimension.SPEED),
@@ -69,9 +69,22 @@ UNHELD_GEOMETRY = {
     "β": "the angle of Hayati's convention",
     "gamma": "an angle of Khalil and Kleinfinger's convention",
     "γ": "an angle of Khalil and Kleinfinger's convention",
+    "b": "a length of Khalil and Kleinfinger's convention",
     "q": "the joint variable",
+    "qoffset": "an offset of the joint variable",
+    "q0": "an angle or a length that may be theta, d or an offset",
+    "phi": "an angle that may be theta or an offset",
+    "φ": "an angle that may be theta or an offset",
+    "angle": "an angle that may be theta, alpha or an offset",
+    "home": "an angle or a length that may be theta, d or an offset",
+    "thetaoffset": "an offset of theta alone",
+    "θoffset": "an offset of theta alone",
+    "doffset": "an offset of d alone",
+    "mdh": "the convention as a number",
+    "prismatic": "the type of a joint in another form",
+    "revolute": "the type of a joint in another form",
 }
-"""Headers of geometry that no field holds: refused where a cell is not 0."""
+"""Headers of what shapes the arm and no field holds: refused where a cell is not 0."""
 
 _SEPARATORS = re.compile(r"[\s_.*{}-]")
 
@@ -136,8 +149,16 @@ def _named(plain: str) -> Header:
 
 
 def misspelt(key: str) -> Field | None:
-    """The field one of whose headers, of four letters or more, is one slip away from a word."""
-    return next((field for word, field in _WORDS.items() if len(word) >= _SURE and one_slip(key, word)), None)
+    """The field one of whose headers, of four letters or more, is one slip away from a word, or has its letters."""
+    letters = sorted(key)
+    return next(
+        (
+            field
+            for word, field in _WORDS.items()
+            if len(word) >= _SURE and (one_slip(key, word) or (len(word) == len(key) and sorted(word) == letters))
+        ),
+        None,
+    )
 
 
 def one_slip(left: str, right: str) -> bool:
@@ -187,7 +208,8 @@ CONVENTION_CHOICES = tuple(_CONVENTION_WORDS)
 
 def joint_type(text: str) -> JointType | None:
     """The joint type that a word means."""
-    return _TYPE_WORDS.get(_key(text.strip().casefold()))
+    word = text.strip().casefold()
+    return _TYPE_WORDS.get(_key(word) if any(map(str.isalpha, word)) else word)  # `-1` is not 1
 
 
 def convention_of(text: str) -> Convention | None:

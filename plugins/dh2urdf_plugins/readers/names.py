@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,9 +15,10 @@ MAX_NAME = 200
 """Length of a name [1]; readers of robot descriptions cut names of a thousand characters, or crash."""
 RESERVED = ("world", "base_link", "base_link_inertia", "flange", "tool0")
 """Links that every robot description of ours has; `world` is the simulators' own."""
-END_NAMES = frozenset({"flange", "tool", "tool0", "ee", "eef", "tcp", "endeffector"})
+END_NAMES = frozenset({"flange", "toolflange", "tool", "tool0", "ee", "eef", "eelink", "tcp", "gripper", "endeffector"})
 """Names, without case and separators, of rows that hardly are revolute joints."""
 
+_NUMBERED = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
 _CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}
 _CLASSES |= {"Zl": "a line separator", "Zp": "a paragraph separator"}
@@ -60,6 +62,17 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
         taken[name] = "it is the name of a joint that the description adds"
     alike: dict[str, str] = {}
     problems = []
+    if are_out_of_order([row.joint for row in rows]):
+        problems.append(
+            Problem(
+                message=f"the numbers of the joints, {shown(', '.join(row.joint for row in rows))}, do not rise from row to "
+                "row",
+                severity="notice",
+                mark=rows[0].joint_mark,
+                field="joint",
+                suggestion="rows stand in the order from the base to the tool",
+            )
+        )
     for joint, link, joint_mark, link_mark in rows:
         for kind, name, mark in (("joint", joint, joint_mark), ("link", link, link_mark)):
             if name in taken:
@@ -80,6 +93,15 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
                     )
                 )
     return problems
+
+
+def are_out_of_order(joints: Sequence[str]) -> bool:
+    """Whether joints are named alike but for a number, and the numbers do not rise along the arm."""
+    parts = [_NUMBERED.fullmatch(name) for name in joints]
+    if not all(parts) or len({part[1] for part in parts if part}) > 1:
+        return False
+    numbers = [int(part[2]) for part in parts if part]
+    return any(left >= right for left, right in zip(numbers, numbers[1:], strict=False))
 
 
 def _taken(kind: str, name: str, reason: str, joint: str, mark: Mark | None) -> Problem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
@@ -9,6 +10,7 @@ from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.rows import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
+from dh2urdf_plugins.readers.tables import LONGEST_ARM, MEASURABLE_ARM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,6 +22,9 @@ ORTHONORMAL = 1e-9
 """Largest |RᵀR − 1| of a rotation that is taken without a word [1]."""
 NEARLY_ORTHONORMAL = 1e-4
 """Largest |RᵀR − 1| of one that is mended, with a notice [1]: four digits, as in 0.7071."""
+
+LONGEST = {"base": LONGEST_ARM, "tool": LONGEST_ARM / 10}
+"""Translation that a careful person would look at twice [m]."""
 
 _SIZE = 4
 _ROUNDED = 0.1
@@ -45,11 +50,36 @@ class TransformReader:
             other_keys: further keys of the mapping, which somebody else reads.
         """
         if isinstance(node.value, dict):
-            return self._origin(node, what, other_keys)
-        if isinstance(node.value, list):
-            return self._matrix(node, what)
-        self._error(node.mark, what, f"{what} is {node.describe()}", found=node.text, accepted=ACCEPTED)
-        return None
+            transform = self._origin(node, what, other_keys)
+        elif isinstance(node.value, list):
+            transform = self._matrix(node, what)
+        else:
+            self._error(node.mark, what, f"{what} is {node.describe()}", found=node.text, accepted=ACCEPTED)
+            return None
+        return None if transform is None or self._is_beyond(transform, node, what) else transform
+
+    def _is_beyond(self, transform: RigidTransform, node: Node, what: str) -> bool:
+        """Whether a transform leads too far to be computed with; a long way is worth a notice."""
+        distance = math.hypot(*transform.translation)
+        if distance > MEASURABLE_ARM:
+            self._error(
+                node.mark,
+                what,
+                f"{what} is {distance:.4g} m away: positions cannot be computed to a micrometre there",
+                accepted=f"a translation of at most {MEASURABLE_ARM:g} m",
+            )
+            return True
+        if distance > LONGEST[what]:
+            self.add(
+                Problem(
+                    message=f"{what} is {distance:.4g} m away",
+                    severity="notice",
+                    mark=node.mark,
+                    field=what,
+                    suggestion="if its xyz is in mm, declare it: `units: {length: mm}`, or write '300 mm'",
+                )
+            )
+        return False
 
     def _error(
         self,

@@ -39,6 +39,8 @@ LARGEST_ANGLE = 1000 * FULL_TURN
 """Angle of a table beyond which its sum with a joint value loses what a micrometre at the tool needs [rad]."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
+REMARKABLE_LIMIT = 4 * math.pi
+"""Bound of a revolute joint beyond which a person should look at it [rad]."""
 
 ACCEPTED_ANGLE = "an angle of at most 2000π rad, or 360000°"
 _TURNS = ("alpha", "theta", "offset")
@@ -300,7 +302,8 @@ class RowReader:
         moves = kind is not JointType.FIXED
         d = self._quantity("d", variables=_LINEAR_VARIABLES if linear else ())
         theta = self._quantity("theta", variables=_ROTARY_VARIABLES if moves and not linear else ())
-        offset = self._quantity("offset", linear=linear).value
+        said_offset = self._quantity("offset", linear=linear)
+        offset = said_offset.value
         sign = self._sign()
         if abs(theta.value) > FULL_TURN:
             self._notice(
@@ -310,7 +313,13 @@ class RowReader:
             )
         else:
             self._nearly_quarter_turn("theta", theta.value)
-        if not linear:
+        if not linear and abs(offset) > FULL_TURN:
+            self._notice(
+                f"{shown(self._cells['offset'].text)} is more than a full turn",
+                "offset",
+                None if self._angle_unit("offset", said_offset) else "if these are degrees, say so: `offset [deg]`",
+            )
+        elif not linear:
             self._nearly_quarter_turn("offset", offset)
         if not moves and offset:
             self._error("a fixed joint has no variable that an offset could be added to", "offset", accepted="0")
@@ -366,14 +375,19 @@ class RowReader:
                 self._error(f"there is {have} and no {name}", name, accepted="both lower and upper, or neither")
             elif number is not None and not linear and abs(number) > LARGEST_LIMIT:
                 self._limit_in_degrees(name)
+            elif number is not None and not linear and abs(number) > REMARKABLE_LIMIT and not self._says_unit(name):
+                text = shown(self._cells[name].text)
+                self._notice(f"{text} is more than two turns in rad", name, f"if these are degrees: `{name} [deg]`")
         if lower is not None and upper is not None and lower > upper and self.errors == errors:
             found = f"{shown(self._cells['lower'].text)} is above upper, {shown(self._cells['upper'].text)}"
             self._error(f"lower, {found}", "lower", accepted="lower at most upper", suggestion="are they exchanged?")
         return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
+    def _says_unit(self, name: str) -> bool:
+        return self._angle_unit(name, self._quantity(name))
+
     def _limit_in_degrees(self, name: str) -> None:
-        quantity = self._quantity(name)
-        if not self._angle_unit(name, quantity):
+        if not self._says_unit(name):
             self._error(
                 f"{shown(self._cells[name].text)} is more than ten turns in rad, and no unit is declared for it",
                 name,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
@@ -42,6 +42,21 @@ class TableOptions:
     tool: str | dict[str, Any] | list[Any] | None = field(
         default=None, metadata={"help": "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"}
     )
+
+    def __post_init__(self) -> None:
+        """Refuses words that mean nothing in any table.
+
+        Raises:
+            TableError: the convention or a unit is none that is known; whoever reads options knows its place.
+        """
+        problems: list[Problem] = []
+        Statements().say_options(self, problems.append)
+        if problems:
+            fields = {"units.length": "length_unit", "units.angle": "angle_unit"}
+            raise TableError(
+                replace(problem, mark=None, field=fields.get(problem.field or "", problem.field))
+                for problem in problems
+            )
 
 
 @dataclass(slots=True)
@@ -255,4 +270,10 @@ class Statements:
         for what, value in (("base", options.base), ("tool", options.tool)):
             if value is not None:
                 text = value if isinstance(value, str) else json.dumps(value)
-                self.say_transform(load_yaml(text, OPTIONS, TableError), what, add)
+                try:
+                    node = load_yaml(text if text.strip() else "~", OPTIONS, TableError)
+                except TableError as error:
+                    for problem in error.problems:
+                        add(replace(problem, field=what))
+                    continue
+                self.say_transform(node, what, add)

@@ -22,6 +22,8 @@ LONGEST_ARM = 100.0
 """Length of an arm that a careful person would look at twice [m]."""
 MEASURABLE_ARM = 1e9
 """Length of an arm beyond which a double cannot tell micrometres apart [m]."""
+HEAVIEST_LINK = 1e5
+"""Mass of a link that a careful person would look at twice [kg]."""
 
 
 def manipulator(
@@ -88,11 +90,15 @@ def _extents(rows: Sequence[DHRow], statements: Statements) -> list[Problem]:
     length = arm_length(rows)
     problems = []
     if length > MEASURABLE_ARM:
+        longest = max(rows, key=lambda row: max(abs(row.a), abs(row.d)))
+        field = "a" if abs(longest.a) >= abs(longest.d) else "d"
         problems.append(
             Problem(
-                message=f"the arm is {length:.4g} m long: positions on it cannot be computed to a micrometre",
-                mark=rows[0].mark,
-                field="a and d",
+                message=f"{field} is {getattr(longest, field):g} m, and the arm is {length:.4g} m long: positions on "
+                "it cannot be computed to a micrometre",
+                mark=longest.mark,
+                joint=longest.joint,
+                field=field,
                 accepted=f"an arm of at most {MEASURABLE_ARM:g} m",
             )
         )
@@ -109,31 +115,32 @@ def _extents(rows: Sequence[DHRow], statements: Statements) -> list[Problem]:
         )
     for row in rows:
         if row.com and math.hypot(*row.com) > max(length, 1.0):
-            problems.append(
-                Problem(
-                    message=f"the centre of mass is {math.hypot(*row.com):.4g} m from the joint's frame, and the whole "
-                    f"arm is {length:.4g} m long",
-                    severity="notice",
-                    mark=row.mark,
-                    joint=row.joint,
-                    field="com",
-                    suggestion="is it in another unit?",
-                )
+            message = (
+                f"the centre of mass is {math.hypot(*row.com):.4g} m from the joint's frame, and the whole arm is "
+                f"{length:.4g} m long"
             )
+            problems.append(_notice(row, "com", message))
+        if row.mass and row.mass > HEAVIEST_LINK:
+            problems.append(_notice(row, "mass", f"the link weighs {row.mass:.4g} kg"))
+        if row.radius and row.radius > max(length, 1.0):
+            problems.append(_notice(row, "radius", f"the link is {row.radius:.4g} m thick"))
         if (
             row.type is JointType.PRISMATIC
             and max(map(abs, (row.limits.lower or 0, row.limits.upper or 0))) > LONGEST_ARM
         ):
-            problems.append(
-                Problem(
-                    message="the joint slides further than 100 m",
-                    severity="notice",
-                    mark=row.mark,
-                    joint=row.joint,
-                    field="lower",
-                )
-            )
+            problems.append(_notice(row, "lower", "the joint slides further than 100 m"))
     return problems
+
+
+def _notice(row: DHRow, field: str, message: str) -> Problem:
+    return Problem(
+        message=message,
+        severity="notice",
+        mark=row.mark,
+        joint=row.joint,
+        field=field,
+        suggestion="is it in another unit?",
+    )
 
 
 def stopped(reader: RowReader) -> bool:

@@ -327,9 +327,7 @@ class _Table:
         self._error(
             mapping.key_mark(key),
             key,
-            f"{shown(key)} is {reason}, which neither convention has"
-            if reason
-            else f"{shown(key)} is no key of {what}",
+            f"{shown(key)} is {reason}, which no key holds" if reason else f"{shown(key)} is no key of {what}",
             found=key,
             accepted=", ".join(_JOINT_KEYS),
             suggestion=None if reason else near,

@@ -282,16 +282,35 @@ odd_cells = st.sampled_from(
         "1\xa0",
         "0",
         "DH",
+        "craig",
+        "q1",
+        "flange ",
+        "J1",
+        "link_1-tool0",
+        "base_link",
+        "2e4",
+        "-1e-400",
+        '"1\n2"',
+        '"revolute\n"',
     )
 )
 COLUMNS = ["robot", "joint", "link", "i", "type", "a", "alpha", "d", "theta", "offset", "lower", "upper", "velocity"]
+WORDS = ["revolute", "revolute", "R", "prismatic", "continuous", "fixed"]
+EXPRESSIONS = ["pi/2", "-pi/2", "0", "90deg", "0.1 + 0.02", "-0.25", "1e-3", "50 mm"]
+LIMITS = {
+    "lower": ["-1", "-2", "", "-0.5"],
+    "upper": ["1", "2", "", "pi"],
+    "velocity": ["1", "", "2"],
+    "effort": ["5", ""],
+}
 UNITS = {"a": "mm", "d": "cm", "alpha": "deg", "theta": "deg", "offset": "deg", "lower": "deg", "upper": "deg"}
 
 
 @st.composite
 def large_tables(draw: st.DrawFn) -> str:
     """Several manipulators, plain for the most part, with an odd cell now and then."""
-    columns = ["a", "alpha", "d", *draw(st.lists(st.sampled_from([*COLUMNS, "effort"]), max_size=9, unique=True))]
+    more = st.lists(st.sampled_from([*COLUMNS, "effort", "convention"]), max_size=9, unique=True)
+    columns = ["a", "alpha", "d", *draw(more)]
     columns = list(dict.fromkeys(columns))
     if draw(st.booleans()) and "lower" in columns:
         columns = list(dict.fromkeys([*columns, "lower", "upper", "velocity", "effort"]))
@@ -300,11 +319,18 @@ def large_tables(draw: st.DrawFn) -> str:
     ]
     delimiter = draw(st.sampled_from([",", ",", ";"]))
     lines = [delimiter.join([*headers, ""])]
+    mixed, own_names = draw(st.booleans()), draw(st.booleans())
+    expressions = draw(st.sets(st.sampled_from(["a", "alpha", "d", "theta", "offset"]), max_size=2))
     for robot in range(draw(st.integers(1, 4))):
+        end = f"_{robot}" if own_names else ""
         for number in range(1, draw(st.integers(1, 4)) + 1):
-            words = {"robot": f"arm{robot}", "joint": f"j{number}", "link": f"l{number}", "i": str(number)}
-            words |= {"type": "revolute", "velocity": "1", "effort": "2", "upper": "3"}
-            line = [words.get(name) or draw(plain_numbers) for name in columns]
+            words = {"robot": f"arm{robot}", "joint": f"j{number}{end}", "link": f"l{number}", "i": str(number)}
+            words |= {"type": "revolute", "velocity": "1", "effort": "2", "upper": "3", "convention": "DH"}
+            words |= {name: draw(st.sampled_from(EXPRESSIONS)) for name in sorted(expressions)}
+            if mixed:
+                words["type"] = draw(st.sampled_from(WORDS))
+                words |= {name: draw(st.sampled_from(texts)) for name, texts in LIMITS.items()}
+            line = [words[name] if name in words else draw(plain_numbers) for name in columns]
             if draw(st.integers(0, 5)) == 0:
                 line[draw(st.integers(0, len(line) - 1))] = draw(odd_cells)
             lines.append(delimiter.join([*line, ""]))
@@ -312,7 +338,7 @@ def large_tables(draw: st.DrawFn) -> str:
 
 
 @given(large_tables())
-@settings(max_examples=400)
+@settings(max_examples=600)
 def test_the_fast_way_reads_what_the_careful_one_reads(content: str) -> None:
     """Every manipulator, every notice and every error is the same with and without it."""
     fast = PlainRows.read
@@ -331,7 +357,8 @@ def test_the_fast_way_reads_what_the_careful_one_reads(content: str) -> None:
         for way in (counted, careful):
             PlainRows.read = way  # type: ignore[assignment, method-assign]
             try:
-                read_back = read(content.encode(), ".csv", convention="standard")
+                options = {} if "convention" in content.partition("\n")[0] else {"convention": "standard"}
+                read_back = read(content.encode(), ".csv", **options)
                 results.append([(arm, [str(p) for p in problems(arm)], marks(arm)) for arm in read_back])
             except TableError as error:
                 results.append(str(error))
@@ -356,7 +383,7 @@ def strip_folder(result: Any) -> str:
 
 def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, monkeypatch: Any) -> None:
     """A table of a benchmark's kind, units and limits included, goes the fast way as a whole."""
-    header = "robot,i,joint,type,a [mm],alpha [deg],d [mm],theta [deg],lower [deg],upper [deg],velocity,effort"
+    header = "robot,i,joint,type,a [mm],alpha [deg],d [mm],theta [deg],lower [deg],upper [deg],velocity [rad/s],effort"
     lines = [
         f"r{robot},{joint},joint_{joint},revolute,{joint}.5,90,{robot}.25,-45,-180,180,3.14,50"
         for robot in range(2000)

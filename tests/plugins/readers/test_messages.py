@@ -123,7 +123,8 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,a [inch],alpha,d\nj1,0,0,0.1\n",
-        "arm.csv:1:7: error: field 'a': 'inch' is no unit of length that is known\n    accepted: m, cm, mm, µm",
+        "arm.csv:1:7: error: field 'a': 'inch' is no unit of length that is known\n    accepted: m, cm, mm, µm\n"
+        "    convert the numbers: 1 inch is 25.4 mm, 1 foot is 304.8 mm, 1 gon is 0.9 deg",
     ),
     Case(
         "a unit of something else",
@@ -266,7 +267,7 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,type,a,alpha,d,theta\nj1,revolute,1e300,0,0.1,0\n",
-        "arm.csv:2: error: manipulator 'arm', field 'a and d': the arm is 1e+300 m long: positions on it cannot be computed to a micrometre\n"
+        "arm.csv:2: error: joint 'j1', field 'a': a is 1e+300 m, and the arm is 1e+300 m long: positions on it cannot be computed to a micrometre\n"
         "    accepted: an arm of at most 1e+09 m",
     ),
     Case(
@@ -489,7 +490,7 @@ CASES = [
         ".csv",
         {"convention": "khalil"},
         "joint,type,a,alpha,d,theta\nj1,revolute,0,0,0.1,0\n",
-        "an option: error: field 'convention': 'khalil' is no convention that is known\n"
+        "error: field 'convention': 'khalil' is no convention that is known\n"
         "    accepted: standard, dh, sdh, classic, classical, distal, spong, paul for A = Rz(theta) Tz(d) Tx(a) Rx(alpha); modified, mdh, modified dh, craig, proximal for A = Rx(alpha) Tx(a) Rz(theta) Tz(d)",
     ),
     Case(
@@ -627,6 +628,7 @@ CASES = [
         "units: {length: inch, angel: deg}\nconvention: standard\njoints:\n- {a: 0, alpha: 0, d: 1}\n",
         "arm.yaml:1:17: error: manipulator 'arm', field 'units.length': 'inch' is no unit of length that is known\n"
         "    accepted: m, cm, mm, µm\n"
+        "    convert the numbers: 1 inch is 25.4 mm, 1 foot is 304.8 mm, 1 gon is 0.9 deg\n"
         "arm.yaml:1:23: error: manipulator 'arm', field 'units.angel': 'angel' is nothing that has a unit of its own\n"
         "    accepted: length, angle\n"
         "    did you mean 'angle'?",

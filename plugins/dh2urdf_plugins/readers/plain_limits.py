@@ -1,0 +1,114 @@
+"""The limits of joints about which there is nothing to say."""
+
+from __future__ import annotations
+
+import math
+from operator import le
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import JointType, Limits
+from dh2urdf_plugins.readers.cells import SPACES
+from dh2urdf_plugins.readers.plain_numbers import REMEMBERED, PlainNumbers, plain_quantity
+from dh2urdf_plugins.readers.records import make_limits
+from dh2urdf_plugins.readers.rows import NO_LIMITS, REMARKABLE_LIMIT
+from dh2urdf_plugins.readers.tables import LONGEST_ARM
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from dh2urdf_plugins.readers.cells import Units
+
+LIMITS = ("lower", "upper", "velocity", "effort")
+_FEW = 20
+"""New limits among some rows that are read one by one [1]; of more, all are read by column."""
+
+
+class PlainLimits:
+    """Reads the limits of rows, where they are plain."""
+
+    def __init__(self, columns: Mapping[str, int], units: Units, kinds: Mapping[str, JointType]) -> None:
+        """Takes the columns and the units of a table, and the types that its words mean."""
+        self.units = units
+        self.kinds = kinds
+        self.columns = {name: columns[name] for name in LIMITS if name in columns}
+        self.numbers = {name: PlainNumbers(name, units) for name in self.columns}
+        self.bounds = tuple(
+            math.inf if units.angle or name in units.columns else REMARKABLE_LIMIT for name in ("lower", "upper")
+        )
+        self.known: dict[tuple[str, ...], Limits] = {}
+
+    def read(self, words: Sequence[str], columns: Sequence[Sequence[str]]) -> list[Limits] | None:
+        """The limits of the joints, or None where there is anything to say about one of them.
+
+        Args:
+            words: what the table calls the type of each joint.
+            columns: the cells of the table by column.
+        """
+        if not self.columns:
+            return [NO_LIMITS] * len(words)
+        known = self.known
+        keys = list(zip(words, *(columns[index] for index in self.columns.values()), strict=True))
+        try:
+            return list(map(known.__getitem__, keys))  # the robots of a table mostly share a few
+        except KeyError:
+            pass
+        if len(known) > REMEMBERED:
+            known.clear()
+        missing = set(keys) - known.keys()
+        if len(missing) > _FEW and (numbers := self._decimals(columns)):
+            return self._by_column({self.kinds[word] for word in set(words)}, numbers)
+        for key in missing:
+            if (limits := self._one(*key)) is None:
+                return None
+            known[key] = limits
+        return list(map(known.__getitem__, keys))
+
+    def _decimals(self, columns: Sequence[Sequence[str]]) -> dict[str, list[float]] | None:
+        """The columns as numbers, where they hold nothing else."""
+        read: dict[str, list[float]] = {}
+        for name, index in self.columns.items():
+            if (numbers := self.numbers[name].decimals(columns[index])) is None:
+                return None
+            read[name] = numbers
+        return read
+
+    def _by_column(self, kinds: set[JointType], numbers: dict[str, list[float]]) -> list[Limits] | None:
+        """Limits of which every joint has its own."""
+        if kinds & {JointType.FIXED, JointType.CONTINUOUS} or not math.isfinite(sum(map(sum, numbers.values()))):
+            return None
+        lower, upper, velocity, effort = map(numbers.get, LIMITS)
+        smallest, largest = (
+            min(bound, LONGEST_ARM) if JointType.PRISMATIC in kinds else bound for bound in self.bounds
+        )
+        if lower and upper:
+            if not (-smallest <= min(lower) and max(upper) <= largest and all(map(le, lower, upper))):
+                return None
+        elif lower or upper:
+            return None
+        if min(velocity or [1.0]) <= 0 or min(effort or [1.0]) <= 0:
+            return None
+        count = max(map(len, numbers.values()))
+        nothing = [None] * count
+        return make_limits(zip(lower or nothing, upper or nothing, velocity or nothing, effort or nothing, strict=True))
+
+    def _one(self, word: str, *texts: str) -> Limits | None:
+        """The limits that some cells say to a joint of some type."""
+        kind = self.kinds[word]
+        linear = kind is JointType.PRISMATIC
+        values: dict[str, float] = {}
+        for name, text in zip(self.columns, texts, strict=True):
+            if text.strip(SPACES):
+                if (value := plain_quantity(text, self.units, name, linear=linear)) is None:
+                    return None
+                values[name] = value
+        if not values:
+            return NO_LIMITS
+        lower, upper, velocity, effort = map(values.get, LIMITS)
+        smallest, largest = (LONGEST_ARM, LONGEST_ARM) if linear else self.bounds
+        bounded = lower is not None and upper is not None and -smallest <= lower <= upper <= largest
+        free = lower is None and upper is None
+        if kind is JointType.FIXED or not (free or (bounded and kind is not JointType.CONTINUOUS)):
+            return None
+        if any(number is not None and number <= 0 for number in (velocity, effort)):
+            return None
+        return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)

@@ -1,0 +1,109 @@
+"""Columns of plain numbers, read at the speed of Python's own loops."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from dh2urdf.quantities import Dimension, QuantityError, evaluate
+from dh2urdf.rotations import HALF_PI
+from dh2urdf_plugins.readers.cells import SPACES
+from dh2urdf_plugins.readers.fields import FIELDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.quantities import Unit
+    from dh2urdf_plugins.readers.cells import Units
+
+REMEMBERED = 10_000
+"""Texts, or sets of texts, whose meaning is remembered [1]."""
+LINE_END = "\n"
+"""What a cell in quotes may hold, and no plain one does."""
+
+
+class PlainNumbers:
+    """Reads a column of numbers.
+
+    Attributes:
+        has_expressions: whether anything but decimal numbers was among those that were read last.
+    """
+
+    def __init__(self, name: str, units: Units) -> None:
+        """Takes the field of the column, and the units of the table."""
+        self.name = name
+        self.units = units
+        self.has_expressions = False
+        self._converted = _converter(foreign_unit(units, name))
+        self._known: dict[str, float] = {}
+
+    def read(self, column: Sequence[str]) -> list[float] | None:
+        """The SI numbers of a column of texts, or None where one of them is not plain."""
+        numbers = self.decimals(column)
+        self.has_expressions = numbers is None
+        return self._by_text(column) if numbers is None else numbers
+
+    def decimals(self, column: Sequence[str]) -> list[float] | None:
+        """The same where all are decimal numbers; infinities and what is no number may be among them."""
+        try:
+            numbers = self._converted(column)
+        except ValueError:
+            return None
+        text = "".join(column)  # `float` reads 1_0 and digits of other scripts too
+        if "_" in text or LINE_END in text or not text.isascii():
+            return None
+        return [number + 0.0 for number in numbers] if "-" in text and 0.0 in numbers else numbers  # 0 for each −0
+
+    def _by_text(self, column: Sequence[str]) -> list[float] | None:
+        """The same where some are expressions, of which a table has few that differ."""
+        known = self._known
+        if len(known) > REMEMBERED:
+            known.clear()
+        for text in set(column) - known.keys():
+            value = plain_quantity(text, self.units, self.name)
+            if value is None:
+                return None
+            known[text] = value
+        return list(map(known.__getitem__, column))
+
+
+def plain_quantity(text: str, units: Units, name: str, *, linear: bool = False) -> float | None:
+    """The SI number that a cell says, or None where there is anything else to say of it.
+
+    Args:
+        text: the cell.
+        units: the units of the table.
+        name: the field.
+        linear: whether the joint is prismatic.
+    """
+    field = FIELDS[name]
+    dimension = (field.linear if linear else None) or field.dimension or Dimension.NUMBER
+    unit = units.columns.get(name) or units.of(dimension)
+    if (unit and unit.dimension is not dimension) or (units.decimal_comma and "," in text) or LINE_END in text:
+        return None
+    if unit is None and text.isascii() and "_" not in text:
+        with suppress(ValueError):
+            if math.isfinite(number := float(text)):  # as most are; `evaluate` takes eight times as long
+                return number + 0.0
+    try:
+        quantity = evaluate(text.strip(SPACES), dimension, unit)
+    except QuantityError:
+        return None
+    return None if quantity.variable else quantity.value
+
+
+def foreign_unit(units: Units, name: str) -> Unit | None:
+    """The unit of a column, None where it is the SI unit."""
+    unit = units.columns.get(name) or units.of(FIELDS[name].dimension or Dimension.NUMBER)
+    return unit if unit and (unit.power or unit.degrees) else None
+
+
+def _converter(unit: Unit | None) -> Callable[[Sequence[str]], list[float]]:
+    """What makes SI numbers of a column of decimal numbers; it raises ValueError where a text is something else."""
+    if unit is None:
+        return lambda column: list(map(float, column))
+    if unit.degrees:
+        return lambda column: [float(text) / 90 * HALF_PI for text in column]
+    suffix = f"e{unit.power}"  # a text with an exponent of its own becomes no number, and is read as an expression
+    return lambda column: [float(text + suffix) for text in column]

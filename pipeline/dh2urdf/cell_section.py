@@ -99,7 +99,7 @@ class CellsReader(SectionReader):
     def _needed(self, node: Node, given: dict[str, Node], key: str, field: str, accepted: str) -> str | None:
         if key not in given and isinstance(node.value, dict):
             what = "arm" if ".arms." in field else "cell"
-            self.say(f"this {what} has no {key}", node, f"{field}.{key}", accepted=accepted)
+            self.say(f"this {what} has no {shown(key)}", node, f"{field}.{key}", accepted=accepted)
         return self.name(given.get(key), f"{field}.{key}")
 
     def _parent(self, node: Node | None, field: str) -> tuple[str | None, str]:
@@ -185,21 +185,23 @@ class CellsReader(SectionReader):
             )
         if orphans:
             return ()
-        ordered: dict[str | None, ArmCall | None] = {None: None}
+        ordered: dict[str, ArmCall] = {}
         waiting = list(arms)
         while waiting:
-            ready = [arm for arm in waiting if arm.parent in ordered]
-            if not ready:
-                circle = " and ".join(f"{shown(arm.name)} on {shown(f'{arm.parent}/{arm.link}')}" for arm in waiting)
+            for arm in waiting:
+                if arm.parent is None or arm.parent in ordered:
+                    ordered[arm.name] = arm
+            left = [arm for arm in waiting if arm.name not in ordered]
+            if len(left) == len(waiting):
+                circle = " and ".join(f"{shown(arm.name)} on {shown(f'{arm.parent}/{arm.link}')}" for arm in left)
                 self.say(
                     f"these arms hold each other in a circle: {circle}",
                     node,
                     f"{field}.arms",
-                    mark=waiting[0].parent_mark,
-                    found=f"{waiting[0].parent}/{waiting[0].link}",
+                    mark=left[0].parent_mark,
+                    found=f"{left[0].parent}/{left[0].link}",
                     accepted="a parent for each, so that every way leads to the world",
                 )
                 return ()
-            ordered |= {arm.name: arm for arm in ready}
-            waiting = [arm for arm in waiting if arm.name not in ordered]
-        return tuple(arm for arm in ordered.values() if arm is not None)
+            waiting = left
+        return tuple(ordered.values())

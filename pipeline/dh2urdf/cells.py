@@ -28,6 +28,8 @@ WORLD = "world"
 WEIGHTLESS = Inertial(mass=0.0)
 REMEMBERED = 1000
 """Names of manipulators that a message may suggest [1]; a run may have a million."""
+SHOWN = 20
+"""Names of manipulators that a message lists [1]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,19 +131,20 @@ class Gathering:
 
     def _problems(self, arm: ArmCall, items: Sequence[Manipulator | Rejected]) -> Iterator[Problem]:
         """Why an arm has no table."""
-        if not items:
-            message = f"the arm {shown(arm.name)} is a {shown(arm.of)}, and no manipulator of the run has that name"
-            few = list(dict.fromkeys(self._names))
-            accepted = ", ".join(few[:20]) + (f" and {len(few) - 20} more" if len(few) > 20 else "")  # noqa: PLR2004
-            yield _of(arm, message, "of", arm.of_mark, accepted=accepted or None, suggestion=did_you_mean(arm.of, few))
-        elif len(items) > 1:
-            marks = " and ".join(str(item.mark) for item in items if item.mark)
-            message = (
-                f"the arm {shown(arm.name)} is a {shown(arm.of)}, and the run has several manipulators of that name"
-            )
-            yield _of(arm, message, "of", arm.of_mark, suggestion=f"they stand at {marks}" if marks else None)
-        else:
-            yield from cannot_be(arm, items[0].problems if isinstance(items[0], Rejected) else ())
+        made = f"the arm {shown(arm.name)} is made of {shown(arm.of)}, and"
+        match items:
+            case []:
+                names = list(dict.fromkeys(self._names))
+                accepted = ", ".join([*names[:SHOWN], *(["…"] if len(names) > SHOWN else [])])
+                near = did_you_mean(arm.of, names)
+                message = f"{made} no manipulator of the run has that name"
+                yield _of(arm, message, "of", arm.of_mark, accepted=accepted or None, suggestion=near)
+            case [Rejected(problems=problems)]:
+                yield from cannot_be(arm, problems)
+            case _:
+                marks = " and ".join(str(item.mark) for item in items if item.mark)
+                message = f"{made} several manipulators have that name"
+                yield _of(arm, message, "of", arm.of_mark, suggestion=f"they stand at {marks}" if marks else None)
 
 
 def cannot_be(arm: ArmCall, problems: Sequence[Problem]) -> Iterator[Problem]:

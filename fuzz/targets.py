@@ -32,6 +32,7 @@ from dh2urdf.registry import load
 from dh2urdf.robot_check import check_robot
 from dh2urdf.run import make_plan
 from dh2urdf.stages import Rejected
+from dh2urdf.truth import Truth
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.plain_rows import PlainRows
@@ -141,9 +142,10 @@ def _check_arm(arm: Manipulator) -> None:
         _check_problems([problem for problem in error.problems if problem.severity == "error"], "error")
         return
     _check_problems(robot.notices, "notice")
-    poses = proof_vectors(arm, robot, 2)
+    truth = Truth.of(arm)
+    poses = proof_vectors(truth, robot, 2)
     written = parse_urdf(file.content, "arm.urdf")
-    proof = prove(arm, written, poses)
+    proof = prove(truth, written, poses)
     _hold(proof.holds, f"the description is another arm: {proof}")
 
 

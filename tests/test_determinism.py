@@ -28,7 +28,7 @@ def folder(
     reference_robots: Sequence[ReferenceRobot],
     as_table: Callable[..., str],
 ) -> Path:
-    """Tables of quarter-turn robots, and two run files for them."""
+    """Tables of quarter-turn robots, and two run files for them and a cell of two."""
     folder = tmp_path_factory.mktemp("determinism")
     (folder / "tables").mkdir()
     for path in TABLES.iterdir():
@@ -39,6 +39,7 @@ def folder(
     for frames in ("aligned", "dh"):
         (folder / f"{frames}.yaml").write_text(
             f"inputs: [tables/*.csv, tables/*.yaml]\n"
+            f"cells: {{name: pair, arms: [{{name: a, of: ur5}}, {{name: b, of: panda, parent: a/link_3, rpy: [1, 0, 0]}}]}}\n"
             f"transform: {{stage: alpha-swap, options: {{frames: {frames}}}}}\n"
             f"emitters: [urdf, xacro]\n"
             f"proof: {{poses: 4}}\n"
@@ -79,7 +80,8 @@ def test_every_run_writes_the_same_bytes(
 ) -> None:
     """Another hash seed, another number of workers, another folder: not a byte differs, not in the report either."""
     again = written(folder, frames, f"again_{frames}_{seed}", seed=seed, workers=workers)
-    assert len(first) == 3 * (4 + len(QUARTER_TURNS)) + 1
+    robots = len(list(TABLES.iterdir())) + len(QUARTER_TURNS) + 1  # the cell
+    assert len(first) == 3 * robots + 1
     assert set(again) == set(first)
     assert [name for name in first if first[name] != again[name]] == []
 

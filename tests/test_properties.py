@@ -16,6 +16,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulato
 from dh2urdf.options import make_options
 from dh2urdf.registry import load
 from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -131,5 +132,6 @@ def convert(table: Path, frames: str) -> Path:
     )
     (manipulator,) = read_items(reader, table, reader.options())
     assert isinstance(manipulator, Manipulator)
-    write_robot(manipulator, make_robot(manipulator, recipe.transform), recipe, directory=table.parent, stem=frames)
+    robot = make_robot(manipulator, recipe.transform)
+    write_robot(Truth.of(manipulator), robot, recipe, directory=table.parent, stem=frames)
     return table.parent / f"{frames}.urdf"

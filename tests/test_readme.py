@@ -49,9 +49,9 @@ def block(language: str, containing: str = "") -> str:
 
 
 def test_no_block_goes_untested() -> None:
-    """The README has the two blocks of `.ci/run` and the four of this file."""
+    """The README has the two blocks of `.ci/run` and the five of this file."""
     tags = [tag for tag, _ in BLOCK.findall(README.read_text("utf-8"))]
-    assert tags == ["sh", "sh", "csv", "sh", "yaml", "python"]
+    assert tags == ["sh", "sh", "csv", "sh", "yaml", "yaml", "python"]
     assert README.read_text("utf-8").count("```") == 2 * len(tags)
 
 
@@ -126,7 +126,7 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     folder = tmp_path_factory.mktemp("readme")
     shutil.copytree(ROOT / "configs", folder / "configs")
-    (folder / "run.yaml").write_text(block("yaml"), "utf-8")
+    (folder / "run.yaml").write_text(block("yaml", "execution:"), "utf-8")
     assert _status(["run", str(folder / "run.yaml")], debug=False) == 0
     return folder / "build" / "ur5"
 
@@ -152,7 +152,9 @@ def test_the_errors_are_as_small_as_the_readme_says(output: Path) -> None:
 def test_what_the_run_file_says_is_the_default(tmp_path: Path) -> None:
     """All but inputs, loaders, the xacro and the folder could be left out: the defaults are what it says."""
     (tmp_path / "short.yaml").write_text("inputs: table.csv\n")
-    (tmp_path / "long.yaml").write_text(block("yaml").replace("configs/tables/ur5.csv", "table.csv"), "utf-8")
+    (tmp_path / "long.yaml").write_text(
+        block("yaml", "execution:").replace("configs/tables/ur5.csv", "table.csv"), "utf-8"
+    )
     shutil.copy(ROOT / "configs" / "tables" / "ur5.csv", tmp_path / "table.csv")
     catalog = load()
     short, long = (make_plan(load_config(tmp_path / f"{name}.yaml"), catalog) for name in ("short", "long"))
@@ -160,6 +162,23 @@ def test_what_the_run_file_says_is_the_default(tmp_path: Path) -> None:
     assert short.recipe.emitters == long.recipe.emitters[:1]
     assert (short.executor, short.executor_options) == (long.executor, long.executor_options)
     assert [call.options for call in long.recipe.loaders] == [call.stage.options() for call in long.recipe.loaders]
+
+
+def test_the_cell_is_made(tmp_path: Path) -> None:
+    """The run file of a cell writes what is said of it, and every tool0 is proved."""
+    shutil.copytree(ROOT / "configs", tmp_path / "configs")
+    (tmp_path / "run.yaml").write_text(block("yaml", "cells:"), "utf-8")
+    *_, cell = execute(make_plan(load_config(tmp_path / "run.yaml"), load()))
+    assert (cell.name, cell.status) == ("workshop", "ok")
+    names = {file.name for written in cell.written for file in written.files}
+    assert names == {"workshop.urdf", "workshop.urdf.xacro", "workshop_macro.xacro"}
+    assert all(
+        list(written.proof.tips) == ["track_tool0", "rider_tool0", "f_tool0"]
+        for written in cell.written
+        if written.proof
+    )
+    links = {link.get("name") for link in etree.parse(tmp_path / "build" / "run" / "workshop.urdf").findall("link")}
+    assert {"world", "track_base_link", "rider_link_1", "f_flange"} <= links
 
 
 def test_the_density_is_the_default() -> None:

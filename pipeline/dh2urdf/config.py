@@ -16,19 +16,20 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dh2urdf.cell_section import CellsReader
+from dh2urdf.cells import CellCall
 from dh2urdf.documents import Node, expect_mapping, read_yaml
 from dh2urdf.errors import ConfigError
 from dh2urdf.options import COMMAND_LINE
+from dh2urdf.sections import SectionReader
 from dh2urdf.settings import with_setting
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.textfiles import LONG_PATH, check_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-SECTIONS = ("inputs", "transform", "emitters", "loaders", "output", "execution", "proof")
-LATER_SECTIONS = ("cells", "variations")
-"""Sections of the run file's design that this version does not know yet."""
+SECTIONS = ("inputs", "cells", "transform", "emitters", "loaders", "output", "execution", "proof")
 DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
 DEFAULT_EXECUTOR = "local"
@@ -88,6 +89,7 @@ class RunConfig:
         loaders: what loads the files into simulators.
         execution: what does the work.
         directory: where the output goes.
+        cells: robots of several arms that are made besides.
         poses: random joint vectors at which each written file is compared with its table.
         problems: what is wrong with the file; nothing may start while there is any.
     """
@@ -98,6 +100,7 @@ class RunConfig:
     loaders: tuple[StageCall, ...]
     execution: StageCall
     directory: Path
+    cells: tuple[CellCall, ...] = ()
     poses: int = DEFAULT_POSES
     problems: tuple[Problem, ...] = ()
 
@@ -126,7 +129,7 @@ def load_config(path: Path, overrides: Sequence[str] = ()) -> RunConfig:
     """
     root = read_yaml(path)
     keys = expect_mapping(root, "a run file").keys()
-    if keys and not any(get_close_matches(key, (*SECTIONS, *LATER_SECTIONS), cutoff=0.75) for key in keys):
+    if keys and not any(get_close_matches(key, SECTIONS, cutoff=0.75) for key in keys):
         raise ConfigError(
             Problem(
                 message="this is no run file: it has none of its sections",
@@ -157,6 +160,7 @@ def _written_out(root: Node) -> Node:
     sections = {
         **given,
         "inputs": _list_of(given.get("inputs"), "path", root),
+        "cells": _list_of(given.get("cells"), "name", root),
         "transform": _mapping_of(given.get("transform", _text(DEFAULT_TRANSFORM, root)), "stage"),
         "emitters": _list_of(given.get("emitters", _text(DEFAULT_EMITTER, root)), "stage", root),
         "loaders": _list_of(given.get("loaders"), "stage", root),
@@ -204,19 +208,19 @@ def _matches(folder: Path, pattern: str) -> Iterator[Path]:
 # --- The sections -----------------------------------------------------------------------------------------------------
 
 
-class _Sections:
+class _Sections(SectionReader):
     """Reads the sections of a run file and gathers what is wrong with them."""
 
     def __init__(self, root: Node, path: Path, problems: list[Problem]) -> None:
+        super().__init__(problems)
         self.root = root
         self.path = path
-        self.problems = problems
 
     def config(self) -> RunConfig:
         """The run file."""
-        sections = self._entries(self.root, SECTIONS, "")
-        output = self._entries(sections["output"], ("directory",), "output")
-        proof = self._entries(sections["proof"], ("poses",), "proof")
+        sections = self.entries(self.root, SECTIONS, "")
+        output = self.entries(sections["output"], ("directory",), "output")
+        proof = self.entries(sections["proof"], ("poses",), "proof")
         directory = self._path_text(output.get("directory"), "output.directory")
         return RunConfig(
             inputs=tuple(self._inputs(sections["inputs"])),
@@ -227,6 +231,7 @@ class _Sections:
             execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR)
             or StageCall(stage=DEFAULT_EXECUTOR),
             directory=self._resolved(*directory) if directory else self.path.parent / "build" / self.path.stem,
+            cells=CellsReader(self.problems).read(sections["cells"]),
             poses=self._poses(proof.get("poses")),
             problems=tuple(self.problems),
         )
@@ -234,7 +239,7 @@ class _Sections:
     def _inputs(self, section: Node) -> Iterator[InputCall]:
         entries = section.value if isinstance(section.value, list) else []
         if not entries:
-            self._say(
+            self.say(
                 "there is nothing to read",
                 section,
                 "inputs",
@@ -242,15 +247,15 @@ class _Sections:
             )
         for index, node in enumerate(entries):
             field = f"inputs.{index}"
-            given = self._entries(node, ("path", "stage", "options"), field)
+            given = self.entries(node, ("path", "stage", "options"), field)
             path = self._path_text(given.get("path"), f"{field}.path")
             if "path" not in given and isinstance(node.value, dict):
-                self._say("this input has no path", node, field, accepted="`path: FILE`, where FILE may be a pattern")
+                self.say("this input has no path", node, field, accepted="`path: FILE`, where FILE may be a pattern")
             if path is None:
                 continue
             yield InputCall(
                 paths=tuple(self._files(*path, f"{field}.path")),
-                stage=self._name(given.get("stage"), f"{field}.stage"),
+                stage=self.name(given.get("stage"), f"{field}.stage"),
                 options=self._options(given.get("options"), f"{field}.options"),
                 mark=given.get("stage", given["path"]).mark,
             )
@@ -258,14 +263,14 @@ class _Sections:
     def _calls(self, section: Node, field: str, needed: str = "") -> Iterator[StageCall]:
         entries = section.value if isinstance(section.value, list) else []
         if needed and not entries:
-            self._say(f"the list is empty, and {needed}", section, field, accepted="at least one stage")
+            self.say(f"the list is empty, and {needed}", section, field, accepted="at least one stage")
         seen: dict[str, Mark | None] = {}
         for index, node in enumerate(entries):
             call = self._call(node, f"{field}.{index}")
             if call is None:
                 continue
             if call.stage in seen:
-                self._say(
+                self.say(
                     f"the stage {shown(call.stage)} stands twice: both would make the same files",
                     node,
                     field,
@@ -279,10 +284,10 @@ class _Sections:
     def _call(self, node: Node, field: str, default: str | None = None) -> StageCall | None:
         """One stage and its options; None where it is not said which."""
         before = len(self.problems)
-        given = self._entries(node, ("stage", "options"), field)
+        given = self.entries(node, ("stage", "options"), field)
         if default is None and "stage" not in given and len(self.problems) == before:
-            self._say("it is not said which stage is meant", node, field, accepted="`stage: NAME`")
-        name = self._name(given.get("stage"), f"{field}.stage") or default
+            self.say("it is not said which stage is meant", node, field, accepted="`stage: NAME`")
+        name = self.name(given.get("stage"), f"{field}.stage") or default
         options = self._options(given.get("options"), f"{field}.options")
         return StageCall(stage=name, options=options, mark=given.get("stage", node).mark) if name else None
 
@@ -291,7 +296,7 @@ class _Sections:
             return None
         if isinstance(node.value, dict):
             return node
-        self._say(f"options cannot be {node.describe()}", node, field, accepted="a mapping such as {frames: dh}")
+        self.say(f"options cannot be {node.describe()}", node, field, accepted="a mapping such as {frames: dh}")
         return None
 
     def _poses(self, node: Node | None) -> int:
@@ -299,7 +304,7 @@ class _Sections:
             return DEFAULT_POSES
         if isinstance(node.value, int) and not isinstance(node.value, bool) and 1 <= node.value <= MAX_POSES:
             return node.value
-        self._say(
+        self.say(
             f"the number of poses cannot be {node.describe()}",
             node,
             "proof.poses",
@@ -310,14 +315,14 @@ class _Sections:
     # --- Paths
 
     def _path_text(self, node: Node | None, field: str) -> tuple[str, Node] | None:
-        text = self._name(node, field)
+        text = self.name(node, field)
         if node is None or text is None:
             return None
         if "\0" in text:
-            self._say("a path cannot hold the character U+0000", node, field)
+            self.say("a path cannot hold the character U+0000", node, field)
             return None
         if (found := _SHELL.search(text)) and (found.start() == 0 or found[0].startswith("$")):
-            self._say(
+            self.say(
                 f"nothing takes the place of {shown(found[0])} in a path of a run file",
                 node,
                 field,
@@ -342,70 +347,17 @@ class _Sections:
             paths = sorted(islice(_matches(self._folder(node), text), MAX_FILES + 1))
             if len(paths) > MAX_FILES:
                 accepted = f"at most {MAX_FILES} files for one pattern"
-                self._say(f"more than {MAX_FILES} files match {shown(text)}", node, field, accepted=accepted)
+                self.say(f"more than {MAX_FILES} files match {shown(text)}", node, field, accepted=accepted)
                 return
             paths = [_tidy(path) for path in paths]
             if not paths:
                 folder = self._folder(node).absolute()
-                self._say(f"no file matches {shown(text)} in the folder {shown(str(folder), LONG_PATH)}", node, field)
+                self.say(f"no file matches {shown(text)} in the folder {shown(str(folder), LONG_PATH)}", node, field)
         for file in paths:
             try:
                 check_file(file)
             except ConfigError as error:
                 why = error.problems[0]
-                self._say(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=why.suggestion)
+                self.say(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=why.suggestion)
             else:
                 yield file
-
-    # --- What is wrong
-
-    def _entries(self, node: Node, known: Sequence[str], field: str) -> dict[str, Node]:
-        """The entries of a mapping that has no other keys than the known ones."""
-        if not isinstance(node.value, dict):
-            accepted = f"a mapping of {', '.join(known)}"
-            self._say(f"this cannot be {node.describe()}", node, field, accepted=accepted)
-            return {}
-        for key in node.value:
-            if key in known:
-                continue
-            if not field and key in LATER_SECTIONS:
-                message = f"this version of dh2urdf does not know the section {shown(key)} yet"
-                suggestion: str | None = "remove it"
-            else:
-                message = f"a run file has no {shown(key)} here"
-                near = did_you_mean(key, known)
-                suggestion = near or ("the options of a stage stand under `options:`" if "options" in known else None)
-            self.problems.append(
-                Problem(
-                    message=message,
-                    mark=node.key_mark(key),
-                    field=f"{field}.{key}".lstrip("."),
-                    found=key,
-                    accepted=", ".join(known),
-                    suggestion=suggestion,
-                )
-            )
-        return node.value
-
-    def _name(self, node: Node | None, field: str) -> str | None:
-        """A text that must not be empty."""
-        if node is None:
-            return None
-        if isinstance(node.value, (dict, list)) or node.value is None or not node.text:
-            self._say(f"this cannot be {node.describe()}", node, field, accepted="a text")
-            return None
-        return node.text
-
-    def _say(
-        self, message: str, node: Node, field: str, *, accepted: str | None = None, suggestion: str | None = None
-    ) -> None:
-        self.problems.append(
-            Problem(
-                message=message,
-                mark=node.mark,
-                field=field or None,
-                found=node.text,
-                accepted=accepted,
-                suggestion=suggestion,
-            )
-        )

@@ -12,14 +12,15 @@ from functools import cache
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from dh2urdf.errors import Dh2UrdfError, EmitterError, ProofError, RobotError, StageError
+from dh2urdf.cells import Cell, cannot_be, compose, truth_of
+from dh2urdf.errors import Dh2UrdfError, EmitterError, ManipulatorError, ProofError, RobotError, StageError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output import put_in_place, staging, write_files
 from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
 from dh2urdf.registry import RECORDS, Catalog, load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter, Kind, Loader, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.proof import Poses
+    from dh2urdf.truth import Truth
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 T = TypeVar("T")
@@ -120,14 +122,40 @@ def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Rob
     """
     with blaming("transform", transform.stage.name):
         robot = a_record(transform.stage.transform(manipulator, transform.options), Robot)
-    problems = [problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in check_robot(robot)]
+    return _checked(robot, manipulator.mark)
+
+
+def make_cell(cell: Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
+    """The robot of a cell, checked, and what its tables say of it.
+
+    What there is to notice of each arm is said with the manipulator that it is.
+
+    Raises:
+        ManipulatorError: the transform refuses an arm, the arms do not go together, or the robot breaks a rule.
+    """
+    robots: dict[str, Robot] = {}
+    problems: list[Problem] = []
+    for arm in {arm.of: arm for arm in reversed(cell.call.arms)}.values():
+        try:
+            robots[arm.of] = make_robot(cell.manipulators[arm.of], transform)
+        except ManipulatorError as error:
+            problems += cannot_be(arm, error.problems)
+    if problems:
+        raise RobotError(problems)
+    robot = _checked(compose(cell, robots), cell.mark)
+    return robot, truth_of(cell, robots)
+
+
+def _checked(robot: Robot, mark: Mark | None) -> Robot:
+    """A robot that breaks no rule, with the notices of the check."""
+    problems = [problem.about(robot=robot.name, mark=mark) for problem in check_robot(robot)]
     if any(problem.severity == "error" for problem in problems):
         raise RobotError(problems)
     return replace(robot, notices=(*robot.notices, *problems))
 
 
 def write_robot(
-    manipulator: Manipulator,
+    truth: Truth,
     robot: Robot,
     recipe: Recipe,
     *,
@@ -139,8 +167,8 @@ def write_robot(
     """Emit a robot with every emitter, prove each file, and put all of them in place, or none.
 
     Args:
-        manipulator: the table.
-        robot: the robot made of it.
+        truth: what the tables say of it.
+        robot: the robot.
         recipe: what is done.
         directory: where the files go; made where it is missing.
         stem: the stem of their names.
@@ -151,7 +179,7 @@ def write_robot(
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
         OutputError: the files cannot be written.
     """
-    poses = proof_vectors(manipulator, robot, recipe.poses)
+    poses = proof_vectors(truth, robot, recipe.poses)
     written: list[Written] = []
     taken: dict[str, str] = {}
     with staging(directory) as folder:
@@ -169,7 +197,7 @@ def write_robot(
                 taken[file.name.casefold()] = emitter.name
             write_files(folder, files)
             proved = prove_costly or not emitter.costly_proof
-            proof = _prove_file(manipulator, folder / files[0].name, emitter, poses, recipe=recipe) if proved else None
+            proof = _prove_file(truth, folder / files[0].name, emitter, poses, recipe=recipe) if proved else None
             facts = tuple(
                 WrittenFile(
                     name=file.name,
@@ -184,24 +212,22 @@ def write_robot(
     return tuple(written)
 
 
-def _prove_file(
-    manipulator: Manipulator, path: Path, emitter: Emitter[Any], poses: Poses, *, recipe: Recipe
-) -> Proof | None:
+def _prove_file(truth: Truth, path: Path, emitter: Emitter[Any], poses: Poses, *, recipe: Recipe) -> Proof | None:
     if emitter.read_back is None:
         return None
     with blaming("emitter", emitter.name):
         described = a_record(emitter.read_back(path), Robot)
-    proof = prove(manipulator, described, poses)
+    proof = prove(truth, described, poses)
     if recipe.keeps_kinematics and not proof.holds:
         raise ProofError(
             Problem(
                 message=(
-                    f"what the emitter {emitter.name!r} wrote is not the arm of the table: tool0 is off by "
+                    f"what the emitter {emitter.name!r} wrote is not the arm of the table: {proof.tip} is off by "
                     f"{proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = {list(proof.q)}; "
                     f"allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
                 ),
-                robot=manipulator.name,
-                mark=manipulator.mark,
+                robot=truth.name,
+                mark=truth.mark,
             )
         )
     return proof

@@ -1,27 +1,27 @@
-"""The proof: what was written, read back by other code, moves tool0 as the DH product says.
+"""The proof: what was written, read back by other code, moves tool0 as the DH product says, that of every arm.
 
 The joint vectors are the same on every machine and in every run: zero, both ends of the limits, and pseudo-random
-ones inside the limits, seeded by the manipulator's name.
+ones inside the limits, seeded by the robot's name.
 """
 
 from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics import KinematicChain, angle_error, forward_kinematics, position_error, reach
+from dh2urdf.kinematics import TOOL, KinematicChain, angle_error, position_error
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.rotations import RigidTransform
+    from dh2urdf.truth import Tip, Truth
 
 Poses: TypeAlias = tuple[tuple[float, ...], ...]
 
@@ -36,11 +36,13 @@ class Proof:
     """How far a written description is from the DH product.
 
     Attributes:
-        position_error: largest distance of tool0 from where the DH product has it [m].
+        position_error: largest distance of a tool0 from where the DH product has it [m].
         angle_error: largest angle between them [rad].
         q: the joint vector of the largest position error, or of the largest angle error where positions agree.
         tolerance: what `position_error` may be [m].
         poses: how many joint vectors were compared.
+        tip: the frame of the largest position error: tool0, with its arm's prefix in a cell.
+        tips: the largest position error of every such frame [m].
     """
 
     position_error: float
@@ -48,6 +50,8 @@ class Proof:
     q: tuple[float, ...]
     tolerance: float
     poses: int
+    tip: str = TOOL
+    tips: dict[str, float] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:
@@ -55,63 +59,77 @@ class Proof:
         return self.position_error <= self.tolerance and self.angle_error <= TOLERANCE
 
 
-def joint_vectors(manipulator: Manipulator, robot: Robot, count: int) -> Poses:
+def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
     """Joint vectors inside the limits: the one nearest to zero, then random ones [rad or m].
 
     Args:
-        manipulator: the table; a vector has a value for each of its moving rows, in order.
-        robot: the robot made of it, whose joints have the limits that the table left open.
+        truth: what the tables say; a vector has a value for each of its joints, in order.
+        robot: the robot made of them, whose joints have the limits that the tables left open.
         count: how many.
     """
-    joints = {joint.name: joint for joint in robot.joints}
-    ranges = [_range(joints.get(row.joint)) for row in manipulator.moving_rows]
-    draw = random.Random(f"dh2urdf {manipulator.name}")  # noqa: S311 - reproducible on purpose
+    ranges = _ranges(truth, robot)
+    draw = random.Random(f"dh2urdf {truth.name}")  # noqa: S311 - reproducible on purpose
     nearest_to_zero = tuple(min(max(0.0, lower), upper) for lower, upper in ranges)
     others = (tuple(draw.uniform(*limits) for limits in ranges) for _ in range(count - 1))
     return (nearest_to_zero, *others) if count > 0 else ()
 
 
-def proof_vectors(manipulator: Manipulator, robot: Robot, count: int) -> Poses:
+def proof_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
     """The joint vectors of a proof: all zero (inside the limits or not), both ends, and `count` inside the limits."""
-    joints = {joint.name: joint for joint in robot.joints}
-    ranges = [_range(joints.get(row.joint)) for row in manipulator.moving_rows]
+    ranges = _ranges(truth, robot)
     ends = [tuple(0.0 for _ in ranges), tuple(low for low, _ in ranges), tuple(high for _, high in ranges)]
-    return (*ends, *joint_vectors(manipulator, robot, count))
+    return (*ends, *joint_vectors(truth, robot, count))
 
 
-def prove(manipulator: Manipulator, written: Robot, poses: Sequence[Sequence[float]]) -> Proof:
-    """Compare T(base_link → tool0) of what was written with the DH product.
+def prove(truth: Truth, written: Robot, poses: Sequence[Sequence[float]]) -> Proof:
+    """Compare T(root → tool0), of every arm, of what was written with the DH product.
 
     Args:
-        manipulator: the table.
+        truth: what the tables say.
         written: the robot read back from the file.
-        poses: joint vectors, one value per moving row [rad or m].
+        poses: joint vectors, one value per joint of the truth [rad or m].
 
     Raises:
-        ProofError: the written chain from base_link to tool0 does not have the table's moving joints in order.
+        ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
     """
+    found = {tip.link: _largest(tip, _chain(truth, tip, written), poses) for tip in truth.tips}
+    worst = max(found, key=lambda link: found[link][:2])
+    position, _, q = found[worst]
+    return Proof(
+        position_error=position,
+        angle_error=max(angle for _, angle, _ in found.values()),
+        q=q,
+        tolerance=TOLERANCE * max(1.0, *(tip.reach(poses) for tip in truth.tips)),
+        poses=len(poses),
+        tip=worst,
+        tips={link: largest for link, (largest, _, _) in found.items()},
+    )
+
+
+def _chain(truth: Truth, tip: Tip, written: Robot) -> KinematicChain:
+    """The written way to a tip, which has to move the joints of the tables' way."""
     try:
-        chain = KinematicChain.between(written)
+        chain = KinematicChain.between(written, truth.root, tip.link)
     except ValueError as error:
-        raise ProofError(Problem(message=str(error), robot=manipulator.name)) from error
-    names = [row.joint for row in manipulator.moving_rows]
+        raise ProofError(Problem(message=str(error), robot=truth.name)) from error
     moving = [joint.name for joint in chain.joints if joint.type is not JointType.FIXED]
-    if moving != names:
+    if moving != list(tip.joints):
         raise ProofError(
             Problem(
-                message=f"the written chain moves the joints {_few(moving)}, the table {_few(names)}",
-                robot=manipulator.name,
+                message=f"the written chain moves the joints {_few(moving)}, the table {_few(tip.joints)}",
+                robot=truth.name,
             )
         )
-    errors = [(*_errors(forward_kinematics(manipulator, q), chain.forward_kinematics(q)), tuple(q)) for q in poses]
-    worst_position, _, worst_q = max(errors, default=(0.0, 0.0, ()))
-    return Proof(
-        position_error=worst_position,
-        angle_error=max((angle for _, angle, _ in errors), default=0.0),
-        q=worst_q,
-        tolerance=TOLERANCE * max(1.0, reach(manipulator) + _travel(manipulator, poses)),
-        poses=len(poses),
-    )
+    return chain
+
+
+def _largest(
+    tip: Tip, chain: KinematicChain, poses: Sequence[Sequence[float]]
+) -> tuple[float, float, tuple[float, ...]]:
+    """Largest position error [m] and largest angle error [rad] of a tip, and the joint vector of the first."""
+    errors = [(*_errors(tip.pose(q), chain.forward_kinematics(tip.values(q))), tuple(q)) for q in poses]
+    position, _, q = max(errors, default=(0.0, 0.0, ()))
+    return position, max((angle for _, angle, _ in errors), default=0.0), q
 
 
 def _errors(truth: RigidTransform, found: RigidTransform) -> tuple[float, float]:
@@ -120,18 +138,17 @@ def _errors(truth: RigidTransform, found: RigidTransform) -> tuple[float, float]
     return (math.inf if math.isnan(position) else position, math.inf if math.isnan(angle) else angle)
 
 
+def _ranges(truth: Truth, robot: Robot) -> list[tuple[float, float]]:
+    joints = {joint.name: joint for joint in robot.joints}
+    return [_range(joints.get(name)) for name in truth.joints]
+
+
 def _range(joint: Joint | None) -> tuple[float, float]:
     lower = joint.limits.lower if joint else None
     upper = joint.limits.upper if joint else None
     if lower is None or upper is None:
         return -math.pi, math.pi
     return max(lower, -LARGEST_SAMPLE), min(upper, LARGEST_SAMPLE)
-
-
-def _travel(manipulator: Manipulator, poses: Sequence[Sequence[float]]) -> float:
-    """How far prismatic joints take tool0 beyond the reach at zero [m]."""
-    sliding = [i for i, row in enumerate(manipulator.moving_rows) if row.type is JointType.PRISMATIC]
-    return max((sum(abs(q[i]) for i in sliding) for q in poses), default=0.0)
 
 
 def _few(names: Sequence[str], most: int = 8) -> str:

@@ -5,6 +5,9 @@ The names follow URDF, the common tongue of the readers. Lengths are in m, angle
 A number that follows from the table may carry a *formula*: an arithmetic expression over the robot's `Parameter`
 names (``a_2``, ``0.5*d_1``, ``abs(a_3) - 0.08``, functions abs, max, sin, cos; xacro and Python read it alike) whose
 value is that number. Emitters of parametric formats write the formula; all others write the number.
+
+A cell is one robot of several arms, with one root. Its links and joints are all there is of it, in numbers, as of any
+other robot; `Robot.arms` says besides of which arms it is composed, for emitters that write every kind of arm once.
 """
 
 from __future__ import annotations
@@ -173,6 +176,25 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Arm:
+    """One arm of a cell.
+
+    Attributes:
+        name: its name in the cell.
+        kind: the robot that it is, as it stands alone: names without the prefix, parameters and formulas.
+        prefix: what stands before the names of its links, joints and materials in the cell.
+        parent: name of the cell's link that holds it.
+        placement: the frame of its root link in the parent's.
+    """
+
+    name: str
+    kind: Robot
+    prefix: str
+    parent: str
+    placement: Origin
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Robot:
     """A tree of links and joints with one root.
 
@@ -183,6 +205,7 @@ class Robot:
         parameters: the numbers that formulas use.
         comment: one line for a reader of the file: what made it, from what.
         notices: what a careful person would want to know about how it was made.
+        arms: the arms of a cell, parents before children; empty for a robot that is one arm.
     """
 
     name: str
@@ -191,6 +214,24 @@ class Robot:
     parameters: tuple[Parameter, ...] = field(default=(), compare=False)
     comment: str = field(default="", compare=False)
     notices: tuple[Problem, ...] = field(default=(), compare=False)
+    arms: tuple[Arm, ...] = field(default=(), compare=False)
+
+    @property
+    def root(self) -> str:
+        """Name of the root link."""
+        return self.links[0].name
+
+    @property
+    def mounting(self) -> str:
+        """Name of the fixed joint that holds this robot on another: ``base_joint``, as in ROS-Industrial's macros.
+
+        A ``_`` follows for as long as the robot has a joint or link of that name.
+        """
+        taken = {joint.name for joint in self.joints} | {link.name for link in self.links}
+        name = "base_joint"
+        while name in taken:
+            name += "_"
+        return name
 
     @property
     def moving_joints(self) -> tuple[Joint, ...]:

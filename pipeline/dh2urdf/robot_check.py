@@ -242,11 +242,23 @@ def _weighs_nothing(body: Inertial) -> bool:
 
 
 def _weightless_chains(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem]:
-    """A frame of zero mass below another one costs sdformat the whole model: its poses become infinite."""
+    """A frame of zero mass below another one costs sdformat the whole model: its poses become infinite.
+
+    sdformat lumps what fixed joints hold into one body, the outermost first (ReduceFixedJoints of parser_urdf.cc), and
+    divides by the mass: a frame that holds a body by fixed joints, as the base_link of an arm on a tool0, has a mass by
+    then.
+    """
     weightless = {link.name for link in robot.links if link.inertial and _weighs_nothing(link.inertial)}
+    bodies = [link.name for link in robot.links if link.inertial and link.name not in weightless]
+    laden = set()
+    for name in bodies:
+        holder = joint_to.get(name)
+        while holder and holder.type is JointType.FIXED and holder.parent not in laden:
+            laden.add(holder.parent)
+            holder = joint_to.get(holder.parent)
     for link in robot.links:
         holder = joint_to.get(link.name)
-        if holder and link.name in weightless and holder.parent in weightless:
+        if holder and link.name in weightless and link.name not in laden and holder.parent in weightless:
             message = f"link {shown(link.name)} and its parent {shown(holder.parent)} both weigh nothing"
             suggestion = "make both children of a link with a mass, or leave the inertial of one out"
             yield _of_joint(Problem(message=message, field="mass", suggestion=suggestion), holder)

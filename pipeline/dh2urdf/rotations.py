@@ -153,6 +153,12 @@ class RigidTransform(NamedTuple):
             add(self.translation, rotate(self.rotation, other.translation)),
         )
 
+    @property
+    def inverse(self) -> RigidTransform:
+        """The transform back."""
+        back = transpose(self.rotation)
+        return RigidTransform(back, scale(-1.0, rotate(back, self.translation)))
+
     @classmethod
     def from_xyz_rpy(cls, xyz: Vec3, rpy: Vec3 = ZERO) -> RigidTransform:
         """The transform of a URDF origin: xyz [m], rpy [rad]."""

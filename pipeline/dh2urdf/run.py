@@ -9,7 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from dh2urdf.conversion import Call, Recipe, Written, blaming, make_robot, read_items, write_robot
+from dh2urdf.cells import Cell, CellCall, Gathering
+from dh2urdf.conversion import Call, Recipe, Written, blaming, make_cell, make_robot, read_items, write_robot
 from dh2urdf.errors import (
     ConfigError,
     InputError,
@@ -19,13 +20,14 @@ from dh2urdf.errors import (
     TableError,
 )
 from dh2urdf.isolation import load_in_child
-from dh2urdf.kinematics import KinematicChain, forward_kinematics
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.output import Stems
 from dh2urdf.proof import joint_vectors
 from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Executor, Loader, LoadReport, LoadRequest, Reader, Rejected
+from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -51,6 +53,7 @@ class Plan:
         directory: where the output goes.
         executor: does the work.
         executor_options: its options.
+        cells: robots of several of the manipulators, made when all have been read.
     """
 
     inputs: tuple[tuple[Path, Reader[Any], Any], ...]
@@ -58,15 +61,16 @@ class Plan:
     directory: Path
     executor: Executor[Any]
     executor_options: Any
+    cells: tuple[CellCall, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """One manipulator for a worker.
+    """One manipulator, or one cell of several, for a worker.
 
     Attributes:
         index: its number in the run, from 0.
-        item: the manipulator, or why it cannot be read.
+        item: the manipulator or cell, or why it cannot be read.
         source: the file it comes from.
         stem: the stem of its files.
         notices: what is known before the work begins.
@@ -74,7 +78,7 @@ class Task:
     """
 
     index: int
-    item: Manipulator | Rejected
+    item: Manipulator | Cell | Rejected
     source: str
     stem: str = ""
     notices: tuple[Problem, ...] = ()
@@ -83,7 +87,7 @@ class Task:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What became of one manipulator.
+    """What became of one manipulator or cell.
 
     Attributes:
         name: its name.
@@ -163,6 +167,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         directory=config.directory,
         executor=executor.stage,
         executor_options=executor.options,
+        cells=config.cells,
     )
 
 
@@ -189,7 +194,7 @@ def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None
         note: is told of every outcome as it comes, as soon as something could be read.
 
     Returns:
-        One outcome per manipulator, in the order of the inputs.
+        One outcome per manipulator, in the order of the inputs, and then one per cell.
 
     Raises:
         TableError: nothing could be read at all.
@@ -211,23 +216,35 @@ def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None
 
 
 def tasks(plan: Plan) -> Iterator[Task]:
-    """The manipulators of all inputs, one by one, each with a stem of its own; a bad input ends itself, not the run."""
-    stems = Stems()
+    """The manipulators of all inputs, one by one, each with a stem of its own; a bad input ends itself, not the run.
+
+    The cells come last: of the manipulators, only those that they need are kept so long.
+    """
+    stems, gathering = Stems(), Gathering(plan.cells)
     index = 0
     for path, reader, options in plan.inputs:
         first = index
         try:
             for item in read_items(reader, path, options):
-                stem, clash = ("", None) if isinstance(item, Rejected) else stems.claim(item.name)
-                yield Task(index=index, item=item, source=str(path), stem=stem, notices=(clash,) if clash else ())
+                gathering.see(item)
+                yield _task(index, item, str(path), stems)
                 index += 1
             if index == first:
                 raise TableError("there is no manipulator in it")
         except (TableError, StageError) as error:
             rejected = Rejected(name=path.stem, problems=error.problems, mark=Mark(file=str(path)))
+            gathering.see(rejected)
             traceback = error.traceback if isinstance(error, StageError) else ""
             yield Task(index=index, item=rejected, source=str(path), traceback=traceback)
             index += 1
+    for cell in gathering.cells():
+        yield _task(index, cell, cell.mark.file if cell.mark else "", stems)
+        index += 1
+
+
+def _task(index: int, item: Manipulator | Cell | Rejected, source: str, stems: Stems) -> Task:
+    stem, clash = ("", None) if isinstance(item, Rejected) else stems.claim(item.name)
+    return Task(index=index, item=item, source=source, stem=stem, notices=(clash,) if clash else ())
 
 
 def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) -> Outcome:
@@ -252,23 +269,23 @@ def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) 
         status="skipped" if dry_run else "ok",
         source=task.source,
         keeps_kinematics=recipe.keeps_kinematics,
-        notices=(*item.notices, *task.notices),
+        notices=(*(item.notices if isinstance(item, Manipulator) else ()), *task.notices),
         seconds=seconds,
     )
     try:
         with _timed(seconds, "transform"):
-            robot = make_robot(item, recipe.transform)
+            robot, truth = _robot(item, recipe)
         outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
         if dry_run:
             return outcome
         with _timed(seconds, "write"):
             sampled = task.index < ALL_PROVED or task.index % SAMPLE == 0
-            written = write_robot(item, robot, recipe, directory=directory, stem=task.stem, prove_costly=sampled)
+            written = write_robot(truth, robot, recipe, directory=directory, stem=task.stem, prove_costly=sampled)
         outcome = replace(outcome, written=written)
         for number, call in enumerate(recipe.loaders):
             with _timed(seconds, f"load {call.stage.name}"):
                 picture = f"{task.stem}.png" if number == 0 else f"{task.stem}.{call.stage.name}.png"
-                report = _load(item, robot, call, written, recipe=recipe, directory=directory, picture=picture)
+                report = _load(truth, robot, call, written, recipe=recipe, directory=directory, picture=picture)
             outcome = replace(outcome, loads={**outcome.loads, call.stage.name: report})
     except OutputError:
         raise
@@ -282,8 +299,14 @@ def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) 
     return outcome
 
 
+def _robot(item: Manipulator | Cell, recipe: Recipe) -> tuple[Robot, Truth]:
+    if isinstance(item, Cell):
+        return make_cell(item, recipe.transform)
+    return make_robot(item, recipe.transform), Truth.of(item)
+
+
 def _load(
-    manipulator: Manipulator,
+    truth: Truth,
     robot: Robot,
     call: Call[Loader[Any]],
     written: tuple[Written, ...],
@@ -294,22 +317,25 @@ def _load(
 ) -> LoadReport:
     """What a simulator says of the file that was written.
 
-    Where the transform does not keep the kinematics, the simulator is held against the robot, not against the table.
+    Where the transform does not keep the kinematics, the simulator is held against the robot, not against the tables.
     """
     loader = call.stage
     names = {emitted.stage: emitted.files[0].name for emitted in written}
     path = next(directory / names[wanted] for wanted in loader.formats if wanted in names)
-    poses = joint_vectors(manipulator, robot, loader.poses(call.options))
-    chain = KinematicChain.between(robot)
-    frames = [
-        forward_kinematics(manipulator, q) if recipe.keeps_kinematics else chain.forward_kinematics(q) for q in poses
-    ]
+    poses = joint_vectors(truth, robot, loader.poses(call.options))
+    expected: dict[str, tuple[tuple[float, ...], ...]] = {}
+    for tip in truth.tips:
+        chain = KinematicChain.between(robot, truth.root, tip.link)
+        expected[tip.link] = tuple(
+            _elements(tip.pose(q) if recipe.keeps_kinematics else chain.forward_kinematics(tip.values(q)))
+            for q in poses
+        )
     request = LoadRequest(
         path=path,
-        manipulator=manipulator,
         robot=robot,
         poses=poses,
-        expected=tuple(_elements(frame) for frame in frames),
+        expected=expected,
+        mark=truth.mark,
         picture=directory / picture if loader.picture(call.options) else None,
     )
     with blaming("loader", loader.name):

@@ -28,6 +28,7 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
     inputs = _either(_text("a table, or a pattern such as tables/*.csv"), _input(catalog))
     sections = {
         "inputs": _one_or_more(inputs, "the tables that are read"),
+        "cells": _one_or_more(_cell(), "robots of several arms, with one root; none by default", least=0),
         "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM),
         "emitters": _one_or_more(_stage(catalog, "emitter", "what writes files"), f"{DEFAULT_EMITTER} by default"),
         "loaders": _one_or_more(_stage(catalog, "loader", "what loads the files"), "none by default", least=0),
@@ -101,6 +102,25 @@ def _input(catalog: Catalog) -> dict[str, Any]:
         condition = _either(by_name, by_suffix) if suffixes else by_name
         call["allOf"].append(_if_then(condition, "reader", stage, named=False))
     return call
+
+
+def _cell() -> dict[str, Any]:
+    """A cell: its name and its arms."""
+    number = {"type": ["number", "string"], "minLength": 1}
+    vector = {"type": "array", "items": number, "minItems": 3, "maxItems": 3}
+    arm = _mapping(
+        {
+            "name": _text("the arm's name in the cell"),
+            "of": _text("the manipulator of this run that it is"),
+            "prefix": {"type": "string", "description": "before the names of its links and joints; NAME_ by default"},
+            "parent": _text("world, the default, or a link of another arm, such as left/tool0"),
+            "xyz": vector | {"description": "where it stands on its parent [m]"},
+            "rpy": vector | {"description": "how it stands there: roll, pitch, yaw [rad]"},
+        }
+    )
+    arms = {"type": "array", "items": {**arm, "required": ["name", "of"]}, "minItems": 1}
+    cell = _mapping({"name": _text("the cell's name, after which its files are named"), "arms": arms})
+    return {**cell, "required": ["name", "arms"]}
 
 
 def _if_then(condition: dict[str, Any], kind: Kind, stage: Stage, *, named: bool) -> dict[str, Any]:

@@ -135,18 +135,19 @@ class LoadRequest:
 
     Attributes:
         path: the written file.
-        manipulator: the table it was made from.
         robot: the robot that was written.
-        poses: joint vectors inside the limits, one value per moving joint; the arm is measured at each.
-        expected: T(base_link → tool0) at each of `poses`, as row-major 4x4 matrices of 16 numbers [m].
-        picture: where to write a picture of the arm, or None.
+        poses: joint vectors inside the limits, one value per moving joint; the robot is measured at each.
+        expected: by the name of the link, tool0, T(root → tool0) at each of `poses`, as row-major 4x4 matrices of 16
+            numbers [m]; of a cell the tool0 of every arm.
+        mark: the robot's place in its file: a table, or a run file where it is a cell.
+        picture: where to write a picture of the robot, or None.
     """
 
     path: Path
-    manipulator: Manipulator
     robot: Robot
     poses: tuple[tuple[float, ...], ...]
-    expected: tuple[tuple[float, ...], ...]
+    expected: dict[str, tuple[tuple[float, ...], ...]]
+    mark: Mark | None = None
     picture: Path | None = None
 
 

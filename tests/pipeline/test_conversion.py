@@ -24,6 +24,7 @@ from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, M
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, NoOptions, Reader, Rejected, Transform
+from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -104,7 +105,7 @@ def write(
 ) -> Sequence[Written]:
     drawing = transforming(lambda _table, _options: robot(), keeps=keeps)
     recipe = Recipe(transform=drawing, emitters=emitters, poses=4)
-    return write_robot(TABLE, of or robot(), recipe, directory=to, stem="arm", **more)
+    return write_robot(Truth.of(TABLE), of or robot(), recipe, directory=to, stem="arm", **more)
 
 
 def fail(*_: object) -> Any:

@@ -15,7 +15,6 @@ import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
 from dh2urdf.isolation import KEPT_OUTPUT, ChildFailure, load_in_child, run_in_child
-from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.stages import LoadRequest, NoOptions
 
@@ -38,10 +37,9 @@ def request_for(tmp_path: Path) -> Any:
     def make(name: str) -> LoadRequest:
         return LoadRequest(
             path=tmp_path / name,
-            manipulator=Manipulator(name="arm", convention=Convention.STANDARD, rows=()),
             robot=Robot(name="arm", links=(), joints=()),
             poses=(),
-            expected=(),
+            expected={},
         )
 
     return make

@@ -11,6 +11,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.proof import LARGEST_SAMPLE, TOLERANCE, Proof, joint_vectors, proof_vectors, prove
 from dh2urdf.robot import Joint, Link, Origin, Robot
+from dh2urdf.truth import Truth
 
 TABLE = Manipulator(
     name="arm",
@@ -22,6 +23,7 @@ TABLE = Manipulator(
     ),
 )
 """Turns about z, reaches 0.5 m along x, slides along −y."""
+TRUTH = Truth.of(TABLE)
 
 
 def written(**changes: Joint) -> Robot:
@@ -59,13 +61,13 @@ def joint(name: str) -> Joint:
     return next(joint for joint in written().joints if joint.name == name)
 
 
-POSES = proof_vectors(TABLE, written(), 32)
+POSES = proof_vectors(TRUTH, written(), 32)
 
 
 class TestJointVectors:
     def test_they_lie_inside_the_limits(self) -> None:
         """Every joint vector is inside the limits, has one entry per moving row, and no two are equal."""
-        vectors = joint_vectors(TABLE, written(), 200)
+        vectors = joint_vectors(TRUTH, written(), 200)
         assert len(set(vectors)) == 200
         for turn, slide in vectors:
             assert -1.0 <= turn <= 2.0
@@ -73,62 +75,62 @@ class TestJointVectors:
 
     def test_they_fill_the_limits(self) -> None:
         """The vectors come near both ends of every joint's range."""
-        turns, slides = zip(*joint_vectors(TABLE, written(), 200), strict=True)
+        turns, slides = zip(*joint_vectors(TRUTH, written(), 200), strict=True)
         assert (min(turns), max(turns)) == pytest.approx((-1.0, 2.0), abs=0.1)
         assert (min(slides), max(slides)) == pytest.approx((0.1, 0.4), abs=0.01)
 
     def test_the_first_is_the_nearest_to_zero(self) -> None:
         """The first vector is zero, clipped into the limits."""
-        assert joint_vectors(TABLE, written(), 1) == ((0.0, 0.1),)
+        assert joint_vectors(TRUTH, written(), 1) == ((0.0, 0.1),)
 
     def test_none_are_none(self) -> None:
         """Where none is asked for, there is none."""
-        assert joint_vectors(TABLE, written(), 0) == ()
+        assert joint_vectors(TRUTH, written(), 0) == ()
 
     def test_a_joint_without_limits_turns_once_around(self) -> None:
         """A continuous joint is tried between −π and π."""
         free = replace(joint("turn"), type=JointType.CONTINUOUS, limits=Limits(velocity=1.0, effort=1.0))
-        turns = [q[0] for q in joint_vectors(TABLE, written(turn=free), 100)]
+        turns = [q[0] for q in joint_vectors(TRUTH, written(turn=free), 100)]
         assert all(-math.pi <= turn <= math.pi for turn in turns)
         assert max(turns) - min(turns) > math.pi
 
     def test_limits_of_1e300_are_not_sampled(self) -> None:
         """Limits without end do not drown the proof in rounding."""
         endless = replace(joint("slide"), limits=Limits(lower=-1e300, upper=1e300))
-        slides = [q[1] for q in proof_vectors(TABLE, written(slide=endless), 20)]
+        slides = [q[1] for q in proof_vectors(TRUTH, written(slide=endless), 20)]
         assert max(map(abs, slides)) == LARGEST_SAMPLE
 
     def test_they_are_the_same_everywhere(self) -> None:
         """The vectors of a manipulator do not depend on the process, its hash seed, or the vectors asked for."""
-        assert joint_vectors(TABLE, written(), 5) == joint_vectors(TABLE, written(), 50)[:5]
+        assert joint_vectors(TRUTH, written(), 5) == joint_vectors(TRUTH, written(), 50)[:5]
         code = (
-            "from dh2urdf.manipulator import *; from dh2urdf.robot import *; from dh2urdf.proof import *\n"
+            "from dh2urdf.manipulator import *; from dh2urdf.robot import *; from dh2urdf.proof import *; from dh2urdf.truth import *\n"
             "row = DHRow(joint='j', link='l', a=0.0, alpha=0.0, d=0.0)\n"
             "table = Manipulator(name='arm', convention=Convention.STANDARD, rows=(row,))\n"
-            "print(joint_vectors(table, Robot(name='arm', links=(), joints=()), 3))"
+            "print(joint_vectors(Truth.of(table), Robot(name='arm', links=(), joints=()), 3))"
         )
         table = Manipulator(
             name="arm", convention=Convention.STANDARD, rows=(DHRow(joint="j", link="l", a=0.0, alpha=0.0, d=0.0),)
         )
-        here = joint_vectors(table, Robot(name="arm", links=(), joints=()), 3)
+        here = joint_vectors(Truth.of(table), Robot(name="arm", links=(), joints=()), 3)
         there = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
         assert there.strip() == str(here)
 
     def test_each_manipulator_has_its_own(self) -> None:
         """Two arms of one build are not tried at the same vectors only."""
         other = replace(TABLE, name="other")
-        assert joint_vectors(other, written(), 3)[1:] != joint_vectors(TABLE, written(), 3)[1:]
+        assert joint_vectors(Truth.of(other), written(), 3)[1:] != joint_vectors(TRUTH, written(), 3)[1:]
 
     def test_a_proof_also_tries_zero_and_both_ends(self) -> None:
         """A proof tries zero, also where the limits do not allow it, the lower ends and the upper ends."""
-        assert proof_vectors(TABLE, written(), 2)[:3] == ((0.0, 0.0), (-1.0, 0.1), (2.0, 0.4))
-        assert proof_vectors(TABLE, written(), 2)[3:] == joint_vectors(TABLE, written(), 2)
+        assert proof_vectors(TRUTH, written(), 2)[:3] == ((0.0, 0.0), (-1.0, 0.1), (2.0, 0.4))
+        assert proof_vectors(TRUTH, written(), 2)[3:] == joint_vectors(TRUTH, written(), 2)
 
 
 class TestProve:
     def test_the_same_arm_is_proved(self) -> None:
         """An arm drawn by hand from its table is proved to the last digits."""
-        proof = prove(TABLE, written(), POSES)
+        proof = prove(TRUTH, written(), POSES)
         assert proof.holds
         assert proof.position_error < 1e-15
         assert proof.angle_error < 1e-15
@@ -148,12 +150,12 @@ class TestProve:
     )
     def test_another_arm_is_not(self, wrong: Joint) -> None:
         """One wrong length, axis, joint type or angle, by as little as 1e-8, is found."""
-        assert not prove(TABLE, written(**{wrong.name: wrong}), POSES).holds
+        assert not prove(TRUTH, written(**{wrong.name: wrong}), POSES).holds
 
     def test_the_worst_joint_vector_is_named(self) -> None:
         """The proof names the joint vector at which the position error is largest."""
         reversed_slide = replace(joint("slide"), axis=(0.0, 1.0, 0.0))
-        proof = prove(TABLE, written(slide=reversed_slide), POSES)
+        proof = prove(TRUTH, written(slide=reversed_slide), POSES)
         assert proof.q == (2.0, 0.4)
         assert proof.position_error == pytest.approx(0.8)
 
@@ -168,18 +170,18 @@ class TestProve:
             replace(joint("turn"), axis=(0.0, 0.0, -1.0)),
             Joint(name="end", type=JointType.FIXED, parent="one", child="tool0"),
         )
-        proof = prove(table, Robot(name="wrist", links=(), joints=joints), [(0.0,), (0.5,), (-0.2,)])
+        proof = prove(Truth.of(table), Robot(name="wrist", links=(), joints=joints), [(0.0,), (0.5,), (-0.2,)])
         assert proof.q == (0.5,)
         assert proof.position_error == 0.0
         assert proof.angle_error == pytest.approx(1.0)
 
     def test_what_may_differ_grows_with_the_arm(self) -> None:
         """The tolerance is that of one metre times the reach, prismatic travel included, and never less."""
-        assert prove(TABLE, written(), POSES).tolerance == pytest.approx(TOLERANCE * (0.75 + 0.4), rel=1e-12)
-        assert prove(TABLE, written(), [(0.0, 0.0)]).tolerance == TOLERANCE
+        assert prove(TRUTH, written(), POSES).tolerance == pytest.approx(TOLERANCE * (0.75 + 0.4), rel=1e-12)
+        assert prove(TRUTH, written(), [(0.0, 0.0)]).tolerance == TOLERANCE
         crane = replace(TABLE, rows=(replace(TABLE.rows[0], a=1000.0), *TABLE.rows[1:]))
         long = replace(joint("bolt"), origin=Origin(xyz=(1000.0, 0.0, 0.0)))
-        assert prove(crane, written(bolt=long), POSES).tolerance == pytest.approx(TOLERANCE * 1000.65)
+        assert prove(Truth.of(crane), written(bolt=long), POSES).tolerance == pytest.approx(TOLERANCE * 1000.65)
 
     @pytest.mark.parametrize(
         ("position", "angle", "holds"),
@@ -200,7 +202,7 @@ class TestProve:
         """A description with NaN in it, which compares with nothing, does not pass for a good one."""
         for length in (math.nan, math.inf):
             wrong = replace(joint("bolt"), origin=Origin(xyz=(length, 0.0, 0.0)))
-            proof = prove(TABLE, written(bolt=wrong), POSES)
+            proof = prove(TRUTH, written(bolt=wrong), POSES)
             assert not proof.holds
             assert proof.position_error == math.inf
 
@@ -210,13 +212,13 @@ class TestChainsThatDoNotMatch:
         """A description without tool0 is a proof that fails, with a sentence."""
         elsewhere = replace(joint("three-tool0"), child="tip")
         with pytest.raises(ProofError, match="no chain from link 'base_link' to link 'tool0'"):
-            prove(TABLE, written(**{"three-tool0": elsewhere}), POSES)
+            prove(TRUTH, written(**{"three-tool0": elsewhere}), POSES)
 
     def test_with_other_joints(self) -> None:
         """A description that moves other joints than the table fails, and both are named."""
         renamed = replace(joint("turn"), name="twist")
         with pytest.raises(ProofError) as caught:
-            prove(TABLE, written(turn=renamed), POSES)
+            prove(TRUTH, written(turn=renamed), POSES)
         assert "the written chain moves the joints twist, slide, the table turn, slide" in str(caught.value)
         assert caught.value.problems[0].robot == "arm"
 
@@ -224,7 +226,7 @@ class TestChainsThatDoNotMatch:
         """A joint that was lost on the way is found, also where it would be harmless at q = 0."""
         welded = replace(joint("slide"), type=JointType.FIXED)
         with pytest.raises(ProofError, match="moves the joints turn, the table turn, slide"):
-            prove(TABLE, written(slide=welded), POSES)
+            prove(TRUTH, written(slide=welded), POSES)
 
     def test_an_arm_that_cannot_move(self) -> None:
         """A table of fixed rows is proved at its one pose."""
@@ -240,6 +242,6 @@ class TestChainsThatDoNotMatch:
             ),
         )
         robot = Robot(name="arm", links=(), joints=joints)
-        poses = proof_vectors(table, robot, 2)
+        poses = proof_vectors(Truth.of(table), robot, 2)
         assert set(poses) == {()}
-        assert prove(table, robot, poses).holds
+        assert prove(Truth.of(table), robot, poses).holds

@@ -71,6 +71,15 @@ def test_rpy_and_back_is_the_same_rotation(roll: float, pitch: float, yaw: float
     assert abs(again - matrix(rotation)).max() <= EXACT
 
 
+@given(vectors, angles, angles, angles)
+def test_the_inverse_leads_back(xyz: tuple[float, float, float], roll: float, pitch: float, yaw: float) -> None:
+    """A transform and its inverse, in either order, are the identity within rounding."""
+    there = RigidTransform.from_xyz_rpy(xyz, (roll, pitch, yaw))
+    for round_trip in (there @ there.inverse, there.inverse @ there):
+        assert abs(matrix(round_trip.rotation) - np.eye(3)).max() <= EXACT
+        assert max(map(abs, round_trip.translation)) <= 1e-13
+
+
 @given(angles, angles | singular, angles)
 def test_a_rotation_of_rpy_is_the_product_of_three_turns(roll: float, pitch: float, yaw: float) -> None:
     """Rz(yaw)·Ry(pitch)·Rx(roll), about fixed axes."""

@@ -87,12 +87,12 @@ from dh2urdf.stages import LoadReport
 
 def load(request, options):
     print("loading", request.path.name)
-    if request.manipulator.name.startswith("heavy"):
+    if request.robot.name.startswith("heavy"):
         raise LoaderError("too heavy to hold")
     if request.picture:
         request.picture.write_text("an arm")
     return LoadReport(
-        simulator="paper", version="1", position_error=request.expected[0][3], poses=len(request.poses),
+        simulator="paper", version="1", position_error=request.expected["tool0"][0][3], poses=len(request.poses),
         picture=request.picture and request.picture.name,
     )
 """

@@ -99,6 +99,9 @@ def test_the_schema_is_a_schema(schema: dict[str, Any]) -> None:
         "{inputs: a, emitters: {stage: dot, options: {scale: null}}, output: {directory: x}, proof: {poses: 8}}",
         "{inputs: a, emitters: [{stage: dot, options: }], transform: , output: , execution: {stage: local}}",
         "{inputs: a, emitters: [{stage: broken, options: {x: 1}}]}",
+        "{inputs: a, cells: []}",
+        "{inputs: a, cells: {name: pair, arms: [{name: left, of: ur5}]}}",
+        "{inputs: a, cells: [{name: p, arms: [{name: l, of: u, prefix: '', parent: r/tool0, xyz: [0, 5 mm, pi], rpy: [0, 0, 0]}]}]}",
     ],
 )
 def test_good_run_files_are_valid(schema: dict[str, Any], text: str) -> None:
@@ -130,7 +133,13 @@ def test_good_run_files_are_valid(schema: dict[str, Any], text: str) -> None:
         "{inputs: a, loaders: urdf}",
         "{inputs: a, proof: {poses: 0}}",
         "{inputs: a, output: x}",
-        "{inputs: a, cells: []}",
+        "{inputs: a, cells: [{name: pair}]}",
+        "{inputs: a, cells: [{name: pair, arms: []}]}",
+        "{inputs: a, cells: [{name: pair, arms: [{name: left}]}]}",
+        "{inputs: a, cells: [{arms: [{name: left, of: ur5}]}]}",
+        "{inputs: a, cells: {name: pair, arms: [{name: left, of: ur5, xyz: [0, 1]}]}}",
+        "{inputs: a, cells: {name: pair, arms: [{name: left, of: ur5, rpy: [0, 0, true]}]}}",
+        "{inputs: a, cells: {name: pair, arms: [{name: left, of: ur5, parrent: world}]}}",
     ],
 )
 def test_wrong_run_files_are_not_valid(schema: dict[str, Any], text: str) -> None:

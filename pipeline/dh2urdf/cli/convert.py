@@ -18,6 +18,7 @@ from dh2urdf.registry import load
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Emitter, Rejected
 from dh2urdf.textfiles import check_file
+from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -116,12 +117,13 @@ def command(
         raise TableError(error.problems) from error
     for notice in (*manipulator.notices, *made.notices):
         click.echo(notice, err=True)
+    truth = Truth.of(manipulator)
     if target is not None:
         stem = _stem(target, emitter)
-        write_robot(manipulator, made, recipe, directory=target.parent, stem=stem, main_file=target.name)
+        write_robot(truth, made, recipe, directory=target.parent, stem=stem, main_file=target.name)
         return 0
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
-        written = write_robot(manipulator, made, recipe, directory=Path(folder), stem=safe_stem(manipulator.name))
+        written = write_robot(truth, made, recipe, directory=Path(folder), stem=safe_stem(manipulator.name))
         click.echo((Path(folder) / written[0].files[0].name).read_bytes(), nl=False)
     return 0
 

@@ -94,6 +94,14 @@ def append_mujoco_options(parent: etree._Element) -> None:
     etree.SubElement(mujoco, "compiler", {"fusestatic": "false", "discardvisual": "false"})
 
 
+def append_inertial(parent: etree._Element, inertial: Inertial, notation: Notation) -> None:
+    """Appends mass properties, which follow no parameter."""
+    element = etree.SubElement(parent, "inertial")
+    etree.SubElement(element, "origin", {"xyz": notation.numbers(inertial.com), "rpy": "0 0 0"})
+    etree.SubElement(element, "mass", {"value": notation.numbers((inertial.mass,))})
+    etree.SubElement(element, "inertia", _elements(inertial.inertia))
+
+
 def append_comment(parent: etree._Element, text: str) -> None:
     """Appends a comment."""
     parent.append(_comment(text))
@@ -161,18 +169,11 @@ def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
 def _append_link(parent: etree._Element, link: Link, notation: Notation) -> None:
     element = etree.SubElement(parent, "link", {"name": notation.name(link.name)})
     if link.inertial:
-        _append_inertial(element, link.inertial, notation)
+        append_inertial(element, link.inertial, notation)
     for visual in link.visuals:
         _append_visual(element, visual, notation)
     for collision in link.collisions:
         _append_shape(etree.SubElement(element, "collision"), collision, notation)
-
-
-def _append_inertial(parent: etree._Element, inertial: Inertial, notation: Notation) -> None:
-    element = etree.SubElement(parent, "inertial")
-    etree.SubElement(element, "origin", {"xyz": notation.numbers(inertial.com), "rpy": "0 0 0"})
-    etree.SubElement(element, "mass", {"value": notation.numbers((inertial.mass,))})
-    etree.SubElement(element, "inertia", _elements(inertial.inertia))
 
 
 def _elements(inertia: Inertia) -> dict[str, str]:

@@ -4,6 +4,9 @@
 other's, stand the numbers of the table as properties; origins and shapes are formulas over them. The macro prefixes
 every link, joint and material, and mounts the arm on a link of the caller's, or on none where ``parent`` is empty.
 ``<stem>.urdf.xacro`` calls it with no parent. Expanded, that is the URDF of the same robot, element by element.
+
+Of a cell, ``<stem>_macro.xacro`` holds one macro for every kind of arm, and ``<stem>.urdf.xacro`` the root link and one
+call for every arm, with its prefix, its parent and its origin.
 """
 
 from __future__ import annotations
@@ -20,11 +23,13 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.number_text import format_number
+from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.urdf_tree import (
     Notation,
     append_comment,
+    append_inertial,
     append_mujoco_options,
     append_robot,
     serialise,
@@ -34,7 +39,7 @@ from dh2urdf_plugins.xacro_reader import read_xacro
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from dh2urdf.robot import Parameter, Robot
+    from dh2urdf.robot import Arm, Parameter, Robot
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
 MACRO_PARAMETERS = "prefix parent:='' *origin"
@@ -61,7 +66,7 @@ class XacroOptions:
 class XacroNotation(Notation):
     """Names carry the prefix; numbers that follow the table are formulas over the macro's properties."""
 
-    def __init__(self, parameters: Sequence[Parameter]) -> None:
+    def __init__(self, parameters: Sequence[Parameter] = ()) -> None:
         self._parameters = frozenset(parameter.name for parameter in parameters)
 
     def text(self, text: str) -> str:
@@ -128,27 +133,50 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
         EmitterError: XML cannot hold one of its names, a parameter's name is not one of a xacro property, or the robot
             lacks what URDF requires.
     """
-    notation = XacroNotation(robot.parameters)
-    macro = macro_name(robot.name, stem)
+    notation = XacroNotation()
+    macros = _macros(robot, stem)
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
-    _append(top, "arg", name="prefix", default="")
+    if not robot.arms:
+        _append(top, "arg", name="prefix", default="")
     append_mujoco_options(top)
+    library = top if options.single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
+    if not options.single_file:
+        # xacro takes a file name for a pattern.
+        _append(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
+    for name, kind in macros.items():
+        _append_macro(library, kind, name)
+    if robot.arms:
+        etree.SubElement(top, "link", {"name": notation.text(robot.root)})
+        for arm in robot.arms:
+            name = next(name for name, kind in macros.items() if kind is arm.kind)
+            _append_placed_call(top, name, arm, notation)
+    else:
+        _append_call(top, *macros)
     if options.single_file:
-        _append_macro(top, robot, macro, notation)
-        _append_call(top, macro)
         return (EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment)),)
-    # xacro takes a file name for a pattern.
-    _append(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
-    _append_call(top, macro)
-    library = etree.Element("robot", nsmap={"xacro": NAMESPACE})
-    _append_macro(library, robot, macro, notation)
     return (
         EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment)),
         EmittedFile(name=f"{stem}_macro.xacro", content=serialise(library, robot.comment)),
     )
 
 
-def _append(parent: etree._Element, tag: str, **attributes: str) -> etree._Element:
+def _macros(robot: Robot, stem: str) -> dict[str, Robot]:
+    """The macros that a robot needs, by their names: its own, or one for every kind of its arms."""
+    if not robot.arms:
+        return {macro_name(robot.name, stem): robot}
+    macros: dict[str, Robot] = {}
+    for arm in robot.arms:
+        if not any(kind is arm.kind for kind in macros.values()):
+            name = first = macro_name(arm.kind.name, arm.kind.name)
+            number = 1
+            while name in macros:
+                number += 1
+                name = f"{first}_{number}"
+            macros[name] = arm.kind
+    return macros
+
+
+def _append(parent: etree._Element, tag: str, /, **attributes: str) -> etree._Element:
     """Appends an element of xacro's."""
     return etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}", attributes)
 
@@ -158,7 +186,23 @@ def _append_call(parent: etree._Element, macro: str) -> None:
     etree.SubElement(call, "origin", {"xyz": "0 0 0", "rpy": "0 0 0"})
 
 
-def _append_macro(parent: etree._Element, robot: Robot, name: str, notation: XacroNotation) -> None:
+def _append_placed_call(parent: etree._Element, macro: str, arm: Arm, notation: XacroNotation) -> None:
+    words = {"prefix": _as_text(notation.text(arm.prefix)), "parent": _as_text(notation.text(arm.parent))}
+    call = _append(parent, macro, **words)
+    origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
+    etree.SubElement(call, "origin", origin)
+
+
+def _as_text(text: str) -> str:
+    """A text as the value of a macro's parameter, where xacro makes numbers and truth values of what looks like them.
+
+    It does so unless there is a ``_`` in it, or quotes around it, which it takes off.
+    """
+    return text if "_" in text.strip("'") or text == "world" else f"'{text}'"
+
+
+def _append_macro(parent: etree._Element, robot: Robot, name: str) -> None:
+    notation = XacroNotation(robot.parameters)
     append_comment(
         parent,
         f'Call it as <xacro:{name} prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:{name}>; '
@@ -168,6 +212,11 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, notation: Xac
     _append_properties(macro, robot.parameters)
     _append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
+    if robot.links[0].inertial is None:
+        # A link without an inertial weighs 1 kg in PyBullet, unless it is the root, and KDL warns of a root with one.
+        mounted = etree.Element(f"{{{NAMESPACE}}}unless", {"value": "${parent == ''}"})
+        append_inertial(mounted, Inertial(mass=0.0), notation)
+        next(macro.iterchildren("link")).insert(0, mounted)
 
 
 def _append_properties(macro: etree._Element, parameters: Sequence[Parameter]) -> None:
@@ -206,15 +255,11 @@ def _property_name(parameter: Parameter) -> str:
 
 def _append_mounting(macro: etree._Element, robot: Robot, notation: XacroNotation) -> None:
     """Appends the joint between the caller's link and the arm, which is written where there is a parent."""
-    taken = {joint.name for joint in robot.joints} | {link.name for link in robot.links}
-    name = "base_joint"  # As in ROS-Industrial's macros.
-    while name in taken:
-        name += "_"
     condition = _append(macro, "unless", value="${parent == ''}")
-    joint = etree.SubElement(condition, "joint", {"name": notation.name(name), "type": "fixed"})
+    joint = etree.SubElement(condition, "joint", {"name": notation.name(robot.mounting), "type": "fixed"})
     _append(joint, "insert_block", name="origin")
     etree.SubElement(joint, "parent", {"link": "${parent}"})
-    etree.SubElement(joint, "child", {"link": notation.name(robot.links[0].name)})
+    etree.SubElement(joint, "child", {"link": notation.name(robot.root)})
 
 
 def one_file(options: XacroOptions) -> XacroOptions:

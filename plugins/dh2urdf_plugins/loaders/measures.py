@@ -37,10 +37,10 @@ def hold_start(robot: Robot) -> tuple[float, ...]:
     return tuple(clipped(joint, 0.0) for joint in robot.moving_joints)
 
 
-def reach(robot: Robot) -> float:
-    """The farthest that tool0 can be from base_link [m]: the length of the chain, with its rails drawn out."""
+def reach(robot: Robot, tip: str) -> float:
+    """The farthest that a link can be from the root [m]: the length of the chain, with its rails drawn out."""
     length = 0.0
-    for joint in KinematicChain.between(robot).joints:
+    for joint in KinematicChain.between(robot, robot.root, tip).joints:
         length += norm(joint.origin.xyz)
         if joint.type is JointType.PRISMATIC:
             length += max(abs(joint.limits.lower or 0.0), abs(joint.limits.upper or 0.0))

@@ -99,10 +99,10 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
         Problem(
             message=f"PyBullet printed {shown(text, 200)}",
             severity="error" if kind == "Error" else "notice",
-            robot=request.manipulator.name,
+            robot=robot.name,
         )
         for kind, text in dict.fromkeys(said)
-        if not (text.startswith(_NO_INERTIA) and text.endswith(f": {robot.links[0].name}"))
+        if not (text.startswith(_NO_INERTIA) and text.endswith(f": {robot.root}"))
     )
 
 

@@ -13,7 +13,6 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.kinematics import TOOL
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, multiply, norm, rotate, subtract, transpose
@@ -73,13 +72,12 @@ class Arm:
         infos = [bullet.getJointInfo(self.body, index) for index in range(bullet.getNumJoints(self.body))]
         self.moving = [info for info in infos if info[2] != bullet.JOINT_FIXED]
         self.joints = {_text(info[1]): info[0] for info in infos}
-        self.links = {self.robot.links[0].name: _ROOT, **{_text(info[12]): info[0] for info in infos}}
+        self.links = {self.robot.root: _ROOT, **{_text(info[12]): info[0] for info in infos}}
 
     def problem(self, *, joint: str | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
-        """A problem of this manipulator, at the row of the joint that it is about."""
-        table = self.request.manipulator
-        mark = next((row.mark for row in table.rows if row.joint == joint), table.mark)
-        return Problem(robot=table.name, mark=mark, joint=joint, **words)
+        """A problem of this robot, at the row of the joint that it is about."""
+        row = next((each.mark for each in self.robot.joints if each.name == joint), None)
+        return Problem(robot=self.robot.name, mark=row or self.request.mark, joint=joint, **words)
 
     def report(self) -> LoadReport:
         """Measure everything.
@@ -236,35 +234,38 @@ class Arm:
         return {link.name: self._frame(self.links[link.name]) for link in self.robot.links}
 
     def _compare_poses(self) -> dict[str, Any]:
-        """The largest errors of tool0, and at which joint vector.
+        """The largest errors of every tip, and at which joint vector.
 
         Raises:
             LoaderError: they are larger than PyBullet's arithmetic.
         """
-        tool = self.links[TOOL]
-        tolerance = _ROUNDINGS * SINGLE_PRECISION * reach(self.robot) + _DOUBLE_PRECISION
+        tolerances = {
+            tip: _ROUNDINGS * SINGLE_PRECISION * reach(self.robot, tip) + _DOUBLE_PRECISION
+            for tip in self.request.expected
+        }
         angle_tolerance = _ROUNDINGS * SINGLE_PRECISION * math.pi
         worst, worst_angle = 0.0, 0.0
         q_worst: tuple[float, ...] = ()
-        for q, expected in zip(self.request.poses, self.request.expected, strict=True):
+        for number, q in enumerate(self.request.poses):
             self.set_joints(q)
-            distance, angle = pose_error(self._frame(tool), expected)
-            if not (distance <= tolerance and angle <= angle_tolerance):
-                raise LoaderError(
-                    self.problem(
-                        message=f"PyBullet has tool0 in another place, {distance:.3g} m and {angle:.3g} rad away, "
-                        f"at q = {_shown(q)}",
-                        found=f"{distance:.3g} m and {angle:.3g} rad",
-                        accepted=f"the error of single precision, {tolerance:.3g} m and {angle_tolerance:.3g} rad",
+            for tip, tolerance in tolerances.items():
+                distance, angle = pose_error(self._frame(self.links[tip]), self.request.expected[tip][number])
+                if not (distance <= tolerance and angle <= angle_tolerance):
+                    raise LoaderError(
+                        self.problem(
+                            message=f"PyBullet has {tip} in another place, {distance:.3g} m and {angle:.3g} rad away, "
+                            f"at q = {_shown(q)}",
+                            found=f"{distance:.3g} m and {angle:.3g} rad",
+                            accepted=f"the error of single precision, {tolerance:.3g} m and {angle_tolerance:.3g} rad",
+                        )
                     )
-                )
-            if distance >= worst:
-                worst, q_worst = distance, q
-            worst_angle = max(worst_angle, angle)
+                if distance >= worst:
+                    worst, q_worst = distance, q
+                worst_angle = max(worst_angle, angle)
         return {
             "position_error": worst,
             "angle_error": worst_angle,
-            "tolerance": tolerance,
+            "tolerance": max(tolerances.values(), default=0.0),
             "angle_tolerance": angle_tolerance,
             "q": tuple(q_worst),
             "poses": len(self.request.poses),

@@ -30,7 +30,7 @@ _AZIMUTH, _ELEVATION = math.radians(-55.0), math.radians(20.0)  # where the came
 _BORDER = 1.1  # how much farther than a tight fit
 _BENDS = (0.5, 1.0)  # of the joints [rad]
 _BENT_JOINTS = 4  # whose bends are tried both ways
-_SHADOWS_UP_TO = 10.0  # [m] from the camera: beyond, the renderer's fixed bias lets every surface shade itself
+_SHADOWS_UP_TO = 5.0  # [m] from the camera: beyond, the renderer's fixed bias lets every surface shade itself
 _FLOOR = (0.86, 0.88, 0.91, 1.0)
 
 

@@ -28,7 +28,7 @@ from dh2urdf_plugins.readers.plain_rows import PlainRows
 from dh2urdf_plugins.readers.records import make_manipulators
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.tables import manipulator, stopped
+from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, stopped, too_many_joints
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -70,19 +70,28 @@ class _Rows:
     Attributes:
         name: the manipulator's name.
         lines: the line of each row.
-        cells: the cells of each row.
+        cells: the cells of each row; of more than are read, some are left out.
+        count: how many rows there are.
         torn: whether other rows of the same manipulator stand elsewhere.
         nameless: whether the robot column is empty in some of them.
     """
 
-    __slots__ = ("cells", "lines", "name", "nameless", "torn")
+    __slots__ = ("cells", "count", "lines", "name", "nameless", "torn")
 
     def __init__(self, name: str, lines: Iterable[int] = (), cells: list[list[str]] | None = None) -> None:
         self.name = name
         self.lines = list(lines)
         self.cells = cells or []
+        self.count = len(self.cells)
         self.torn = False
         self.nameless = False
+
+    def extend(self, lines: Sequence[int], cells: list[list[str]]) -> None:
+        """Adds rows, as many as are needed to see that there are too many."""
+        room = max(0, MAX_JOINTS - len(self.cells))
+        self.lines.extend(lines[:room])
+        self.cells.extend(cells[:room])
+        self.count += len(cells)
 
 
 class _Table:
@@ -176,8 +185,7 @@ class _Table:
                     finished.append(rows)
                     rows = _Rows(name, some_lines, some_rows)
                     continue
-                rows.lines.extend(some_lines)
-                rows.cells.extend(some_rows)
+                rows.extend(some_lines, some_rows)
             yield self._whole(finished, rows)
         yield self._whole([rows])
 
@@ -223,6 +231,7 @@ class _Table:
             if (
                 rows.torn
                 or rows.nameless
+                or rows.count > MAX_JOINTS
                 or not name
                 or len(name) > MAX_NAME
                 or not (name.isascii() and name.isprintable())
@@ -261,6 +270,8 @@ class _Table:
         if self.robot_column is not None and rows.lines:
             column = self.lines.column(rows.lines[0], rows.cells[0], self.robot_column, self.columns.delimiter)
             name = Cell(rows.name, replace(mark, column=column))
+        if rows.count > MAX_JOINTS:
+            return Rejected(name=rows.name, problems=(too_many_joints(rows.count, mark).about(robot=rows.name),), mark=mark)
         if rows.torn:
             reader.add(_torn(name))
         statements = replace(self.statements)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.source import Mark, Problem, shown
@@ -65,8 +66,8 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     if are_out_of_order([row.joint for row in rows]):
         problems.append(
             Problem(
-                message=f"the numbers of the joints, {shown(', '.join(row.joint for row in rows))}, do not rise from row to "
-                "row",
+                message=f"the numbers of the joints, {shown(', '.join(row.joint for row in rows))}, do not rise from row "
+                "to row",
                 severity="notice",
                 mark=rows[0].joint_mark,
                 field="joint",
@@ -101,7 +102,7 @@ def are_out_of_order(joints: Sequence[str]) -> bool:
     if not all(parts) or len({part[1] for part in parts if part}) > 1:
         return False
     numbers = [int(part[2]) for part in parts if part]
-    return any(left >= right for left, right in zip(numbers, numbers[1:], strict=False))
+    return any(left >= right for left, right in pairwise(numbers))
 
 
 def _taken(kind: str, name: str, reason: str, joint: str, mark: Mark | None) -> Problem:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf_plugins.readers.fields import joint_type
-from dh2urdf_plugins.readers.names import END_NAMES, MAX_NAME, RESERVED
+from dh2urdf_plugins.readers.names import END_NAMES, MAX_NAME, RESERVED, are_out_of_order
 from dh2urdf_plugins.readers.plain_limits import LIMITS, PlainLimits
 from dh2urdf_plugins.readers.plain_numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit
 from dh2urdf_plugins.readers.records import make_rows

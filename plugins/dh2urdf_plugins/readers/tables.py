@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.rows import RowReader
     from dh2urdf_plugins.readers.statements import Statements
 
+MAX_JOINTS = 5000
+"""Joints of one manipulator [1]: a hundred times those of the longest arms that are built, and made in seconds."""
 LONGEST_ARM = 100.0
 """Length of an arm that a careful person would look at twice [m]."""
 MEASURABLE_ARM = 1e9
@@ -79,6 +81,17 @@ def _place(problem: Problem) -> tuple[bool, int, int]:
     mark = problem.mark
     elsewhere = mark is None or mark.line is None
     return elsewhere, (mark and mark.line) or 0, (mark and mark.column) or 0
+
+
+def too_many_joints(count: int, mark: Mark) -> Problem:
+    """What is wrong with a manipulator of more joints than are read."""
+    return Problem(
+        message=f"the manipulator has {count:,} joints",
+        mark=mark,
+        field="joints",
+        accepted=f"at most {MAX_JOINTS:,} joints in one manipulator",
+        suggestion="tables of several manipulators have a column robot, or a list `robots` in YAML",
+    )
 
 
 def arm_length(rows: Sequence[DHRow]) -> float:

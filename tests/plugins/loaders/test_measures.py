@@ -55,7 +55,7 @@ def test_hold_test_starts_inside_the_limits() -> None:
 
 def test_reach_counts_offsets_and_rails() -> None:
     """The reach is the sum of the origins' lengths and the farther end of each rail."""
-    assert reach(chain(JointType.REVOLUTE, JointType.PRISMATIC)) == pytest.approx(0.3 + 0.3 + 0.5)
+    assert reach(chain(JointType.REVOLUTE, JointType.PRISMATIC), "tool0") == pytest.approx(0.3 + 0.3 + 0.5)
 
 
 @given(roll=angles, pitch=st.floats(-1.5, 1.5), yaw=angles, angle=st.floats(0.0, 3.1), size=st.floats(1e-9, 1.0))

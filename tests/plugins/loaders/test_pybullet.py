@@ -10,7 +10,7 @@ import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
 from dh2urdf.isolation import load_in_child
-from dh2urdf.manipulator import Convention, Inertia, JointType, Limits, Manipulator
+from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.stages import LoadRequest
 from dh2urdf_plugins.loaders.pybullet import LOADER, PyBulletOptions, load, read_output
@@ -246,9 +246,8 @@ def request_for(tmp_path: Path) -> Any:
         path.write_text(urdf, "utf-8")
         return LoadRequest(
             path=path,
-            manipulator=Manipulator(name="planar", convention=Convention.STANDARD, rows=()),
             robot=robot,
-            **{"poses": POSES, "expected": tuple(map(tool_pose, POSES)), **more},
+            **{"poses": POSES, "expected": {"tool0": tuple(map(tool_pose, POSES))}, **more},
         )
 
     return make
@@ -441,7 +440,7 @@ def test_more_joints_than_pybullet_takes_is_a_finding(request_for: Any, count: i
             "</inertial>\n</link>",
         ]
     robot = Robot(name="long", links=tuple(links), joints=tuple(joints))
-    report = run(request_for("\n".join([*parts, "</robot>"]), robot, poses=(), expected=()))
+    report = run(request_for("\n".join([*parts, "</robot>"]), robot, poses=(), expected={}))
     assert len(report.joints) == count
     assert report.mass == pytest.approx(0.5 * count)
     assert report.hold == {}
@@ -472,7 +471,7 @@ def test_arm_without_joints_is_confirmed(request_for: Any) -> None:
 </robot>
 """
     identity = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-    report = run(request_for(urdf, robot, poses=((),), expected=(identity,)))
+    report = run(request_for(urdf, robot, poses=((),), expected={"tool0": (identity,)}))
     assert (report.position_error, report.joints, report.hold, report.findings) == (0.0, (), {}, ())
 
 
@@ -489,10 +488,11 @@ def test_published_arms_are_confirmed(reference_robot: Any, tmp_path: Path) -> N
     report = run(
         LoadRequest(
             path=path,
-            manipulator=manipulator,
             robot=robot,
             poses=tuple(map(tuple, reference_robot.q)),
-            expected=tuple(tuple(number for row in pose for number in row) for pose in reference_robot.poses),
+            expected={
+                "tool0": tuple(tuple(number for row in pose for number in row) for pose in reference_robot.poses)
+            },
         )
     )
     assert report.poses == len(reference_robot.q)

@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cell_section import CellsReader
 from dh2urdf.cells import CellCall
-from dh2urdf.documents import Node, expect_mapping, read_yaml
+from dh2urdf.documents import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.errors import ConfigError
 from dh2urdf.options import COMMAND_LINE
 from dh2urdf.sections import SectionReader
 from dh2urdf.settings import with_setting
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.textfiles import LONG_PATH, check_file
+from dh2urdf.textfiles import LONG_PATH, check_file, read_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -105,10 +105,14 @@ class RunConfig:
     problems: tuple[Problem, ...] = ()
 
 
+LIKELY_BYTES = 2**20
+"""Size of a file that may be a run file [B]: a table may be a thousand times larger."""
+
+
 def is_run_file(path: Path) -> bool:
-    """Whether a file has a run file's sections, right or wrong."""
+    """Whether a file has a run file's sections, right or wrong; one of more than `LIKELY_BYTES` has not."""
     try:
-        root = read_yaml(path)
+        root = load_yaml(read_bytes(path, limit=LIKELY_BYTES), str(path))
     except ConfigError:
         return False
     return isinstance(root.value, dict) and not root.value.keys().isdisjoint(SECTIONS)
@@ -344,7 +348,12 @@ class _Sections(SectionReader):
         if not glob.has_magic(text) or os.path.exists(path):  # noqa: PTH110 - it takes any text; Path.exists raises
             paths = [path]
         else:
-            paths = sorted(islice(_matches(self._folder(node), text), MAX_FILES + 1))
+            try:
+                paths = sorted(islice(_matches(self._folder(node), text), MAX_FILES + 1))
+            except OSError as error:  # /proc and the like
+                told = f"{shown(str(error.filename), LONG_PATH)} cannot be searched: {error.strerror}"
+                self.say(f"{shown(text)}: {told}", node, field, accepted="a pattern of fewer folders")
+                return
             if len(paths) > MAX_FILES:
                 accepted = f"at most {MAX_FILES} files for one pattern"
                 self.say(f"more than {MAX_FILES} files match {shown(text)}", node, field, accepted=accepted)

@@ -55,7 +55,12 @@ def load_yaml(content: bytes | str, file: str, error: type[InputError] = ConfigE
 
 
 def stream_yaml(
-    content: bytes | str, file: str, error: type[InputError] = ConfigError, *, items_of: str | None = None
+    content: bytes | str,
+    file: str,
+    error: type[InputError] = ConfigError,
+    *,
+    items_of: str | None = None,
+    longest_list: int | None = None,
 ) -> Iterator[Item]:
     """The entries of a list in the outermost mapping, one by one, and last the document without them.
 
@@ -66,6 +71,7 @@ def stream_yaml(
         file: what marks name as the file.
         error: the type of the error raised.
         items_of: the key of the list, such as ``robots``.
+        longest_list: entries that any other list may have; None where nothing bounds them.
 
     Yields:
         Each entry of the list, and then the whole document, where the list is empty.
@@ -76,7 +82,7 @@ def stream_yaml(
     from dh2urdf.yaml_composer import Composer
 
     text = decoded(content, file, error)
-    return Composer(text, file, error, items_of).run()
+    return Composer(text, file, error, items_of, longest_list).run()
 
 
 def _word(before: str, word: str, file: str) -> Node:

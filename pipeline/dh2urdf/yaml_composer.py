@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
 
@@ -67,7 +68,9 @@ class _Frame:
 class Composer:
     """Makes nodes of PyYAML's events, with a stack of its own in place of recursion."""
 
-    def __init__(self, text: str, file: str, error: type[InputError], items_of: str | None) -> None:
+    def __init__(
+        self, text: str, file: str, error: type[InputError], items_of: str | None, longest_list: int | None
+    ) -> None:
         # libyaml refuses the two halves of a character that JSON writes as two escapes; PyYAML's own parser, ten
         # times slower, passes them on.
         self.halves = len(text) <= _SLOW_PARSER_CHARACTERS and bool(_SURROGATE_ESCAPE.search(text))
@@ -76,6 +79,7 @@ class Composer:
         self.file = file
         self.error = error
         self.items_of = items_of
+        self.longest_list = longest_list or sys.maxsize
         self.problems: list[Problem] = []
         self.stack: list[_Frame] = []
         self.root: Node | None = None
@@ -175,6 +179,8 @@ class Composer:
             frame.depth = depth + 1
         if isinstance(entries, list):
             entries.append(node)
+            if len(entries) > self.longest_list:
+                self._too_long(frame)
         elif frame.merge_next:
             frame.merge_next, frame.merged = False, node
         elif frame.key is None:
@@ -298,6 +304,12 @@ class Composer:
     def _too_deep(self, event: yaml.Event) -> NoReturn:
         message = f"more than {MAX_DEPTH} mappings and lists stand inside each other"
         self._stop(Problem(message=message, mark=self._mark(event), accepted=f"at most {MAX_DEPTH}"))
+
+    def _too_long(self, frame: _Frame) -> NoReturn:
+        line, column = frame.place
+        message = f"the list that begins here has more than {self.longest_list:,} entries"
+        mark = Mark(file=self.file, line=line, column=column)
+        self._stop(Problem(message=message, mark=mark, accepted=f"at most {self.longest_list:,} entries"))
 
     def _mark(self, event: yaml.Event) -> Mark:
         line, column = _place(event)

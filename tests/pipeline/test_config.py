@@ -119,6 +119,57 @@ def test_patterns_give_files_in_the_order_of_their_names(folder: Path) -> None:
     assert read.paths == (folder / "tables" / "ur5.csv",)
 
 
+def test_a_pattern_does_not_go_in_circles(folder: Path) -> None:
+    """`**` follows no links: one that leads back to a folder above would be searched for ever."""
+    (folder / "tables" / "back").symlink_to(folder.absolute())
+    (read,) = config(folder, "inputs: '**/ur*.csv'\n").inputs
+    assert read.paths == (folder / "tables" / "ur5.csv",)
+
+
+def test_a_pattern_finds_no_hidden_files(folder: Path) -> None:
+    """A star stands for no name that begins with a point, as in a shell."""
+    (folder / "tables" / ".a.csv").write_text("a,alpha,d\n")
+    (read,) = config(folder, "inputs: 'tables/*a.csv'\n").inputs
+    assert read.paths == (folder / "tables" / "a.csv",)
+
+
+def test_a_folder_that_cannot_be_searched_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The folders of running processes come and go while a pattern is looked for."""
+
+    def gone(*_: object) -> list[Path]:
+        raise OSError(22, "Invalid argument", "/proc/1/net")
+
+    monkeypatch.setattr("dh2urdf.config._matches", gone)
+    (message,) = problems(folder, "inputs: '/**'\n")
+    assert "'/**': '/proc/1/net' cannot be searched: Invalid argument" in message
+
+
+def test_a_pattern_has_a_bound(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pattern that matches half a disk is told, not followed."""
+    monkeypatch.setattr("dh2urdf.config.MAX_FILES", 1)
+    (message,) = problems(folder, "inputs: 'tables/?.csv'\n")
+    assert "more than 1 files match 'tables/?.csv'" in message
+
+
+@pytest.mark.parametrize("text", ["~/ur5", "$HOME/ur5", "${HOME}/ur5", "~nobody/ur5"])
+def test_a_run_file_is_no_shell(folder: Path, text: str) -> None:
+    """A folder that is literally called ~ or $HOME is not what anybody means."""
+    (message,) = problems(folder, f"inputs: tables/a.csv\noutput: {{directory: '{text}'}}\n")
+    assert f"nothing takes the place of {text.partition('/')[0]!r} in a path of a run file" in message
+
+
+@pytest.mark.parametrize("text", ["../~/ur5", "tables/ur5~", "a$"])
+def test_other_signs_of_a_shell_are_signs_of_a_name(folder: Path, text: str) -> None:
+    """A name may hold ~ and $ where a shell would leave them alone too."""
+    assert config(folder, f"inputs: tables/a.csv\noutput: {{directory: '{text}'}}\n").problems == ()
+
+
+def test_the_poses_of_a_proof_have_a_bound(folder: Path) -> None:
+    """A number with ten zeros would be a proof without end."""
+    (message,) = problems(folder, "inputs: tables/a.csv\nproof: {poses: 10000000000}\n")
+    assert "accepted: a whole number from 1 to 1000000" in message
+
+
 def test_a_name_with_brackets_is_a_name_where_such_a_file_is(folder: Path) -> None:
     """An existing file is meant as it is named, whatever a pattern would make of its name."""
     (read,) = config(folder, "inputs: 'tables/odd[1].csv'\n").inputs

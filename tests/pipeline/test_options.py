@@ -50,6 +50,8 @@ class Options:
             raise ValueError("gravity points down: give a number from 0 on")
         if self.prefix == "bad":
             raise TableError(Problem(message="the prefix is bad", accepted="a good one"))
+        if self.prefix == "worse":
+            raise TableError(Problem(message="the prefix is bad", field="prefix"))
         if self.prefix == "crash":
             raise KeyError("oops")
 
@@ -188,6 +190,11 @@ def test_what_the_type_itself_refuses_is_told_at_the_option() -> None:
 def test_problems_of_the_type_itself_are_kept() -> None:
     """An input error from the options type keeps its problem and gets a place."""
     assert refusal("prefix: bad") == "run.yaml:1:1: error: the prefix is bad\n    accepted: a good one"
+
+
+def test_a_problem_of_the_type_itself_that_names_an_option_is_told_there() -> None:
+    """The options type knows no places; its field says which option it means."""
+    assert refusal("prefix: worse") == "run.yaml:1:9: error: field 'prefix': the prefix is bad"
 
 
 @pytest.mark.parametrize("more", ["", ", gravity: 1"])

@@ -144,6 +144,10 @@ def test_a_symbol_is_the_joint_variable(text: str, kind: str, row: int | None, v
         ("1/q1", "divides by a joint variable"),
         ("q1 m", "takes no unit"),
         ("90 deg", "is an angle, and a length is needed"),
+        ("atan2(0, 0)", "atan2 has no value there"),
+        ("2020-01-02", "it is a date"),
+        ("1/2/2021", "it is a date"),
+        ("01-02-21", "it is a date"),
     ],
 )
 def test_what_is_no_quantity_is_refused_with_its_reason(text: str, reason: str) -> None:

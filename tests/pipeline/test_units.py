@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -39,6 +40,21 @@ def test_an_unknown_unit_is_named_with_those_that_are_known(word: str, dimension
     """Nothing is converted by a factor that nobody asked for."""
     with pytest.raises(QuantityError, match=f"'{word}' is no unit of {dimension.plain} that is known"):
         find_unit(word, dimension)
+
+
+@pytest.mark.parametrize(
+    ("word", "dimension", "advice"),
+    [
+        ("inch", Dimension.LENGTH, "1 inch is 25.4 mm"),
+        ("Grad", Dimension.ANGLE, "write deg for degrees"),
+        ("π rad", Dimension.ANGLE, r"0\.5\*pi"),
+    ],
+)
+def test_a_unit_of_other_people_comes_with_advice(word: str, dimension: Dimension, advice: str) -> None:
+    """The nearest known word would mislead: `Grad` is a degree in German, and no rad."""
+    with pytest.raises(QuantityError) as refused:
+        find_unit(word, dimension)
+    assert re.search(advice, refused.value.suggestion or "")
 
 
 def test_a_unit_of_something_else_is_refused() -> None:

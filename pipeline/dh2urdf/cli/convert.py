@@ -11,7 +11,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
-from dh2urdf.errors import ConfigError, RobotError, TableError, TransformError
+from dh2urdf.errors import SCREENFUL, ConfigError, RobotError, TableError, TransformError
 from dh2urdf.options import make_options
 from dh2urdf.output import safe_stem
 from dh2urdf.registry import load
@@ -115,8 +115,11 @@ def command(
         made = make_robot(manipulator, recipe.transform)
     except (TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
         raise TableError(error.problems) from error
-    for notice in (*manipulator.notices, *made.notices):
+    notices = (*manipulator.notices, *made.notices)
+    for notice in notices[:SCREENFUL]:
         click.echo(notice, err=True)
+    if (more := len(notices) - SCREENFUL) > 0:
+        click.echo(f"and {more} more notice{'s' if more > 1 else ''}", err=True)
     truth = Truth.of(manipulator)
     if target is not None:
         stem = _stem(target, emitter)

@@ -268,10 +268,11 @@ class _Table:
         mark = Mark(file=self.file, line=rows.lines[0] if rows.lines else None)
         name = self.name
         if self.robot_column is not None and rows.lines:
-            column = self.lines.column(rows.lines[0], rows.cells[0], self.robot_column, self.columns.delimiter)
-            name = Cell(rows.name, replace(mark, column=column))
+            starts = self.lines.starts(rows.lines[0], rows.cells[0], self.columns.delimiter)
+            name = Cell(rows.name, replace(mark, column=starts[min(self.robot_column, len(starts) - 1)]))
         if rows.count > MAX_JOINTS:
-            return Rejected(name=rows.name, problems=(too_many_joints(rows.count, mark).about(robot=rows.name),), mark=mark)
+            too_many = too_many_joints(rows.count, mark).about(robot=rows.name)
+            return Rejected(name=rows.name, problems=(too_many,), mark=mark)
         if rows.torn:
             reader.add(_torn(name))
         statements = replace(self.statements)

@@ -31,6 +31,7 @@ class CsvCells:
         self.columns = columns
         self.lines = lines
         self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
+        self.has_type = "type" in columns.fields
         self._comma: Cell | None = None
         self._dotted: tuple[Cell, int] | None = None
 
@@ -58,15 +59,13 @@ class CsvCells:
         if [text.strip(SPACES) for text in texts[: len(columns.headers)]] == columns.headers:
             reader.add(self._header_again(line, number))
             return None
+        starts = self.lines.starts(line, texts, columns.delimiter)
         cells = {}
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if name is None and index not in columns.unheld:
                 self._look_for_types(text, index, line, number, reader)
                 continue
-            place = Mark(
-                file=self.lines.file, line=line, column=self.lines.column(line, texts, index, columns.delimiter)
-            )
-            cell = Cell(text.strip(SPACES), place)
+            cell = Cell(text.strip(SPACES), Mark(file=self.lines.file, line=line, column=starts[index]))
             if "\n" in cell.text:
                 reader.add(_several_lines(cell, name, joint))
                 return None
@@ -104,7 +103,7 @@ class CsvCells:
         index = self.columns.fields.index("a")
         header, unit = self.columns.headers[index], texts[index].strip(f"{SPACES}[]()")
         return Problem(
-            message="this row holds units, not a joint",
+            message="row 1 holds units, not a joint",
             mark=Mark(file=self.lines.file, line=line),
             joint="joint_1",
             field="a",
@@ -123,7 +122,7 @@ class CsvCells:
     def _look_for_types(self, text: str, index: int, line: int, number: int, reader: RowReader) -> None:
         """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
         word = text.strip(SPACES)
-        if "type" in self.columns.fields or not word.isalpha():
+        if self.has_type or not word.isalpha():
             return
         kind = joint_type(word)
         if kind is None or kind is JointType.REVOLUTE:

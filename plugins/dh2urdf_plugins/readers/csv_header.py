@@ -119,18 +119,19 @@ def split(line: str, delimiter: str) -> list[str]:
     return [cell.strip(SPACES) for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
-def column_of(line: str, delimiter: str, index: int) -> int:
-    """The column, in characters from 1, at which a cell of a line starts."""
-    start, quoted, seen = 0, False, 0
+def starts_of(line: str, delimiter: str) -> list[int]:
+    """The columns, in characters from 1, at which the cells of a line start."""
+    starts, quoted = [0], False
     for position, character in enumerate(line):
-        if seen == index:
-            break
         if character == '"':
             quoted = not quoted
         elif character == delimiter and not quoted:
-            seen, start = seen + 1, position + 1
-    rest = line[start:]
-    return start + len(rest) - len(rest.lstrip(SPACES)) + 1
+            starts.append(position + 1)
+    ends = [*starts[1:], len(line) + 1]
+    return [
+        start + len(cell) - len(cell.lstrip(SPACES)) + 1
+        for start, cell in ((start, line[start : end - 1]) for start, end in zip(starts, ends, strict=True))
+    ]
 
 
 def delimiter_of(line: str) -> str | None:
@@ -178,8 +179,9 @@ def read_columns(line: str, number: int, file: str, delimiter: str | None = None
     problems: list[Problem] = []
     first: dict[str, int] = {}
     indexed: int | None = None
+    starts = starts_of(line, delimiter)
     for index, text in enumerate(columns.headers):
-        mark = Mark(file=file, line=number, column=column_of(line, delimiter, index))
+        mark = Mark(file=file, line=number, column=starts[min(index, len(starts) - 1)])
         header = read_header(text)
         columns.fields.append(header.field.name if header.field else None)
         if header.field is None:

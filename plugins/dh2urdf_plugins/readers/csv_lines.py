@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import csv
 from collections import deque
-from itertools import chain
+from itertools import accumulate, chain
 from typing import TYPE_CHECKING, NoReturn
 
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.cells import SPACES
 from dh2urdf_plugins.readers.csv_comments import is_comment, statement
-from dh2urdf_plugins.readers.csv_header import column_of
+from dh2urdf_plugins.readers.csv_header import starts_of
 from dh2urdf_plugins.readers.text import line_blocks
 
 if TYPE_CHECKING:
@@ -109,8 +109,11 @@ class CsvLines:
     def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
         """Refuses the file for a cell whose quotes are wrong, or that has no end."""
         number, text = next(((n, text) for n, text in self.quoted if n >= line), (line, ""))
-        if "limit" in str(error) and not (text and number == line):
+        is_open = number == line and text.count('"') % 2
+        suggestion = "a quote that is part of the text is written twice" if text else None
+        if "limit" in str(error) and not is_open:
             message, accepted = "a cell is too long", f"at most {csv.field_size_limit()} characters in a cell"
+            text, suggestion = "", None
         elif "expected after" in str(error):
             message, accepted = "text stands behind a closing quote", "a delimiter, or the end of the line"
         else:
@@ -119,20 +122,21 @@ class CsvLines:
             Problem(
                 message=f"{message}: {shown(text.strip())}" if text else message,
                 mark=Mark(file=self.file, line=line, column=text.find('"') + 1 or None),
-                found=text,
+                found=text or None,
                 accepted=accepted,
-                suggestion="a quote that is part of the text is written twice" if text else None,
+                suggestion=suggestion,
             )
         )
 
-    def column(self, number: int, cells: list[str], index: int, delimiter: str) -> int:
-        """The column at which a cell starts, counted from 1 in characters."""
+    def starts(self, number: int, cells: list[str], delimiter: str) -> list[int]:
+        """The columns at which the cells of a row start, counted from 1 in characters."""
         while self.quoted and self.quoted[0][0] < number:
             self.quoted.popleft()
         if self.quoted and self.quoted[0][0] == number:
-            return column_of(self.quoted[0][1], delimiter, index)
-        cell = cells[index]
-        return sum(map(len, cells[:index])) + index + len(cell) - len(cell.lstrip(SPACES)) + 1
+            starts = starts_of(self.quoted[0][1], delimiter)
+            return starts + starts[-1:] * (len(cells) - len(starts))  # where a cell goes on in the next line
+        ends = accumulate(len(cell) + 1 for cell in cells)
+        return [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, cells, strict=True)]
 
 
 class _Joined:

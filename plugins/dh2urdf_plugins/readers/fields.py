@@ -148,17 +148,18 @@ def _named(plain: str) -> Header:
     return Header(_WORDS.get(key), key)
 
 
+@lru_cache(maxsize=1024)
 def misspelt(key: str) -> Field | None:
-    """The field one of whose headers, of four letters or more, is one slip away from a word, or has its letters."""
-    letters = sorted(key)
-    return next(
-        (
-            field
-            for word, field in _WORDS.items()
-            if len(word) >= _SURE and (one_slip(key, word) or (len(word) == len(key) and sorted(word) == letters))
-        ),
-        None,
-    )
+    """The field that a word of four letters or more misses by one slip, or with all its letters, as `tetha` does."""
+    for word, field in _WORDS.items():
+        if len(word) >= _SURE and (one_slip(key, word) or _is_shuffled(key, word)):
+            return field
+    return None
+
+
+def _is_shuffled(key: str, word: str) -> bool:
+    """Whether a longer word has the letters of another, the first one in its place."""
+    return len(word) > _SURE and key[:1] == word[:1] and key != word and sorted(key) == sorted(word)
 
 
 def one_slip(left: str, right: str) -> bool:

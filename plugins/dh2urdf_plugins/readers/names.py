@@ -66,8 +66,8 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     if are_out_of_order([row.joint for row in rows]):
         problems.append(
             Problem(
-                message=f"the numbers of the joints, {shown(', '.join(row.joint for row in rows))}, do not rise from row "
-                "to row",
+                message=f"the numbers of the joints, {shown(', '.join(row.joint for row in rows))}, do not rise from "
+                "row to row",
                 severity="notice",
                 mark=rows[0].joint_mark,
                 field="joint",

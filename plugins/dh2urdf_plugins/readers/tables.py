@@ -90,7 +90,7 @@ def too_many_joints(count: int, mark: Mark) -> Problem:
         mark=mark,
         field="joints",
         accepted=f"at most {MAX_JOINTS:,} joints in one manipulator",
-        suggestion="tables of several manipulators have a column robot, or a list `robots` in YAML",
+        suggestion="a table of several manipulators has a column robot",
     )
 
 

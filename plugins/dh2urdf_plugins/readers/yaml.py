@@ -16,7 +16,7 @@ from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, INERTIA_FIELDS, U
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, stopped, too_many_joints
+from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, stopped
 from dh2urdf_plugins.readers.yaml_schema import table_schema
 
 if TYPE_CHECKING:
@@ -59,7 +59,8 @@ def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
     file = str(path)
     count = 0
     previous: Item | None = None
-    for item in stream_yaml(read_bytes(path, TableError), file, TableError, items_of="robots"):
+    text = read_bytes(path, TableError)
+    for item in stream_yaml(text, file, TableError, items_of="robots", longest_list=MAX_JOINTS):
         if previous is not None:
             count += 1
             yield _Table(previous, f"{path.stem}_{count}", options).manipulator()
@@ -192,9 +193,6 @@ class _Table:
                 found=joints.text,
                 accepted="a list with one mapping for each joint, from the base outwards",
             )
-            return [None]
-        if len(joints.value) > MAX_JOINTS:
-            self.problems.append(too_many_joints(len(joints.value), joints.mark))
             return [None]
         defaults = self.entries.get("defaults")
         common: dict[str, Cell] = {}

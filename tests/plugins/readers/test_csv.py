@@ -40,12 +40,12 @@ def test_each_manipulator_of_a_file_is_yielded_as_it_is_read(tmp_path: Path) -> 
         list(arms)
 
 
-def test_a_manipulator_is_as_long_as_it_likes(read_one: Callable[..., Manipulator]) -> None:
-    """20,000 joints are read, across many blocks of the file, with the line of each."""
-    arm = read_one("a,alpha,d\n" + "0.001,pi/2,0\n" * 20_000)
-    assert len(arm.rows) == 20_000
-    assert [row.mark.line for row in arm.rows if row.mark] == list(range(2, 20_002))
-    assert arm.rows[-1].joint == "joint_20000"
+def test_a_manipulator_may_be_longer_than_a_block(read_one: Callable[..., Manipulator]) -> None:
+    """5,000 joints are read, across many blocks of the file, with the line of each."""
+    arm = read_one("a,alpha,d\n" + "0.001,pi/2,0\n" * 5_000)
+    assert len(arm.rows) == 5_000
+    assert [row.mark.line for row in arm.rows if row.mark] == list(range(2, 5_002))
+    assert arm.rows[-1].joint == "joint_5000"
 
 
 def test_a_bad_manipulator_fails_alone(read: Callable[..., list[Manipulator | Rejected]]) -> None:

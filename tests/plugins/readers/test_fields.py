@@ -66,16 +66,17 @@ def test_a_header_names_a_field_its_unit_and_its_link(
 
 
 @pytest.mark.parametrize(
-    ("word", "field"), [("alhpa", "alpha"), ("thta", "theta"), ("typ", "type"), ("offsets", "offset")]
+    ("word", "field"),
+    [("alhpa", "alpha"), ("thta", "theta"), ("typ", "type"), ("offsets", "offset"), ("tetha", "theta")],
 )
 def test_a_header_with_one_slip_is_surely_a_field(word: str, field: str) -> None:
-    """One letter more, less, other or exchanged, in a word of four or more."""
+    """One letter more, less, other or exchanged, in a word of four or more; or all letters in another order."""
     meant = misspelt(word)
     assert meant is not None
     assert meant.name == field
 
 
-@pytest.mark.parametrize("word", ["jm", "b", "dd", "comment", "remarks", "gear ratio"])
+@pytest.mark.parametrize("word", ["jm", "b", "dd", "comment", "remarks", "gear ratio", "mean", "ahtet"])
 def test_other_words_are_no_misspelt_fields(word: str) -> None:
     """A column of somebody's own stands for itself."""
     assert misspelt(word) is None
@@ -111,7 +112,11 @@ def test_one_slip_is_an_edit_distance_of_one(left: str, right: str) -> None:
         ("1", JointType.PRISMATIC),
         ("C", JointType.CONTINUOUS),
         ("FIXED", JointType.FIXED),
+        ("prismatic_joint", None),
+        ("re-volute", JointType.REVOLUTE),
         ("2", None),
+        ("-1", None),
+        ("1.", None),
         ("spherical", None),
     ],
 )

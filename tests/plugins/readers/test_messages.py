@@ -650,6 +650,225 @@ CASES = [
         "    is it in another unit?",
     ),
     Case(
+        "a date of a spreadsheet",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha,d,theta\nj1,revolute,2020-01-02,0,0.1,0\n",
+        "arm.csv:2:13: error: joint 'j1', field 'a': '2020-01-02' cannot be read: it is a date\n"
+        "    accepted: a number such as 0.5 or an expression such as 0.1 + 0.02, bare or with a unit (m, cm, mm, µm)\n"
+        "    a spreadsheet makes dates of fractions: format the column as text",
+    ),
+    Case(
+        "degrees in an offset",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,offset\nj1,0,0,0.1,90\n",
+        "arm.csv:2:12: notice: joint 'j1', field 'offset': '90' is more than a full turn\n"
+        "    if these are degrees, say so: `offset [deg]`",
+    ),
+    Case(
+        "limits that may be degrees",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,lower,upper\nj1,0,0,0.1,-45,45\n",
+        "arm.csv:2:12: notice: joint 'j1', field 'lower': '-45' is more than two turns in rad\n"
+        "    if these are degrees: `lower [deg]`\n"
+        "arm.csv:2:16: notice: joint 'j1', field 'upper': '45' is more than two turns in rad\n"
+        "    if these are degrees: `upper [deg]`",
+    ),
+    Case(
+        "units of the geometry alone",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a [mm],alpha [deg],d [mm],offset,upper,lower\nj1,0,90,100,45,90,-90\n",
+        "arm.csv:1: notice: manipulator 'arm', field 'offset': no unit is declared for offset, upper, lower: the units of the geometry hold, mm and deg\n"
+        "    declare the unit in each header",
+    ),
+    Case(
+        "a row of units",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d\n-,mm,deg,mm\nj1,0,0,0.1\n",
+        "arm.csv:2: error: joint 'joint_1', field 'a': row 1 holds units, not a joint\n"
+        "    accepted: units in the headers, such as `a [mm]`",
+    ),
+    Case(
+        "a header that returns",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d\nj1,0,0,0.1\njoint,a,alpha,d\n",
+        "arm.csv:3: error: joint 'joint_2': row 2 is the header of line 1 again\n"
+        "    accepted: one header; tables of several manipulators have a column robot",
+    ),
+    Case(
+        "a row behind a hash",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d\n#1,0,0,0.1\n#2,0,0,0.1\nj3,0,0,0.1\n",
+        "arm.csv:2: notice: manipulator 'arm': '#1,0,0,0.1' is a comment, since it begins with #, and no row\n"
+        "    put the first cell in quotes if this is a row\n"
+        "arm.csv:3: notice: manipulator 'arm': '#2,0,0,0.1' is a comment, since it begins with #, and no row\n"
+        "    put the first cell in quotes if this is a row",
+    ),
+    Case(
+        "types under another header",
+        ".csv",
+        {"convention": "standard"},
+        "joint,kinematics,a,alpha,d\nj1,prismatic,0,0,0.1\n",
+        "arm.csv:2: error: joint 'joint_1', field 'type': 'prismatic' seems to be a type, and no field is called 'kinematics': the joint would be taken as revolute\n"
+        "    accepted: one of the headers type, joint type, kind, sigma, σ, r/p, p/r",
+    ),
+    Case(
+        "a minus before a type",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha,d\nj1,-1,0,0,0.1\n",
+        "arm.csv:2:4: error: joint 'j1', field 'type': '-1' is no type of joint\n"
+        "    accepted: revolute, r, rotational, rotary, rotation, hinge, 0; prismatic, p, linear, t, translational, translation, sliding, 1; continuous, c; fixed, f, static, rigid",
+    ),
+    Case(
+        "an angle that may be theta",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,phi\nj1,0,0,0.1,0\nj2,0,0,0.1,pi/2\n",
+        "arm.csv:3:12: error: joint 'joint_2', field 'phi': 'phi' is an angle that may be theta or an offset, which no column holds, and it is 'pi/2'\n"
+        "    accepted: 0 in this column, or a table of a, alpha, d and theta (or offset) without it",
+    ),
+    Case(
+        "letters in another order",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,tetha\nj1,0,0,0.1,1\n",
+        "arm.csv:1:17: error: field 'tetha': no column is called 'tetha'\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction\n"
+        "    did you mean 'theta'?",
+    ),
+    Case(
+        "the letters of Khalil",
+        ".csv",
+        {"convention": "standard"},
+        "j,sigma,alpha,d,theta,r\n1,0,0,0.1,0,0.2\n",
+        "arm.csv:1: error: field 'a': 'r' beside 'sigma' may be the r of Khalil and Kleinfinger, which is d here, while their d is a\n"
+        "    accepted: a for the length along x, d for the length along z",
+    ),
+    Case(
+        "a header that is missing and one too many",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a [mm,alpha,d\nj1,0,0,0.1\n",
+        "arm.csv:1: error: field 'a': there is no column for a in the header\n"
+        "    accepted: one of the headers a, r, link length; its unit may follow, as in `a [mm]`\n"
+        "    no field is called 'a [mm'",
+    ),
+    Case(
+        "an endless header",
+        ".csv",
+        {"convention": "standard"},
+        "a," * 60_000 + "\n",
+        "arm.csv:1: error: this line should be the header, and has 120000 characters\n"
+        "    accepted: at most 100000 characters",
+    ),
+    Case(
+        "multiples of π",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha [pi],d\nj1,0,0.5,0.1\n",
+        "arm.csv:1:9: error: field 'alpha': 'pi' is no unit of angle that is known\n"
+        "    accepted: rad, deg, °\n"
+        "    write rad, and the multiples of π in the cells: 0.5*pi",
+    ),
+    Case(
+        "German degrees",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha [Grad],d\nj1,0,90,0.1\n",
+        "arm.csv:1:9: error: field 'alpha': 'grad' is no unit of angle that is known\n"
+        "    accepted: rad, deg, °\n"
+        "    write deg for degrees; gradians have to be converted: 1 gon is 0.9 deg",
+    ),
+    Case(
+        "a comment that says nothing",
+        ".csv",
+        {"convention": "standard"},
+        "# convention:\njoint,a,alpha,d\nj1,0,0,0.1\n",
+        "arm.csv:1:3: error: field 'convention': the comment line says nothing behind 'convention'\n"
+        "    accepted: # convention: standard, or modified",
+    ),
+    Case(
+        "another convention, without a space",
+        ".csv",
+        {"convention": "standard"},
+        "#DH-convention=modified\njoint,a,alpha,d\nj1,0,0,0.1\n",
+        "an option: error: field 'convention': 'standard' means the standard convention, and arm.csv:1:16 says modified\n"
+        "    accepted: one convention for the whole table",
+    ),
+    Case(
+        "another convention in prose",
+        ".csv",
+        {"convention": "standard"},
+        "# modified DH parameters (Craig)\njoint,a,alpha,d\nj1,0,0,0.1\n",
+        "arm.csv:1: notice: manipulator 'arm', field 'convention': this comment speaks of the modified convention, and the table is read as standard\n"
+        "    if it means this table, write `# convention: modified`",
+    ),
+    Case(
+        "joints counted backwards",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d\nj3,0,0,0.1\nj2,0,0,0.1\nj1,0,0,0.1\n",
+        "arm.csv:2:1: notice: manipulator 'arm', field 'joint': the numbers of the joints, 'j3, j2, j1', do not rise from row to row\n"
+        "    rows stand in the order from the base to the tool",
+    ),
+    Case(
+        "a heavy link",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,mass,radius\nj1,0,0,0.1,3700000,40\n",
+        "arm.csv:2: notice: joint 'j1', field 'mass': the link weighs 3.7e+06 kg\n"
+        "    is it in another unit?\n"
+        "arm.csv:2: notice: joint 'j1', field 'radius': the link is 40 m thick\n"
+        "    is it in another unit?",
+    ),
+    Case(
+        "a far base",
+        ".csv",
+        {"convention": "standard"},
+        "# base: {xyz: [0, 0, 300]}\njoint,a,alpha,d\nj1,0,0,0.1\n",
+        "arm.csv:1:9: notice: manipulator 'arm', field 'base': base is 300 m away\n"
+        "    if its xyz is in mm, declare it: `units: {length: mm}`, or write '300 mm'",
+    ),
+    Case(
+        "an immeasurable tool",
+        ".yaml",
+        {},
+        "convention: standard\ntool: {xyz: [0, 0, 1e300]}\njoints:\n- {a: 0, alpha: 0, d: 1}\n",
+        "arm.yaml:2:7: error: manipulator 'arm', field 'tool': tool is 1e+300 m away: positions cannot be computed to a micrometre there\n"
+        "    accepted: a translation of at most 1e+09 m",
+    ),
+    Case(
+        "an empty base",
+        ".csv",
+        {"convention": "standard", "base": " "},
+        "joint,a,alpha,d\nj1,0,0,0.1\n",
+        "an option:1:1: error: field 'base': base is an empty value\n"
+        "    accepted: {xyz: [0, 0, 0.3], rpy: [0, 0, pi]}, or a rigid 4x4 matrix as a list of four rows",
+    ),
+    Case(
+        "a base that is no YAML",
+        ".csv",
+        {"convention": "standard", "base": "{xyz"},
+        "joint,a,alpha,d\nj1,0,0,0.1\n",
+        "an option:1:1: error: field 'base': this is not valid YAML: did not find expected ',' or '}', at '{xyz'\n"
+        "    close the bracket that opens here, or put a comma between the values",
+    ),
+    Case(
+        "no angle of atan2",
+        ".csv",
+        {"convention": "standard"},
+        'joint,a,alpha,d\nj1,0,"atan2(0, 0)",0.1\n',
+        "arm.csv:2:6: error: joint 'j1', field 'alpha': 'atan2(0, 0)' cannot be read: atan2 has no value there\n"
+        "    accepted: a number such as 0.5 or an expression such as pi/2, bare or with a unit (rad, deg, °)",
+    ),
+    Case(
         "no joints",
         ".yaml",
         {},

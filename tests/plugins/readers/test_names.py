@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.names import MAX_NAME, RESERVED, name_fault
+from dh2urdf_plugins.readers.names import MAX_NAME, RESERVED, are_out_of_order, name_fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,6 +74,23 @@ def test_a_joint_has_no_name_that_the_description_gives(
     (arm,) = read(f"joint,a,alpha,d\n{name},0,0,1\n", convention="standard")
     assert isinstance(arm, Rejected)
     assert any("cannot be named" in problem.message for problem in arm.problems)
+
+
+@pytest.mark.parametrize(
+    ("joints", "wrong"),
+    [
+        (("1", "2", "3"), False),
+        (("j2", "j10"), False),
+        (("j3", "j2", "j1"), True),
+        (("0", "2", "1"), True),
+        (("elbow_2", "wrist_1"), False),
+        (("base", "j2", "j1"), False),
+        (("j1",), False),
+    ],
+)
+def test_numbers_of_joints_that_do_not_rise_are_noticed(joints: tuple[str, ...], wrong: bool) -> None:  # noqa: FBT001
+    """A table that begins at the tool would be another arm; only names that are alike but for a number tell."""
+    assert are_out_of_order(joints) is wrong
 
 
 def test_names_that_differ_in_case_are_kept_apart(read_one: Callable[..., Manipulator]) -> None:

@@ -1,0 +1,290 @@
+"""The bounds of what is read: nobody meets them with a real arm, and nothing beyond them costs time or memory.
+
+Each is tried from both sides: just inside, the table is read; just outside, the message says what the bound is. That
+the answer comes quickly is what the suite's own time limit is for; the sizes here would take hours, or all memory, if
+the bounds did not hold.
+"""
+
+from __future__ import annotations
+
+import csv as python_csv
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from dh2urdf.errors import SCREENFUL, TableError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.quantities import MAX_CHARACTERS, MAX_NESTING, Dimension, QuantityError, evaluate
+from dh2urdf.stages import Rejected
+from dh2urdf.textfiles import MAX_BYTES
+from dh2urdf.yaml_composer import MAX_ALIASED, MAX_DEPTH
+from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT
+from dh2urdf_plugins.readers.csv_header import MAX_HEADER
+from dh2urdf_plugins.readers.names import MAX_NAME
+from dh2urdf_plugins.readers.rows import MAX_PROBLEMS
+from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.tables import MAX_JOINTS
+from dh2urdf_plugins.readers.text import MAX_LINE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+CSV, YAML = csv.READER, yaml.READER
+STANDARD = TableOptions(convention="standard")
+CELL = python_csv.field_size_limit()
+REFERENCE = Path(__file__).parent / "reference" / "inputs"
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Callable[..., Manipulator]:
+    """The manipulator of a table of one; what is refused is raised."""
+
+    def read_table(text: str, suffix: str = ".csv") -> Manipulator:
+        path = tmp_path / f"arm{suffix}"
+        path.write_text(text, "utf-8")
+        (item,) = (CSV if suffix == ".csv" else YAML).read(path, STANDARD)
+        if isinstance(item, Rejected):
+            raise TableError(item.problems)
+        return item
+
+    return read_table
+
+
+# --- Expressions ------------------------------------------------------------------------------------------------------
+
+
+def value(text: str) -> float:
+    return evaluate(text, Dimension.LENGTH).value
+
+
+def test_an_expression_has_a_thousand_characters() -> None:
+    """Digits, terms and spaces up to the bound are read; one more is refused, whatever it would mean."""
+    for text in (
+        "1." + "3" * (MAX_CHARACTERS - 2),
+        "1" + "+1" * ((MAX_CHARACTERS - 1) // 2),
+        " " * (MAX_CHARACTERS - 1) + "2",
+    ):
+        assert value(text) > 1
+        longer = text + " " * (MAX_CHARACTERS + 1 - len(text))
+        with pytest.raises(QuantityError, match="has 1001 characters; accepted: at most 1000 characters"):
+            value(longer)
+
+
+@pytest.mark.parametrize("opening", ["(", "sqrt(", "-(", "atan2(1,"])
+def test_brackets_stand_inside_each_other_thirty_times(opening: str) -> None:
+    """One more is refused; the parser's own depth is bounded by it, and the interpreter's never met."""
+    wanted = Dimension.ANGLE if "atan2" in opening else Dimension.LENGTH
+    evaluate("sqrt(" * (MAX_NESTING - 1) + "1" + ")" * (MAX_NESTING - 1), wanted)
+    inside = "1 rad" if "atan2" in opening else "1"
+    text = opening * (MAX_NESTING + 1) + inside + ")" * (MAX_NESTING + 1)
+    with pytest.raises(QuantityError, match="nested more than 30 deep"):
+        evaluate(text, wanted)
+
+
+@pytest.mark.parametrize(
+    "text", ["(" * 900, "-" * 900 + "1", "+(" * 450, "1" + "*1" * 499, "1e" + "9" * 900, "q" * 900]
+)
+def test_no_expression_inside_the_bound_is_costly(text: str) -> None:
+    """Whatever a thousand characters say is read or refused at once."""
+    try:
+        value(text)
+    except QuantityError as error:
+        assert error.message
+
+
+# --- Cells, lines, names ----------------------------------------------------------------------------------------------
+
+
+def test_a_cell_of_any_length_that_is_left_out(read: Callable[..., Manipulator]) -> None:
+    """A cell may have 131,072 characters, as in Python's own reader; one more is refused, also without quotes."""
+    for quote in ('"', ""):
+        assert read(f"a,alpha,d,comment\n1,0,0,{quote}{'x' * CELL}{quote}\n").rows[0].a == 1
+        with pytest.raises(
+            TableError, match=f"arm.csv:2: error: a cell is too long\n *accepted: at most {CELL} characters"
+        ):
+            read(f"a,alpha,d,comment\n1,0,0,{quote}{'x' * (CELL + 1)}{quote}\n")
+
+
+def test_a_quote_that_is_never_closed_holds_no_more_than_a_cell(read: Callable[..., Manipulator]) -> None:
+    """The rest of a large file is not taken for one cell."""
+    with pytest.raises(TableError, match=r"arm.csv:2:7: error: a cell opens with a quote that is not closed"):
+        read('a,alpha,d\n0,0,1,"' + "0,0,1\n" * 200_000)
+
+
+def test_a_line_has_a_million_characters(read: Callable[..., Manipulator]) -> None:
+    """A file without line ends is not held as one line."""
+    cells = ["x" * 100_000] * 10
+    header = ",".join(f"c{k}" for k in range(10))
+    assert read(f"a,alpha,d,{header}\n1,0,0,{','.join(cells)}\n").rows[0].a == 1
+    with pytest.raises(TableError, match=f"arm.csv:2: error: a line has more than {MAX_LINE} characters"):
+        read(f"a,alpha,d,{header}\n1,0,0,{','.join([*cells, *cells])}\n")
+
+
+def test_a_header_has_a_hundred_thousand_characters(read: Callable[..., Manipulator]) -> None:
+    """Thousands of columns that nothing is called are left out, at once; a longer header is refused."""
+    columns = (MAX_HEADER - len("a,alpha,d")) // len(",comment")
+    arm = read(f"a,alpha,d{',comment' * columns}\n1,0,0{',' * columns}\n")
+    assert len(arm.notices) == columns
+    with pytest.raises(TableError, match=f"at most {MAX_HEADER} characters"):
+        read(f"a,alpha,d{',comment' * (columns + 1)}\n1,0,0{',' * (columns + 1)}\n")
+
+
+def test_a_comment_line_that_says_something_has_ten_thousand_characters(read: Callable[..., Manipulator]) -> None:
+    """One that only comments may be longer."""
+    spaces = " " * (MAX_STATEMENT - len("# name: arm"))
+    assert read(f"# name: {spaces}arm\na,alpha,d\n1,0,0\n").name == "arm"
+    with pytest.raises(TableError, match=f"at most {MAX_STATEMENT} where it says name"):
+        read(f"# name:  {spaces}arm\na,alpha,d\n1,0,0\n")
+    assert read(f"# {'x' * 10 * MAX_STATEMENT}\na,alpha,d\n1,0,0\n").rows
+
+
+@pytest.mark.parametrize("field", ["joint", "link", "robot"])
+def test_a_name_has_two_hundred_characters(read: Callable[..., Manipulator], field: str) -> None:
+    """Of joints, links and manipulators; simulators cut longer ones, or crash."""
+    assert read(f"a,alpha,d,{field}\n1,0,0,{'é' * MAX_NAME}\n").rows
+    with pytest.raises(TableError, match=f"accepted: 1 to {MAX_NAME} visible characters"):
+        read(f"a,alpha,d,{field}\n1,0,0,{'é' * (MAX_NAME + 1)}\n")
+
+
+# --- YAML -------------------------------------------------------------------------------------------------------------
+
+
+def test_yaml_is_nested_sixty_four_deep(read: Callable[..., Manipulator]) -> None:
+    """One more is refused, by brackets and by indentation, and a thousand times more without recursion."""
+    for depth in (MAX_DEPTH + 1, 100_000):
+        for nested in ("[" * depth + "]" * depth, "\n" + "".join(f"{' ' * k}-\n" for k in range(min(depth, 500)))):
+            with pytest.raises(TableError, match=f"more than {MAX_DEPTH} mappings and lists stand inside each other"):
+                read(f"joints: {nested}", ".yaml")
+    with pytest.raises(TableError, match="joint 1 is a list"):
+        read("joints: " + "[" * (MAX_DEPTH - 1) + "]" * (MAX_DEPTH - 1), ".yaml")
+
+
+def test_aliases_stand_for_a_million_values(read: Callable[..., Manipulator]) -> None:
+    """Aliases of aliases, which would be ten to the thirtieth values, are refused by the seventh."""
+    levels = ["a: &a0 [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]"]
+    levels += [f"b{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]" for k in range(1, 30)]
+    with pytest.raises(TableError, match=r"arm\.yaml:[67]:.*stand for more values") as caught:
+        read("\n".join(levels), ".yaml")
+    assert int(str(caught.value).partition("accepted: ")[2].partition(" values")[0].replace(",", "")) >= MAX_ALIASED
+
+
+def test_aliases_of_joints_are_as_good_as_joints(read: Callable[..., Manipulator]) -> None:
+    """A thousand joints by alias are a thousand joints."""
+    joints = "joints:\n  - &j {a: 0.1, alpha: 0, d: 0}\n" + "  - *j\n" * 999
+    assert len(read(joints, ".yaml").rows) == 1000
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".json"])
+def test_a_file_that_is_read_at_once_has_a_gibibyte(tmp_path: Path, suffix: str) -> None:
+    """A larger one is refused by its size, unread."""
+    path = tmp_path / f"arm{suffix}"
+    with path.open("wb") as file:
+        file.truncate(MAX_BYTES + 1)  # a sparse file: nothing is written
+    with pytest.raises(TableError, match="the file has 1024 MiB, too much to be read at once"):
+        list(YAML.read(path, STANDARD))
+
+
+# --- Joints, problems, sizes ------------------------------------------------------------------------------------------
+
+ROW = {".csv": "0.01,pi/2,0.01\n", ".yaml": "- {a: 0.01, alpha: pi/2, d: 0.01}\n"}
+TOP = {".csv": "a,alpha,d\n", ".yaml": "joints:\n"}
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_a_manipulator_has_five_thousand_joints(read: Callable[..., Manipulator], suffix: str) -> None:
+    """One more is refused, and 200,000 are refused as quickly: they are counted, not held."""
+    assert len(read(TOP[suffix] + ROW[suffix] * MAX_JOINTS, suffix).rows) == MAX_JOINTS
+    for count in (MAX_JOINTS + 1, 200_000):
+        with pytest.raises(TableError, match="accepted: at most 5,000 ") as caught:
+            read(TOP[suffix] + ROW[suffix] * count, suffix)
+        assert len(caught.value.problems) == 1
+
+
+def test_the_number_of_joints_that_are_too_many_is_said(read: Callable[..., Manipulator]) -> None:
+    """The message says how many there are, where they begin, and what may have been meant."""
+    with pytest.raises(TableError) as caught:
+        read("# a comment\na,alpha,d\n" + ROW[".csv"] * 200_000)
+    message = str(caught.value)
+    assert message.partition("arm.csv")[2].splitlines() == [
+        ":3: error: manipulator 'arm', field 'joints': the manipulator has 200,000 joints",
+        "    accepted: at most 5,000 joints in one manipulator",
+        "    a table of several manipulators has a column robot",
+    ]
+
+
+def test_a_manipulator_with_too_many_joints_fails_alone(tmp_path: Path) -> None:
+    """The others of a CSV file are read, before and behind it."""
+    rows = ["one,1,0,0", *["long,1,0,0"] * (MAX_JOINTS + 1), "two,2,0,0"]
+    path = tmp_path / "arms.csv"
+    path.write_text("robot,a,alpha,d\n" + "\n".join(rows))
+    items = list(CSV.read(path, STANDARD))
+    assert [(item.name, type(item)) for item in items] == [
+        ("one", Manipulator),
+        ("long", Rejected),
+        ("two", Manipulator),
+    ]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_a_thousand_problems_are_collected_and_a_screenful_is_printed(
+    read: Callable[..., Manipulator], suffix: str
+) -> None:
+    """Reading a hopeless table stops, and the message fits a screen."""
+    bad = {".csv": "x,y,z\n", ".yaml": "- {a: x, alpha: y, d: z}\n"}[suffix]
+    with pytest.raises(TableError) as caught:
+        read(TOP[suffix] + bad * MAX_JOINTS, suffix)
+    assert MAX_PROBLEMS <= len(caught.value.problems) <= MAX_PROBLEMS + 10
+    heads = [line for line in str(caught.value).splitlines() if ": error: " in line]
+    assert len(heads) == SCREENFUL
+    assert str(caught.value).endswith(f"and {len(caught.value.problems) - SCREENFUL} more problems")
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "message"),
+    [
+        ("999999999,0,0", "1e9,0,1", "at most 1e\\+09 m"),
+        ("0,0,0,360000 deg", "0,0,0,360001 deg", "more than a thousand turns"),
+        ("0,360000 deg,0,0", "0,-360001 deg,0,0", "more than a thousand turns"),
+    ],
+)
+def test_lengths_and_angles_are_such_as_can_be_computed_with(
+    read: Callable[..., Manipulator], inside: str, outside: str, message: str
+) -> None:
+    """Beyond, a double cannot hold what a micrometre at the tool needs."""
+    assert read(f"a,alpha,d,theta\n{inside}\n".replace("999999999,0,0\n", "999999999,0,0,0\n")).rows
+    with pytest.raises(TableError, match=message):
+        read(f"a,alpha,d,theta\n{outside}\n".replace("1e9,0,1\n", "1e9,0,1,0\n"))
+
+
+def test_a_million_short_lines_that_say_nothing(read: Callable[..., Manipulator]) -> None:
+    """Blank lines and comments cost no memory, above the header and below it."""
+    assert read("\n" * 500_000 + "# x\n" * 100_000 + "a,alpha,d\n" + "\n" * 500_000 + "1,0,0\n" + "#\n" * 100_000).rows
+
+
+# --- A thousand axes, all the way -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", ["csv", "yaml"])
+def test_a_thousand_axes_go_all_the_way(cli: Any, tmp_path: Path, tool0_of: Any, form: str) -> None:
+    """A snake of a thousand joints becomes URDF and xacro, both proved, and the URDF's tool0 is the table's."""
+    expected = next(
+        case for case in json.loads((REFERENCE / "expected.json").read_text("utf-8")) if case["file"] == "axes_1000.csv"
+    )
+    text = (REFERENCE / "axes_1000.csv").read_text("utf-8")
+    if form == "yaml":
+        rows = list(python_csv.DictReader(text.splitlines()))
+        text = json.dumps({"joints": [{("name" if key == "joint" else key): row[key] for key in row} for row in rows]})
+    (tmp_path / f"snake.{form}").write_text(text, "utf-8")
+    (tmp_path / "run.yaml").write_text(
+        f"inputs: [{{path: snake.{form}, options: {{convention: {expected['convention']}}}}}]\n"
+        "emitters: [urdf, xacro]\noutput: {directory: out}\nproof: {poses: 1}\n"
+    )
+    (arm,) = json.loads(cli("run", "run.yaml", "--json").stdout)["manipulators"]
+    assert (arm["status"], len(expected["rows"])) == ("ok", 1000)
+    assert all(arm["proof"][form]["position_error"] < 1e-9 for form in ("urdf", "xacro"))
+    found = tool0_of(tmp_path / "out" / "snake.urdf")(expected["q"])
+    assert np.abs(found - np.array(expected["T_ee"])).max() < 1e-9

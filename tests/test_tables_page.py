@@ -1,0 +1,624 @@
+"""docs/tables.md keeps its word: every example is read, every word is known, every bound is the constant's."""
+
+from __future__ import annotations
+
+import csv as python_csv
+import importlib
+import itertools
+import math
+import pkgutil
+import re
+import shlex
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from dh2urdf import errors, expressions, textfiles, yaml_composer
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.units import UNITS, unit_word
+from dh2urdf_plugins import readers
+from dh2urdf_plugins.readers import (
+    csv,
+    csv_comments,
+    csv_header,
+    fields,
+    names,
+    placements,
+    rows,
+    tables,
+    text,
+    yaml,
+    yaml_schema,
+)
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+PAGE = Path(__file__).parents[1] / "docs" / "tables.md"
+TEXT = PAGE.read_text("utf-8")
+
+# --- The page's own notation ------------------------------------------------------------------------------------------
+
+BLOCK = re.compile(
+    r"(?:^<!-- example(?P<name>[^:\n]*): (?P<says>[^\n]*) -->\n)?^```(?P<form>\w+)\n(?P<body>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
+OUTCOME = re.compile(
+    r"(?P<outcome>accepted|notice|refused)(?:: (?P<count>\d+) manipulators)?(?: (?P<quote>['\"])(?P<message>.*)(?P=quote))?"
+    r"(?: with (?P<options>[^;]+))?(?:; same (?P<what>arm|table) as (?P<other>[\w ]+))?"
+)
+TABLE = re.compile(r"<!-- table (?P<name>[\w ]+) -->\n\|.*\|\n\|[-|]+\|\n(?P<rows>(?:\|.*\|\n)+)")
+
+
+@dataclass(frozen=True)
+class Example:
+    """A block of the page and what the comment above it says of it."""
+
+    name: str
+    form: str
+    body: str
+    outcome: str
+    count: int = 1
+    message: str = ""
+    options: dict[str, str] = field(default_factory=dict)
+    what: str = ""
+    other: str = ""
+
+
+def _examples() -> Iterator[Example]:
+    for block in BLOCK.finditer(TEXT):
+        if block["form"] in ("csv", "yaml", "json"):
+            said = OUTCOME.fullmatch(block["says"] or "")
+            assert said, f"no outcome is said of\n{block[0]}"
+            line = TEXT[: block.start("body")].count("\n") + 1
+            options = dict(option.split("=") for option in (said["options"] or "").split())
+            yield Example(
+                name=block["name"].strip() or f"line {line}",
+                form=block["form"],
+                body=block["body"],
+                outcome=said["outcome"],
+                count=int(said["count"] or 1),
+                message=said["message"] or "",
+                options=options,
+                what=said["what"] or "",
+                other=said["other"] or "",
+            )
+
+
+EXAMPLES = {example.name: example for example in _examples()}
+TABLES = {
+    table["name"]: [[cell.strip() for cell in line.strip("|").split("|")] for line in table["rows"].splitlines()]
+    for table in TABLE.finditer(TEXT)
+}
+
+
+def code(cell: str) -> list[str]:
+    """The pieces of code in a cell of the page."""
+    return re.findall(r"`([^`]+)`", cell)
+
+
+def one_code(cell: str) -> str:
+    (piece,) = code(cell)
+    return piece
+
+
+def of_tables(*wanted: str) -> list[Any]:
+    """The rows of some tables of the page as parameters of a test."""
+    return [
+        pytest.param(*row, id=f"{name}: {' '.join(row)}".replace("`", "")) for name in wanted for row in TABLES[name]
+    ]
+
+
+# --- Reading ----------------------------------------------------------------------------------------------------------
+
+
+class Outcome:
+    """What came of a table: its manipulators, or what was said against it."""
+
+    def __init__(self, path: Path, options: dict[str, str]) -> None:
+        reader = csv.READER if path.suffix in csv.READER.suffixes else yaml.READER
+        self.arms: list[Manipulator] = []
+        self.errors: list[str] = []
+        try:
+            for result in reader.read(path, TableOptions(**options)):
+                if isinstance(result, Manipulator):
+                    self.arms.append(result)
+                else:
+                    self.errors += map(str, result.problems)
+        except TableError as error:
+            self.errors += map(str, error.problems)
+        self.notices = [str(notice) for arm in self.arms for notice in arm.notices]
+
+    def arm(self) -> Manipulator:
+        """The one manipulator, of which there is nothing to say."""
+        assert (self.errors, self.notices) == ([], [])
+        (arm,) = self.arms
+        return arm
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Callable[..., Outcome]:
+    """Reads a table; its file is always called `arm`, so that equal tables are equal manipulators."""
+
+    def read_table(content: str | bytes, form: str = "csv", **options: str) -> Outcome:
+        path = tmp_path / f"arm.{form}"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return Outcome(path, options)
+
+    return read_table
+
+
+def table_of(header: str, row: str, statements: str = "# convention: standard\n") -> str:
+    return f"{statements}{header}\n{row}\n"
+
+
+def tool0(arm: Manipulator, q: list[float]) -> Any:
+    """T(base_link → tool0) as a product of plain matrices, which shares nothing with the project."""
+    values = iter(q)
+
+    def screw(axis: int, angle: float, length: float) -> np.ndarray:
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        T = np.eye(4)
+        T[i, i] = T[j, j] = math.cos(angle)
+        T[j, i], T[i, j] = math.sin(angle), -math.sin(angle)
+        T[axis, 3] = length
+        return T
+
+    def row_transform(row: DHRow) -> Any:
+        value = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
+        slides = row.type is JointType.PRISMATIC
+        along_z = screw(2, row.theta + (0 if slides else value), row.d + (value if slides else 0))
+        along_x = screw(0, row.alpha, row.a)
+        return along_z @ along_x if arm.convention is Convention.STANDARD else along_x @ along_z
+
+    def rigid(transform: Any) -> np.ndarray:
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = np.reshape(transform.rotation, (3, 3)), transform.translation
+        return T
+
+    return np.linalg.multi_dot([rigid(arm.base), *map(row_transform, arm.rows), rigid(arm.tool)])
+
+
+# --- Examples ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("example", [pytest.param(example, id=name) for name, example in EXAMPLES.items()])
+def test_every_example_comes_out_as_it_says(example: Example, read: Callable[..., Outcome]) -> None:
+    """Accepted without a word, accepted with the notice, or refused with the message; and the same arm where it says so."""
+    found = read(example.body, example.form, **example.options)
+    if example.outcome == "refused":
+        assert any(example.message in error for error in found.errors), found.errors
+        return
+    assert found.errors == []
+    assert len(found.arms) == example.count
+    if example.outcome == "notice":
+        (notice,) = found.notices
+        assert example.message in notice
+    else:
+        assert found.notices == []
+    if example.other:
+        other = EXAMPLES[example.other]
+        twin = read(other.body, other.form, **other.options).arm()
+        (arm,) = found.arms
+        if example.what == "table":
+            assert arm == twin
+        for q in ([0.0, 0.0, 0.0, 0.0], [0.3, -1.1, 0.2, 2.5], [-2.0, 0.7, -0.15, -0.4]):
+            moving = len(twin.moving_rows)
+            assert len(arm.moving_rows) == moving
+            np.testing.assert_allclose(tool0(arm, q[:moving]), tool0(twin, q[:moving]), rtol=0, atol=1e-14)
+
+
+QUARTER = math.pi / 2
+R, P, F = JointType.REVOLUTE, JointType.PRISMATIC, JointType.FIXED
+MEANT = {
+    "plain": [(R, 0, QUARTER, 0.12, 0, 1), (R, 0.3, 0, 0, 0, 1), (P, 0, 0, 0.05, 0, 1), (R, 0.04, -QUARTER, 0, 0, 1)],
+    "craig": [(R, 0, 0, 0.3, 0, 1), (R, 0, -QUARTER, 0, 0, 1), (R, 0.4, 0, 0, 0, 1)],
+    "turned": [(R, 0.3, 0, 0.1, QUARTER, 1), (F, 0, 0, 0.2, 0, 1), (P, 0, QUARTER, 0, 0.1, -1)],
+    "placed": [(R, 0.3, QUARTER, 0, 0, 1)],
+}
+"""Type, a [m], alpha [rad], d [m], offset and sign of every row of the tables that others are compared with."""
+
+
+@pytest.mark.parametrize("name", MEANT)
+def test_the_tables_that_others_are_compared_with_mean_this(name: str, read: Callable[..., Outcome]) -> None:
+    """Row by row, with the convention, the base and the tool."""
+    arm = read(EXAMPLES[name].body).arm()
+    assert [(row.type, row.a, row.alpha, row.d, row.offset, row.sign) for row in arm.rows] == MEANT[name]
+    assert {row.theta for row in arm.rows} == {0.0}
+    assert arm.convention is (Convention.MODIFIED if name == "craig" else Convention.STANDARD)
+    placed = name == "placed"
+    assert arm.base == RigidTransform.from_xyz_rpy((0, 0, 0.3 if placed else 0), (0, 0, QUARTER if placed else 0))
+    assert arm.tool == RigidTransform.from_xyz_rpy((0, 0, 0.1 if placed else 0), (0, 0, 0))
+
+
+def test_every_comparison_is_with_a_table_whose_meaning_is_known() -> None:
+    """None is with a table that a test does not spell out, and each of those is compared with."""
+    assert {example.other for example in EXAMPLES.values() if example.other} == set(MEANT)
+
+
+def test_limits_are_read_in_the_units_of_their_cells(read: Callable[..., Outcome]) -> None:
+    """Degrees, millimetres, half a turn per second, and what is not said."""
+    turning, sliding, endless, free = (row.limits for row in read(EXAMPLES["limits"].body).arm().rows)
+    assert [turning.lower, turning.upper] == pytest.approx([math.radians(-170), math.radians(170)], abs=1e-15)
+    assert (turning.velocity, turning.effort) == (math.pi, 150)
+    assert sliding == Limits(lower=0, upper=0.2, velocity=0.5, effort=80)
+    assert endless == Limits(velocity=math.pi, effort=12)
+    assert free == Limits()
+
+
+def test_masses_are_read_as_they_stand(read: Callable[..., Outcome]) -> None:
+    """A whole body, one with a mass and a centre, and one of which nothing is known."""
+    whole, half, unknown = read(EXAMPLES["masses"].body).arm().rows
+    assert (whole.mass, whole.com) == (3.7, (-0.15, 0, 0))
+    assert whole.inertia == Inertia(ixx=0.005, iyy=0.03, izz=0.03, iyz=1e-4)
+    assert (half.mass, half.com, half.inertia) == (1.2, (-0.1, 0, 0), None)
+    assert (unknown.mass, unknown.com, unknown.inertia) == (None, None, None)
+
+
+def test_names_are_kept_letter_for_letter(read: Callable[..., Outcome]) -> None:
+    """Numbers, truth values, markup and accents are names like others."""
+    arm = read(EXAMPLES["names"].body).arm()
+    assert arm.name == "my arm"
+    assert [(row.joint, row.link) for row in arm.rows] == [("007", "1e3"), ("épaule", "no"), ("a, b", "${x}")]
+
+
+def test_every_manipulator_of_a_file_has_its_own_convention(read: Callable[..., Outcome]) -> None:
+    """The two of the example differ in it, and share the units."""
+    gantry, scara = read(EXAMPLES["many"].body).arms
+    assert (gantry.name, gantry.convention, len(gantry.rows)) == ("gantry", Convention.STANDARD, 2)
+    assert (scara.name, scara.convention, len(scara.rows)) == ("scara", Convention.MODIFIED, 3)
+    assert [(row.a, row.alpha, row.d) for row in scara.rows] == [(0, 0, 0.2), (0.25, 0, 0), (0.15, math.pi, 0)]
+
+
+def test_every_key_of_yaml_means_what_the_page_says(read: Callable[..., Outcome]) -> None:
+    """In SI units, with what the defaults say of the joint that does not."""
+    arm = read(EXAMPLES["every key"].body, "yaml").arm()
+    shoulder, elbow = arm.rows
+    assert (arm.name, arm.base_mass, arm.density) == ("my arm", 4, 2700)
+    assert (arm.base_geometry, arm.geometry) == (
+        LinkGeometry(shape="cylinder", radius=0.06),
+        LinkGeometry(shape="capsule", radius=0.04),
+    )
+    assert arm.base == RigidTransform.from_xyz_rpy((0, 0, 0.3), (0, 0, QUARTER))
+    assert arm.tool.translation == (0, 0, 0.1)
+    assert (shoulder.a, shoulder.alpha, shoulder.d, shoulder.offset, shoulder.sign) == (0.3, QUARTER, 0.12, QUARTER, -1)
+    assert shoulder.limits == Limits(lower=-math.pi, upper=math.pi, velocity=QUARTER, effort=150)
+    assert (shoulder.com, shoulder.radius, shoulder.friction) == ((-0.15, 0, 0), 0.05, 0.1)
+    assert (shoulder.damping, elbow.damping) == (1.5, 0.5)
+    assert shoulder.inertia == elbow.inertia == Inertia(ixx=0.005, iyy=0.03, izz=0.03)
+
+
+def test_no_block_and_no_table_goes_untested() -> None:
+    """All fences are blocks that are known, and all tables but that of reasons have a test of their own."""
+    found = list(BLOCK.finditer(TEXT))
+    assert TEXT.count("```") == 2 * len(found)
+    assert [block["form"] for block in found if block["form"] not in ("csv", "yaml", "json")] == ["text", "sh"]
+    assert len(EXAMPLES) == len(found) - 2, "two examples have one name"
+    assert TEXT.count("<!-- example") == len(EXAMPLES)
+    assert TEXT.count("<!-- table") == len(TABLES)
+    assert len(re.findall(r"^\|[-|]+\|$", TEXT, re.MULTILINE)) == len(TABLES) + 1
+
+
+def test_accepted_yaml_is_valid_by_the_schema() -> None:
+    """What the page shows as accepted YAML, an editor with the project's schema accepts too."""
+    import yaml as pyyaml
+
+    validator = Draft202012Validator(yaml_schema.table_schema())
+    shown = [example for example in EXAMPLES.values() if example.form != "csv" and example.outcome == "accepted"]
+    assert len(shown) > 3
+    for example in shown:
+        assert [error.message for error in validator.iter_errors(pyyaml.safe_load(example.body))] == []
+
+
+def test_the_command_is_the_table_with_its_base_and_tool(cli: Callable[..., Any], tmp_path: Path) -> None:
+    """The one command of the page gives the URDF of the example above it."""
+    body = EXAMPLES["placed"].body
+    header = body.index("a, ")
+    (command,) = (block["body"] for block in BLOCK.finditer(TEXT) if block["form"] == "sh")
+    _, *words = shlex.split(command)
+    (tmp_path / "arm.csv").write_text(body[header:], "utf-8")
+    said_by_options = cli(*words).stdout
+    (tmp_path / "arm.csv").write_text(body, "utf-8")
+    assert said_by_options == cli("convert", "arm.csv").stdout
+
+
+# --- Rows -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "said"),
+    of_tables("unheld", "refused variables", "refused limits", "refused masses", "refused names", "refused rows"),
+)
+def test_every_row_is_refused_as_it_says(header: str, row: str, said: str, read: Callable[..., Outcome]) -> None:
+    """A header with one row below it is refused, with the message that the page quotes."""
+    found = read(table_of(one_code(header), one_code(row)))
+    if said == "accepted":
+        found.arm()
+    else:
+        assert any(one_code(said) in error for error in found.errors), found.errors
+
+
+@pytest.mark.parametrize(("joints", "said"), of_tables("refused yaml"))
+def test_every_piece_of_yaml_is_refused_as_it_says(joints: str, said: str, read: Callable[..., Outcome]) -> None:
+    """Below a line with the convention, with the message that the page quotes."""
+    found = read(f"convention: standard\n{one_code(joints)}\n", "yaml")
+    assert any(one_code(said) in error for error in found.errors), found.errors
+
+
+@pytest.mark.parametrize(("header", "row", "said"), of_tables("notices"))
+def test_every_notice_is_said(header: str, row: str, said: str, read: Callable[..., Outcome]) -> None:
+    """A header with one row below it is accepted, with the notice that the page quotes."""
+    found = read(table_of(one_code(header), one_code(row)))
+    assert found.errors == []
+    assert any(one_code(said) in notice for notice in found.notices), found.notices
+
+
+@pytest.mark.parametrize(("cell", "number"), of_tables("angles"))
+def test_every_angle_is_the_number_beside_it(cell: str, number: str, read: Callable[..., Outcome]) -> None:
+    """As theta of a table with semicolons."""
+    (row,) = read(table_of("a;alpha;d;theta", f"0;0;0;{one_code(cell)}")).arm().rows
+    assert row.theta == pytest.approx(float(number), abs=5e-7)
+
+
+@pytest.mark.parametrize(("cell", "number"), of_tables("lengths"))
+def test_every_length_is_the_number_beside_it(cell: str, number: str, read: Callable[..., Outcome]) -> None:
+    """As a of a table with semicolons, so that a decimal comma is one."""
+    (row,) = read(table_of("a;alpha;d", f"{one_code(cell)};0;0")).arm().rows
+    assert row.a == pytest.approx(float(number), abs=5e-7)
+
+
+@pytest.mark.parametrize(("cell", "said"), of_tables("refused numbers"))
+def test_every_number_that_is_none_is_refused(cell: str, said: str, read: Callable[..., Outcome]) -> None:
+    """As an angle and as a length, with the message that the page quotes."""
+    for name in ("a", "theta"):
+        cells = {"a": "0", "alpha": "0", "d": "0", "theta": "0", name: one_code(cell)}
+        errors = read(table_of(";".join(cells), ";".join(cells.values()))).errors
+        assert any(one_code(said) in error for error in errors), errors
+
+
+@pytest.mark.parametrize("symbol", [pytest.param(tuple(row), id=row[2]) for row in TABLES["symbols"]])
+def test_every_symbol_is_the_offset_and_sign_beside_it(
+    symbol: tuple[str, str, str, str, str], read: Callable[..., Outcome]
+) -> None:
+    """In the first row of a table; the parameter itself is 0 then."""
+    kind, column, cell, offset, sign = symbol
+    cells = {"type": kind, "a": "0", "alpha": "0", "d": "0", "theta": "0", column: one_code(cell)}
+    (row,) = read(table_of(",".join(cells), ",".join(cells.values()))).arm().rows
+    assert row.offset == pytest.approx(float(offset), abs=5e-7)
+    assert row.sign == int(sign)
+    assert (row.d, row.theta) == (0.0, 0.0)
+
+
+# --- Words ------------------------------------------------------------------------------------------------------------
+
+
+def test_every_header_that_the_code_knows_is_in_the_page() -> None:
+    """Field by field, in both directions; and the geometry that no field holds."""
+    page = {name: code(headers) for name, headers, *_ in TABLES["headers"]}
+    assert list(page) == list(fields.FIELDS)
+    for name, headers in page.items():
+        known = {fields._key(word) for word in fields.FIELDS[name].headers}
+        assert {fields._key(header.casefold()) for header in headers} == known
+        assert {fields.read_header(header).field for header in headers} == {fields.FIELDS[name]}
+    (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("Some headers name geometry"))
+    assert {fields._key(word) for word in code(paragraph)} == set(fields.UNHELD_GEOMETRY)
+
+
+@pytest.mark.parametrize("name", [line[0] for line in TABLES["headers"]])
+def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[..., Outcome]) -> None:
+    """Accepted without a word, beside the fields that it cannot be without."""
+    examples = {line[0]: one_code(line[2]) for line in TABLES["headers"]}
+    cells = {"convention": "standard", "a": "0.3", "alpha": "0", "d": "0", name: examples[name]}
+    for group in (("lower", "upper"), fields.COM_FIELDS, ("mass", *fields.INERTIA_FIELDS)):
+        if name in group and name != "mass":
+            cells |= {other: examples[other] for other in group}
+    read(table_of(",".join(cells), ",".join(cells.values()), "")).arm()
+
+
+@pytest.mark.parametrize(("convention", "formula", "words"), of_tables("conventions"))
+def test_every_word_for_a_convention_is_in_the_page(convention: str, formula: str, words: str) -> None:
+    """In both directions; and the order of the four elementary transforms is that of the kinematics."""
+    known = {word for word, meant in fields._CONVENTION_WORDS.items() if meant == convention}
+    assert {fields._key(word.casefold()) for word in code(words)} == known
+    assert {fields.convention_of(f"{word} convention") for word in code(words)} == {Convention(convention)}
+    assert formula.startswith("Rz(theta)" if convention == "standard" else "Rx(alpha)")
+
+
+@pytest.mark.parametrize(("kind", "words"), of_tables("types"))
+def test_every_word_for_a_type_is_in_the_page(kind: str, words: str) -> None:
+    """In both directions."""
+    assert {word.casefold() for word in code(words)} == set(fields._TYPES[JointType(kind)])
+    assert {fields.joint_type(word) for word in code(words)} == {JointType(kind)}
+
+
+def test_no_type_and_no_convention_is_missing() -> None:
+    """There is a line for each."""
+    assert [line[0] for line in TABLES["types"]] == list(fields._TYPES)
+    assert [line[0] for line in TABLES["conventions"]] == list(Convention)
+
+
+def test_every_word_for_a_flip_is_in_the_page() -> None:
+    """Those that turn a joint, then those that do not."""
+    (sentence,) = re.findall(r"`flip` turns with (.*) and does not with (.*?)\.", " ".join(TEXT.split()))
+    assert {word: turns for turns, words in zip((True, False), sentence, strict=True) for word in code(words)} == (
+        fields._FLIP_WORDS
+    )
+
+
+def test_every_unit_that_the_code_knows_is_in_the_page() -> None:
+    """Word by word, in both directions, with what it measures."""
+    page = {word: (what, symbol) for what, symbol, words in TABLES["units"] for word in code(words)}
+    for word, (what, symbol) in page.items():
+        unit = UNITS[unit_word(word)]
+        assert (unit.dimension, unit.symbol) == (what, symbol)
+    assert {unit_word(word) for word in page} == {unit_word(word) for word in UNITS}
+
+
+def test_every_function_and_constant_is_in_the_page() -> None:
+    """Those of the grammar, with the names that numpy has for them."""
+    (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("The constant is"))
+    names_in_page = {word.casefold() for word in code(paragraph)}
+    assert names_in_page >= {*expressions._FUNCTIONS, *expressions._OTHER_NAMES, "pi", "π"}
+    assert names_in_page >= {f"{module}pi" for module in expressions._MODULES}
+    assert (expressions.__doc__ or "").split("::")[1].split("\n\n")[1].split() == [
+        word for block in BLOCK.finditer(TEXT) if block["form"] == "text" for word in block["body"].split()
+    ]
+
+
+def test_every_statement_is_in_the_page(read: Callable[..., Outcome]) -> None:
+    """The keys of comment lines, each with an example that is accepted."""
+    assert [key for key, _ in TABLES["statements"]] == list(csv_comments.STATEMENTS)
+    other_form = "`# DH convention = modified`"
+    assert other_form in TEXT
+    for key, example in [*TABLES["statements"], ("convention", other_form)]:
+        convention = "" if key == "convention" else "# convention: modified\n"
+        read(table_of("a,alpha,d", "0,0,0", f"{one_code(example)}\n{convention}")).arm()
+
+
+def test_every_key_of_yaml_is_in_the_page() -> None:
+    """Those of a manipulator, of its base and defaults, and of a joint."""
+    keys = set(re.findall(r"(\w+):", EXAMPLES["every key"].body))
+    joint = {*yaml._JOINT_KEYS, *yaml._LIMITS, *fields.INERTIA_FIELDS, "sign", "flip"}
+    assert keys == {*yaml.KEYS, *joint, "xyz", "rpy", "length", "angle", "geometry", "shape", "density"}
+
+
+def test_every_name_that_is_taken_is_in_the_page() -> None:
+    """The links of the description itself."""
+    (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("A name is any text"))
+    assert set(names.RESERVED) <= set(code(paragraph))
+
+
+# --- Files ------------------------------------------------------------------------------------------------------------
+
+PLAIN = EXAMPLES["plain"].body
+ACCENTED = PLAIN.replace("elbow", "épaule")
+ENCODED = {
+    "UTF-8": ACCENTED.encode(),
+    "UTF-8 with a byte order mark": ACCENTED.encode("utf-8-sig"),
+    "UTF-16 with a byte order mark": ACCENTED.encode("utf-16"),
+    "UTF-16, little endian, without a mark (CSV)": ACCENTED.encode("utf-16-le"),
+    "UTF-16, big endian, without a mark (CSV)": ACCENTED.encode("utf-16-be"),
+    "line ends LF": ACCENTED.encode(),
+    "line ends CR LF": ACCENTED.replace("\n", "\r\n").encode(),
+    "line ends CR": ACCENTED.replace("\n", "\r").encode(),
+    "Latin-1 or Windows-1252 with a letter beyond ASCII": ACCENTED.encode("latin-1"),
+    "UTF-32": ACCENTED.encode("utf-32"),
+    "an Excel workbook that was renamed": b"PK\x03\x04\x14\x00\x06\x00",
+    "an empty file": b"",
+}
+
+
+@pytest.mark.parametrize(("file", "outcome"), of_tables("encodings"))
+def test_every_encoding_comes_out_as_it_says(file: str, outcome: str, read: Callable[..., Outcome]) -> None:
+    """The first table of the page with an é in it, as bytes."""
+    found = read(ENCODED[file])
+    if outcome == "accepted":
+        assert [row.joint for row in found.arm().rows] == ["shoulder", "épaule", "slide", "wrist"]
+    else:
+        assert any(one_code(outcome) in error for error in found.errors), found.errors
+
+
+@pytest.mark.parametrize(("place", "example"), [line[:2] for line in TABLES["places of units"]])
+def test_every_place_of_a_unit_is_read(
+    place: str, example: str, read: Callable[..., Outcome], cli: Callable[..., Any], tmp_path: Path
+) -> None:
+    """A length in mm and an angle in degrees, said in each of the places."""
+    pieces = code(example)
+    convention = "# convention: standard\n"
+    if place == "the command line":
+        (tmp_path / "arm.csv").write_text(table_of("a,alpha,d", "300,90,0"))
+        said_there = cli("convert", "arm.csv", *shlex.split(" ".join(pieces))).stdout
+        (tmp_path / "arm.csv").write_text(table_of("a,alpha,d", "0.3,pi/2,0"))
+        assert said_there == cli("convert", "arm.csv").stdout
+        return
+    found = {
+        "the number": lambda: [read(table_of("a,alpha,d", ",".join((*pieces, "0"))))],
+        "the header": lambda: [read(table_of(",".join((*pieces, "d [mm]")), "300,90,0"))],
+        "a comment line": lambda: [read(table_of("a,alpha,d", "300,90,0", f"{convention}{it}\n")) for it in pieces],
+        "the YAML key": lambda: [
+            read(f"convention: standard\n{it}\njoints: [{{a: 300, alpha: 90, d: 0}}]", "yaml") for it in pieces
+        ],
+        "options of the reader": lambda: [
+            read(table_of("a,alpha,d", "300,90,0"), **dict(piece.split(": ") for piece in pieces))
+        ],
+    }[place]()
+    for outcome in found:
+        (row,) = outcome.arm().rows
+        assert (row.a, row.alpha) == (0.3, math.pi / 2)
+
+
+def test_every_way_to_write_a_unit_in_a_header_is_read() -> None:
+    """With brackets, strokes, and loose behind the name."""
+    (sentence,) = re.findall(r"A header takes its unit in any of these ways: (.*?)\.", " ".join(TEXT.split()))
+    assert {(fields.read_header(header).field, fields.read_header(header).unit) for header in code(sentence)} == {
+        (fields.FIELDS["a"], "mm")
+    }
+
+
+# --- Bounds -----------------------------------------------------------------------------------------------------------
+
+CONSTANTS = {
+    "characters in a line of a CSV file": (text, "MAX_LINE"),
+    "characters in the header of a CSV file": (csv_header, "MAX_HEADER"),
+    "characters in a comment line that says something": (csv_comments, "MAX_STATEMENT"),
+    "characters in a number or an expression": (expressions, "MAX_CHARACTERS"),
+    "brackets inside each other in an expression": (expressions, "MAX_NESTING"),
+    "characters in a name": (names, "MAX_NAME"),
+    "joints of a manipulator": (tables, "MAX_JOINTS"),
+    "bytes in a YAML file": (textfiles, "MAX_BYTES"),
+    "mappings and lists inside each other in YAML": (yaml_composer, "MAX_DEPTH"),
+    "values that YAML aliases stand for": (yaml_composer, "MAX_ALIASED"),
+    "further such values, for each character before the alias": (yaml_composer, "MAX_ALIASED_PER_CHARACTER"),
+    "errors of a manipulator after which reading it stops": (rows, "MAX_PROBLEMS"),
+}
+OTHERS = {
+    "characters in a cell of a CSV file": python_csv.field_size_limit(),
+    "problems that are printed": errors.SCREENFUL,
+    "length of an arm, or of its base and tool [m]": int(tables.MEASURABLE_ARM),
+    "turns in an angle of the table": round(rows.LARGEST_ANGLE / math.tau),
+    "turns in `alpha` without a declared unit": round(rows.FULL_TURN / math.tau),
+    "turns in a limit without a declared unit": round(rows.LARGEST_LIMIT / math.tau),
+}
+
+
+def test_every_bound_is_the_one_of_the_code() -> None:
+    """Line by line, none more and none less; in the text too."""
+    bounds = OTHERS | {what: getattr(module, name) for what, (module, name) in CONSTANTS.items()}
+    assert dict(TABLES["bounds"]) == {what: f"{bound:,}" for what, bound in bounds.items()}
+    words = " ".join(TEXT.split())
+    assert f"at most {errors.SCREENFUL} are printed" in words
+    assert f"more than {tables.LONGEST_ARM:g} m or a `tool` more than {placements.LONGEST['tool']:g} m away" in words
+
+
+def test_every_named_bound_of_the_readers_is_in_the_table() -> None:
+    """A constant MAX_… that a module of the readers, or of what they read with, gets has its line."""
+    found = (
+        importlib.import_module(f"{readers.__name__}.{info.name}") for info in pkgutil.iter_modules(readers.__path__)
+    )
+    modules = [*found, expressions, textfiles, yaml_composer]
+    named = {name for module in modules for name in vars(module) if name.startswith("MAX_")}
+    assert named == {name for _, name in CONSTANTS.values()}
+
+
+# --- The page ---------------------------------------------------------------------------------------------------------
+
+
+def test_every_link_of_the_page_leads_somewhere() -> None:
+    """Its table of contents has all of its sections, by the anchors that GitHub gives them."""
+    titles = re.findall(r"^## (.*)$", TEXT, re.MULTILINE)
+    anchors = [re.sub(r"[^\w\- ]", "", title.casefold()).replace(" ", "-") for title in titles]
+    links = re.findall(r"\]\(#([^)]+)\)", TEXT)
+    assert list(itertools.islice(links, len(anchors))) == anchors
+    assert set(links) == set(anchors)
+
+
+def test_the_readme_leads_to_the_page() -> None:
+    """From where it shows a table."""
+    assert "[docs/tables.md](docs/tables.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

@@ -5,13 +5,19 @@ from __future__ import annotations
 import importlib.util
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from dh2urdf.quantities import Quantity
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+
 if TYPE_CHECKING:
     from types import ModuleType
+
+    from dh2urdf.stages import EmittedFile
 
 FUZZ = Path(__file__).parents[1] / "fuzz"
 REFERENCE = Path(__file__).parent / "reference" / "inputs"
@@ -19,7 +25,8 @@ REFERENCE = Path(__file__).parent / "reference" / "inputs"
 
 def load(name: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, FUZZ / f"{name}.py")
-    assert spec and spec.loader
+    assert spec
+    assert spec.loader
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -53,35 +60,29 @@ def test_every_target_has_a_corpus_and_words() -> None:
 @pytest.mark.parametrize(
     ("target", "content"),
     [
-        ("expression", b"pi/2 + 1"),
-        ("csv", b"# convention: standard\na,alpha,d\n0.1,pi/2,0.2\n"),
-        ("yaml", b"convention: standard\njoints: [{a: 0.1, alpha: pi/2, d: 0.2}]\n"),
+        ("csv", b"# convention: standard\na,alpha,d\n0,0,0.125\n0,0,0\n"),
+        ("yaml", b"convention: standard\njoints: [{a: 0, alpha: 0, d: 0.125}, {a: 0, alpha: 0, d: 0}]\n"),
     ],
 )
-def test_the_oracle_notices(target: str, content: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An arm whose description is another one, and a sum that is another one, are findings."""
-
-    def a_millimetre_off(number: float) -> float:
-        return number + 0.001
-
-    evaluate, proof = targets.evaluate, targets.prove
-
-    def wrong_evaluate(*arguments: Any, **options: Any) -> Any:
-        quantity = evaluate(*arguments, **options)
-        return type(quantity)(a_millimetre_off(quantity.value), quantity.has_unit, quantity.variable, quantity.sign)
-
-    def wrong_prove(arm: Any, robot: Any, poses: Any) -> Any:
-        long = type(arm.rows[0])(joint="joint_1", link="link_1", a=a_millimetre_off(arm.rows[0].a), alpha=0, d=0)
-        return proof(type(arm)(name="x", convention=arm.convention, rows=(long,)), robot, poses)
-
+def test_the_oracle_notices_another_arm(target: str, content: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A description that is a millimetre off is a finding."""
     targets.TARGETS[target](content)
-    if target == "expression":
-        monkeypatch.setattr(targets, "evaluate", wrong_evaluate)
-        content = b"1 + 2"
-    else:
-        monkeypatch.setattr(targets, "prove", wrong_prove)
-    with pytest.raises(targets.Broken):
+
+    def a_millimetre_off(robot: Any, stem: str, options: Any) -> tuple[EmittedFile]:
+        (file,) = URDF.emit(robot, stem, options)
+        joints, _, tool = file.content.rpartition(b'<origin xyz="0 0 0.125"')
+        return (replace(file, content=joints + b'<origin xyz="0 0 0.126"' + tool),)
+
+    monkeypatch.setattr(targets, "URDF", replace(URDF, emit=a_millimetre_off))
+    with pytest.raises(targets.Broken, match="the description is another arm"):
         targets.TARGETS[target](content)
+
+
+def test_the_oracle_notices_another_sum(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sum that is not what arithmetic makes of it is a finding."""
+    monkeypatch.setattr(targets, "evaluate", lambda *_arguments, **_options: Quantity(3.0000000000000004))
+    with pytest.raises(targets.Broken, match="and Python says 3"):
+        targets.TARGETS["expression"](b"1 + 2")
 
 
 def test_an_unknown_target_is_told() -> None:

@@ -30,6 +30,7 @@ from dh2urdf_plugins.readers import (
     fields,
     names,
     placements,
+    row_cells,
     rows,
     tables,
     text,
@@ -582,8 +583,8 @@ OTHERS = {
     "characters in a cell of a CSV file": python_csv.field_size_limit(),
     "problems that are printed": errors.SCREENFUL,
     "length of an arm, or of its base and tool [m]": int(tables.MEASURABLE_ARM),
-    "turns in an angle of the table": round(rows.LARGEST_ANGLE / math.tau),
-    "turns in `alpha` without a declared unit": round(rows.FULL_TURN / math.tau),
+    "turns in an angle of the table": round(row_cells.LARGEST_ANGLE / math.tau),
+    "turns in `alpha` without a declared unit": round(row_cells.FULL_TURN / math.tau),
     "turns in a limit without a declared unit": round(rows.LARGEST_LIMIT / math.tau),
 }
 

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 MAX_NAME = 200
 """Length of a name [1]; readers of robot descriptions cut names of a thousand characters, or crash."""
-RESERVED = ("world", "base_link", "base_link_inertia", "flange", "tool0")
+TIP_FRAMES = ("flange", "tool0")
+"""Links of ours at the end of the arm."""
+RESERVED = ("world", "base_link", "base_link_inertia", *TIP_FRAMES)
 """Links that every robot description of ours has; `world` is the simulators' own."""
 END_NAMES = frozenset({"flange", "toolflange", "tool", "tool0", "ee", "eef", "eelink", "tcp", "gripper", "endeffector"})
 """Names, without case and separators, of rows that hardly are revolute joints."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.rows import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
+from dh2urdf_plugins.readers.row_cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.tables import LONGEST_ARM, MEASURABLE_ARM
 

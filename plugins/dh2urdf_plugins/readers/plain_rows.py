@@ -19,7 +19,8 @@ from dh2urdf_plugins.readers.names import END_NAMES, MAX_NAME, RESERVED, are_out
 from dh2urdf_plugins.readers.plain_limits import LIMITS, PlainLimits
 from dh2urdf_plugins.readers.plain_numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit
 from dh2urdf_plugins.readers.records import make_rows
-from dh2urdf_plugins.readers.rows import FULL_TURN, LARGEST_ANGLE, NEARLY
+from dh2urdf_plugins.readers.row_cells import FULL_TURN, LARGEST_ANGLE
+from dh2urdf_plugins.readers.rows import NEARLY
 from dh2urdf_plugins.readers.tables import LONGEST_ARM
 
 if TYPE_CHECKING:

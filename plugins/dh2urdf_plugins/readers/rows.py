@@ -7,77 +7,53 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import inertia_problem
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI, quarter_turns
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.readers.fields import (
     ACCEPTED_FLIPS,
     ACCEPTED_TYPES,
     COM_FIELDS,
-    FIELDS,
     INERTIA_FIELDS,
     REQUIRED,
     TYPE_CHOICES,
-    Field,
     flip_of,
     joint_type,
 )
-from dh2urdf_plugins.readers.names import END_NAMES, RowNames, name_fault
+from dh2urdf_plugins.readers.names import END_NAMES, TIP_FRAMES, RowNames
+from dh2urdf_plugins.readers.row_cells import FULL_TURN, RowCells
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from dh2urdf.quantities import Unit
+    from dh2urdf.quantities import Quantity
     from dh2urdf_plugins.readers.cells import Cell, Units
 
 MAX_PROBLEMS = 1000
 """Problems of one manipulator that are collected [1]; reading it stops there."""
 NEARLY = 1e-3
 """How near an angle has to be to a quarter turn to be taken for a rounded one, relative [1]."""
-FULL_TURN = 2 * math.pi
-LARGEST_ANGLE = 1000 * FULL_TURN
-"""Angle of a table beyond which its sum with a joint value loses what a micrometre at the tool needs [rad]."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
 REMARKABLE_LIMIT = 4 * math.pi
 """Bound of a revolute joint beyond which a person should look at it [rad]."""
 
-ACCEPTED_ANGLE = "an angle of at most 2000π rad, or 360000°"
-_TURNS = ("alpha", "theta", "offset")
 _ROTARY_VARIABLES = ("q", "theta")
 _LINEAR_VARIABLES = ("q", "d")
 
 
-class RowReader:
+class RowReader(RowCells):
     """Reads the rows of one manipulator and collects what is wrong with them.
 
     Attributes:
-        problems: what was found so far, errors and notices.
+        type_is_given: whether the table has types at all, so that an empty one is worth a notice.
         names: the names of the rows so far.
-        errors: how many of them are errors.
     """
 
     def __init__(self, units: Units, *, type_is_given: bool = True) -> None:
-        """Starts a manipulator.
-
-        Args:
-            units: the units of the table.
-            type_is_given: whether the table has types at all, so that an empty one is worth a notice.
-        """
-        self.units = units
+        """Starts a manipulator; see the attributes."""
+        super().__init__(units)
         self.type_is_given = type_is_given
-        self.problems: list[Problem] = []
         self.names: list[RowNames] = []
-        self.errors = 0
-        self._cells: Mapping[str, Cell] = {}
-        self._mark: Mark | None = None
-        self._joint = ""
-        self._number = 0
-
-    def add(self, problem: Problem) -> None:
-        """Notes a problem."""
-        self.problems.append(problem)
-        self.errors += problem.severity == "error"
 
     def read(self, number: int, cells: Mapping[str, Cell], mark: Mark) -> DHRow | None:
         """The row that some cells are, or None where there is an error in them.
@@ -92,8 +68,10 @@ class RowReader:
         self._joint = f"joint_{number}"
         self._joint = self._name("joint", self._joint)
         link = self._name("link", f"link_{number}")
-        self.names.append(RowNames(self._joint, link, self._place("joint"), self._place("link")))
         kind = self._type()
+        if kind is JointType.FIXED and self._joint in TIP_FRAMES:
+            self._joint = self._beside_tip_frame(self._joint)
+        self.names.append(RowNames(self._joint, link, self._place("joint"), self._place("link")))
         for name in REQUIRED:
             if self._absent(name):
                 cell = cells.get(name)
@@ -123,55 +101,13 @@ class RowReader:
         )
         return row if self.errors == before else None
 
-    # --- Problems -----------------------------------------------------------------------------------------------------
-
-    def _problem(
-        self,
-        message: str,
-        name: str,
-        *,
-        accepted: str | None = None,
-        suggestion: str | None = None,
-        notice: bool = False,
-    ) -> None:
-        cell = self._cells.get(name)
-        self.add(
-            Problem(
-                message=message,
-                severity="notice" if notice else "error",
-                mark=self._place(name),
-                joint=self._joint,
-                field=name,
-                found=cell.text if cell else None,
-                accepted=accepted,
-                suggestion=suggestion,
-            )
-        )
-
-    def _error(self, message: str, name: str, *, accepted: str | None = None, suggestion: str | None = None) -> None:
-        self._problem(message, name, accepted=accepted, suggestion=suggestion)
-
-    def _notice(self, message: str, name: str, suggestion: str | None = None) -> None:
-        self._problem(message, name, suggestion=suggestion, notice=True)
-
     # --- Words --------------------------------------------------------------------------------------------------------
 
-    def _place(self, name: str) -> Mark | None:
-        cell = self._cells.get(name)
-        return cell.mark if cell else self._mark
-
-    def _absent(self, name: str) -> bool:
-        cell = self._cells.get(name)
-        return cell is None or not cell.text
-
-    def _name(self, field_name: str, default: str) -> str:
-        cell = self._cells.get(field_name)
-        if cell is None:
-            return default
-        if fault := name_fault(cell.text):
-            self._error(fault[0], field_name, accepted=fault[1])
-            return default
-        return cell.text
+    def _beside_tip_frame(self, name: str) -> str:
+        """The name of a fixed row that is called like a frame of every description, as datasheets call their last."""
+        joint = f"{name}_joint"
+        self._notice(f"the joint is named {shown(joint)}: {shown(name)} is a link of every robot description", "joint")
+        return joint
 
     def _type(self) -> JointType:
         cell = self._cells.get("type")
@@ -191,80 +127,6 @@ class RowReader:
         elif self.type_is_given:
             self._notice("the type is empty; the joint is taken as revolute", "type")
         return JointType.REVOLUTE
-
-    # --- Numbers ------------------------------------------------------------------------------------------------------
-
-    def _quantity(self, name: str, *, linear: bool = False, variables: tuple[str, ...] = ()) -> Quantity:
-        """What a cell says; 0 where it is empty or wrong."""
-        if self._absent(name):
-            return Quantity(0.0)
-        text = self._cells[name].text
-        what = FIELDS[name]
-        dimension = (what.linear if linear else None) or what.dimension or Dimension.NUMBER
-        unit = self.units.columns.get(name)
-        foreign = unit is not None and unit.dimension is not dimension
-        if unit is None:
-            unit = self.units.of(dimension)
-        try:
-            quantity = evaluate(text, dimension, None if foreign else unit, decimal_comma=self.units.decimal_comma)
-        except QuantityError as error:
-            self._error(error.message, name, accepted=error.accepted, suggestion=error.suggestion)
-            return Quantity(0.0)
-        if foreign and unit and quantity.value and not quantity.has_unit:
-            self._foreign_unit(name, what, dimension, unit)
-        if quantity.variable and not self._variable_fits(name, quantity, variables):
-            return Quantity(0.0)
-        if dimension is Dimension.ANGLE and name in _TURNS and abs(quantity.value) > LARGEST_ANGLE:
-            self._error(f"{shown(text)} is more than a thousand turns", name, accepted=ACCEPTED_ANGLE)
-            return Quantity(0.0)
-        return quantity
-
-    def _foreign_unit(self, name: str, what: Field, dimension: Dimension, unit: Unit) -> None:
-        kind = "prismatic" if dimension is what.linear else "revolute"
-        self._error(
-            f"{shown(self._cells[name].text)} stands in a column of {unit.symbol}, and {name} of a {kind} joint is "
-            f"{dimension}",
-            name,
-            accepted="0, or a number with its own unit, such as '100 mm' or '90 deg'",
-        )
-
-    def _variable_fits(self, name: str, quantity: Quantity, variables: tuple[str, ...]) -> bool:
-        variable = quantity.variable
-        if variable is None:
-            return True
-        text = shown(self._cells[name].text)
-        if variable.kind not in variables:
-            where = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
-            home = where.get(variable.kind, "theta of a revolute joint or in d of a prismatic one")
-            self._error(
-                f"{text} names the joint variable {variable.text}, which cannot stand in {name} of this row",
-                name,
-                accepted=f"a number here; {variable.text} may stand in {home}",
-                suggestion="give the row the type prismatic if the joint slides" if name == "d" else None,
-            )
-            return False
-        if variable.row is not None and variable.row != self._number:
-            self._error(
-                f"{text} names the variable of row {variable.row}, and this is row {self._number}",
-                name,
-                accepted=f"{variable.kind}{self._number}, or no number: rows are counted from 1, fixed ones too",
-            )
-            return False
-        return True
-
-    def _optional(self, name: str, *, linear: bool = False) -> float | None:
-        return None if self._absent(name) else self._quantity(name, linear=linear).value
-
-    def _positive(self, name: str, *, linear: bool = False) -> float | None:
-        errors = self.errors
-        number = self._optional(name, linear=linear)
-        if number is not None and number <= 0 and self.errors == errors:
-            self._error(
-                f"{shown(self._cells[name].text)} is not positive",
-                name,
-                accepted="a number above 0, or nothing where it is not known",
-            )
-        return number
 
     # --- Geometry -----------------------------------------------------------------------------------------------------
 

@@ -306,6 +306,13 @@ CASES = [
         "    write fixed if nothing moves there, or revolute if it does",
     ),
     Case(
+        "a fixed row called like a frame of ours",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha,d\nj1,R,0,0,0.1\nflange,fixed,0,0,0.1\n",
+        "arm.csv:3:1: notice: joint 'flange', field 'joint': the joint is named 'flange_joint': 'flange' is a link of every robot description",
+    ),
+    Case(
         "an empty type",
         ".csv",
         {"convention": "standard"},

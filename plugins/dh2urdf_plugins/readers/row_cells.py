@@ -1,0 +1,170 @@
+"""The cells of one row of a table: what they say, as names and numbers, and all that is wrong with them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.fields import FIELDS, Field
+from dh2urdf_plugins.readers.names import name_fault
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dh2urdf.quantities import Unit
+    from dh2urdf_plugins.readers.cells import Cell, Units
+
+FULL_TURN = 2 * math.pi
+LARGEST_ANGLE = 1000 * FULL_TURN
+"""Angle of a table beyond which its sum with a joint value loses what a micrometre at the tool needs [rad]."""
+ACCEPTED_ANGLE = "an angle of at most 2000π rad, or 360000°"
+_TURNS = ("alpha", "theta", "offset")
+
+
+class RowCells:
+    """The cells of the row that is being read, and the problems of all rows so far.
+
+    Attributes:
+        units: the units of the table.
+        problems: what was found so far, errors and notices.
+        errors: how many of them are errors.
+    """
+
+    def __init__(self, units: Units) -> None:
+        """Starts a manipulator in a table of these units."""
+        self.units = units
+        self.problems: list[Problem] = []
+        self.errors = 0
+        self._cells: Mapping[str, Cell] = {}
+        self._mark: Mark | None = None
+        self._joint = ""
+        self._number = 0
+
+    def add(self, problem: Problem) -> None:
+        """Notes a problem."""
+        self.problems.append(problem)
+        self.errors += problem.severity == "error"
+
+    def _problem(
+        self,
+        message: str,
+        name: str,
+        *,
+        accepted: str | None = None,
+        suggestion: str | None = None,
+        notice: bool = False,
+    ) -> None:
+        cell = self._cells.get(name)
+        self.add(
+            Problem(
+                message=message,
+                severity="notice" if notice else "error",
+                mark=self._place(name),
+                joint=self._joint,
+                field=name,
+                found=cell.text if cell else None,
+                accepted=accepted,
+                suggestion=suggestion,
+            )
+        )
+
+    def _error(self, message: str, name: str, *, accepted: str | None = None, suggestion: str | None = None) -> None:
+        self._problem(message, name, accepted=accepted, suggestion=suggestion)
+
+    def _notice(self, message: str, name: str, suggestion: str | None = None) -> None:
+        self._problem(message, name, suggestion=suggestion, notice=True)
+
+    # --- Words --------------------------------------------------------------------------------------------------------
+
+    def _place(self, name: str) -> Mark | None:
+        cell = self._cells.get(name)
+        return cell.mark if cell else self._mark
+
+    def _absent(self, name: str) -> bool:
+        cell = self._cells.get(name)
+        return cell is None or not cell.text
+
+    def _name(self, field_name: str, default: str) -> str:
+        cell = self._cells.get(field_name)
+        if cell is None:
+            return default
+        if fault := name_fault(cell.text):
+            self._error(fault[0], field_name, accepted=fault[1])
+            return default
+        return cell.text
+
+    # --- Numbers ------------------------------------------------------------------------------------------------------
+
+    def _quantity(self, name: str, *, linear: bool = False, variables: tuple[str, ...] = ()) -> Quantity:
+        """What a cell says; 0 where it is empty or wrong."""
+        if self._absent(name):
+            return Quantity(0.0)
+        text = self._cells[name].text
+        what = FIELDS[name]
+        dimension = (what.linear if linear else None) or what.dimension or Dimension.NUMBER
+        unit = self.units.columns.get(name)
+        foreign = unit is not None and unit.dimension is not dimension
+        if unit is None:
+            unit = self.units.of(dimension)
+        try:
+            quantity = evaluate(text, dimension, None if foreign else unit, decimal_comma=self.units.decimal_comma)
+        except QuantityError as error:
+            self._error(error.message, name, accepted=error.accepted, suggestion=error.suggestion)
+            return Quantity(0.0)
+        if foreign and unit and quantity.value and not quantity.has_unit:
+            self._foreign_unit(name, what, dimension, unit)
+        if quantity.variable and not self._variable_fits(name, quantity, variables):
+            return Quantity(0.0)
+        if dimension is Dimension.ANGLE and name in _TURNS and abs(quantity.value) > LARGEST_ANGLE:
+            self._error(f"{shown(text)} is more than a thousand turns", name, accepted=ACCEPTED_ANGLE)
+            return Quantity(0.0)
+        return quantity
+
+    def _foreign_unit(self, name: str, what: Field, dimension: Dimension, unit: Unit) -> None:
+        kind = "prismatic" if dimension is what.linear else "revolute"
+        self._error(
+            f"{shown(self._cells[name].text)} stands in a column of {unit.symbol}, and {name} of a {kind} joint is "
+            f"{dimension}",
+            name,
+            accepted="0, or a number with its own unit, such as '100 mm' or '90 deg'",
+        )
+
+    def _variable_fits(self, name: str, quantity: Quantity, variables: tuple[str, ...]) -> bool:
+        variable = quantity.variable
+        if variable is None:
+            return True
+        text = shown(self._cells[name].text)
+        if variable.kind not in variables:
+            where = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
+            home = where.get(variable.kind, "theta of a revolute joint or in d of a prismatic one")
+            self._error(
+                f"{text} names the joint variable {variable.text}, which cannot stand in {name} of this row",
+                name,
+                accepted=f"a number here; {variable.text} may stand in {home}",
+                suggestion="give the row the type prismatic if the joint slides" if name == "d" else None,
+            )
+            return False
+        if variable.row is not None and variable.row != self._number:
+            self._error(
+                f"{text} names the variable of row {variable.row}, and this is row {self._number}",
+                name,
+                accepted=f"{variable.kind}{self._number}, or no number: rows are counted from 1, fixed ones too",
+            )
+            return False
+        return True
+
+    def _optional(self, name: str, *, linear: bool = False) -> float | None:
+        return None if self._absent(name) else self._quantity(name, linear=linear).value
+
+    def _positive(self, name: str, *, linear: bool = False) -> float | None:
+        errors = self.errors
+        number = self._optional(name, linear=linear)
+        if number is not None and number <= 0 and self.errors == errors:
+            self._error(
+                f"{shown(self._cells[name].text)} is not positive",
+                name,
+                accepted="a number above 0, or nothing where it is not known",
+            )
+        return number

@@ -48,14 +48,20 @@ class Stems:
     def __init__(self) -> None:
         self._owners: dict[str, str] = {}
 
-    def claim(self, name: str) -> tuple[str, Problem | None]:
-        """The stem of a manipulator, and a notice where another one already has the stem of its name."""
+    def claim(self, name: str, *, remember: bool = True) -> tuple[str, Problem | None]:
+        """The stem of a manipulator, and a notice where another one already has the stem of its name.
+
+        Args:
+            name: the manipulator's name.
+            remember: whether another one may yet ask for the same stem.
+        """
         wanted = stem = safe_stem(name)
         number = 1
         while self._key(stem) in self._owners:
             number += 1
             stem = f"{wanted}-{number}"
-        self._owners[self._key(stem)] = name
+        if remember:
+            self._owners[self._key(stem)] = name
         if number == 1:
             return stem, None
         return stem, Problem(
@@ -83,8 +89,8 @@ def staging(directory: Path) -> Iterator[Path]:
     """
     with reporting_os_errors(directory):
         directory.mkdir(parents=True, exist_ok=True)
-    # The name is known before there is a folder of it, and an interrupt (which may come between any two steps, while the
-    # folder is being removed too) has it removed again: so nothing is left at any moment.
+    # The name is known before there is a folder of it, and an interrupt (which may come between any two steps, while
+    # the folder is being removed too) has it removed again: so nothing is left at any moment.
     folder = directory / f"{_STAGING}{os.urandom(6).hex()}"
     try:
         try:

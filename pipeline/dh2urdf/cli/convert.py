@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf.cli import EXIT_STATUS
-from dh2urdf.config import is_run_file
 from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.options import make_options
@@ -95,6 +94,8 @@ def command(
     try:
         manipulator = _choose(read_items(reader, table, options["reader"]), robot, table)
     except TableError:
+        from dh2urdf.config import is_run_file  # Reading run files takes modules that a conversion does not need.
+
         if not is_run_file(table):
             raise
         raise ConfigError(

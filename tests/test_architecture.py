@@ -80,9 +80,10 @@ class TestImportDirection:
         assert importing([*modules(PLUGINS), *modules(EXAMPLE)], inner.match) == []
 
     def test_every_import_is_of_something_that_is_installed_with_it(self) -> None:
-        """What the project imports is in the standard library, among its dependencies, or in the extra of a loader."""
+        """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""
         project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-        requirements = [*project["dependencies"], *project["optional-dependencies"]["pybullet"]]
+        extras = project["optional-dependencies"]
+        requirements = [*project["dependencies"], *extras["pybullet"], *extras["sampling"]]
         names = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}
         packages = {{"pyyaml": "yaml", "pillow": "PIL"}.get(name, name) for name in names}
         allowed = packages | {"dh2urdf", "dh2urdf_plugins"} | set(sys.stdlib_module_names)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import RobotError
+from dh2urdf.gathering import cannot_be_made
 from dh2urdf.kinematics import TOOL, KinematicChain, forward_kinematics
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Arm, Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
@@ -21,15 +22,12 @@ from dh2urdf.truth import Stretch, Tip, Truth
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from dh2urdf.gathering import Gathering
     from dh2urdf.robot import Geometry
 
 WORLD = "world"
 """The root link of a cell."""
 WEIGHTLESS = Inertial(mass=0.0)
-REMEMBERED = 1000
-"""Names of manipulators that a message may suggest [1]; a run may have a million."""
-SHOWN = 20
-"""Names of manipulators that a message lists [1]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,60 +95,32 @@ class Cell:
         return self.call.mark
 
 
-class Gathering:
-    """Picks the tables of a run's cells out of all that pass by, and keeps no others."""
-
-    def __init__(self, cells: Sequence[CellCall]) -> None:
-        self._cells = cells
-        self._wanted: dict[str, list[Manipulator | Rejected]] = {arm.of: [] for cell in cells for arm in cell.arms}
-        self._names: list[str] = []
-
-    def see(self, item: Manipulator | Rejected) -> None:
-        """Takes notice of what a reader gave."""
-        if item.name in self._wanted:
-            self._wanted[item.name] = [*self._wanted[item.name][:1], item]  # Of too many, two are enough to say so.
-        if len(self._names) < REMEMBERED:
-            self._names.append(item.name)
-
-    def cells(self) -> Iterator[Cell | Rejected]:
-        """The cells with their tables, once everything has been seen; why not, where one cannot be made."""
-        for cell in self._cells:
-            found: dict[str, Manipulator] = {}
-            problems: list[Problem] = []
-            for arm in cell.arms:
-                match self._wanted[arm.of]:
-                    case [Manipulator() as table]:
-                        found[arm.of] = table
-                    case items:
-                        problems += self._problems(arm, items)
-            yield (
-                Rejected(name=cell.name, problems=tuple(problems), mark=cell.mark)
-                if problems
-                else Cell(call=cell, manipulators=found)
-            )
-
-    def _problems(self, arm: ArmCall, items: Sequence[Manipulator | Rejected]) -> Iterator[Problem]:
-        """Why an arm has no table."""
-        made = f"the arm {shown(arm.name)} is made of {shown(arm.of)}, and"
-        match items:
-            case []:
-                names = list(dict.fromkeys(self._names))
-                accepted = ", ".join([*names[:SHOWN], *(["…"] if len(names) > SHOWN else [])])
-                near = did_you_mean(arm.of, names)
-                message = f"{made} no manipulator of the run has that name"
-                yield _of(arm, message, "of", arm.of_mark, accepted=accepted or None, suggestion=near)
-            case [Rejected(problems=problems)]:
-                yield from cannot_be(arm, problems)
-            case _:
-                marks = " and ".join(str(item.mark) for item in items if item.mark)
-                message = f"{made} several manipulators have that name"
-                yield _of(arm, message, "of", arm.of_mark, suggestion=f"they stand at {marks}" if marks else None)
+def with_tables(cells: Sequence[CellCall], gathering: Gathering) -> Iterator[Cell | Rejected]:
+    """The cells with their tables, once everything has been seen; why not, where one cannot be made."""
+    for cell in cells:
+        found: dict[str, Manipulator] = {}
+        problems: list[Problem] = []
+        for arm in cell.arms:
+            match gathering.table(arm.of, _the_arm(arm), arm.of_mark or arm.mark):
+                case Manipulator() as table:
+                    found[arm.of] = table
+                case why_not:
+                    problems += why_not
+        yield (
+            Rejected(name=cell.name, problems=tuple(problems), mark=cell.mark)
+            if problems
+            else Cell(call=cell, manipulators=found)
+        )
 
 
 def cannot_be(arm: ArmCall, problems: Sequence[Problem]) -> Iterator[Problem]:
     """The problems of an arm's table as problems of the cell, with a sentence before them that says so."""
-    yield _of(arm, f"the arm {shown(arm.name)} cannot be made of {shown(arm.of)}", "of", arm.of_mark)
+    yield cannot_be_made(arm.of, _the_arm(arm), arm.of_mark or arm.mark)
     yield from problems
+
+
+def _the_arm(arm: ArmCall) -> str:
+    return f"the arm {shown(arm.name)}"
 
 
 def _of(arm: ArmCall, message: str, field: str, mark: Mark | None, **more: str | None) -> Problem:

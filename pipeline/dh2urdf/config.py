@@ -25,11 +25,13 @@ from dh2urdf.sections import SectionReader
 from dh2urdf.settings import with_setting
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.textfiles import LONG_PATH, check_file, read_bytes
+from dh2urdf.variation_section import VariationsReader
+from dh2urdf.variations import VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-SECTIONS = ("inputs", "cells", "transform", "emitters", "loaders", "output", "execution", "proof")
+SECTIONS = ("inputs", "cells", "variations", "transform", "emitters", "loaders", "output", "execution", "proof")
 DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
 DEFAULT_EXECUTOR = "local"
@@ -90,6 +92,7 @@ class RunConfig:
         execution: what does the work.
         directory: where the output goes.
         cells: robots of several arms that are made besides.
+        variations: manipulators whose tables are drawn, that are made besides.
         poses: random joint vectors at which each written file is compared with its table.
         problems: what is wrong with the file; nothing may start while there is any.
     """
@@ -101,6 +104,7 @@ class RunConfig:
     execution: StageCall
     directory: Path
     cells: tuple[CellCall, ...] = ()
+    variations: tuple[VariationCall, ...] = ()
     poses: int = DEFAULT_POSES
     problems: tuple[Problem, ...] = ()
 
@@ -165,6 +169,7 @@ def _written_out(root: Node) -> Node:
         **given,
         "inputs": _list_of(given.get("inputs"), "path", root),
         "cells": _list_of(given.get("cells"), "name", root),
+        "variations": _list_of(given.get("variations"), "of", root),
         "transform": _mapping_of(given.get("transform", _text(DEFAULT_TRANSFORM, root)), "stage"),
         "emitters": _list_of(given.get("emitters", _text(DEFAULT_EMITTER, root)), "stage", root),
         "loaders": _list_of(given.get("loaders"), "stage", root),
@@ -236,6 +241,7 @@ class _Sections(SectionReader):
             or StageCall(stage=DEFAULT_EXECUTOR),
             directory=self._resolved(*directory) if directory else self.path.parent / "build" / self.path.stem,
             cells=CellsReader(self.problems).read(sections["cells"]),
+            variations=VariationsReader(self.problems).read(sections["variations"]),
             poses=self._poses(proof.get("poses")),
             problems=tuple(self.problems),
         )

@@ -47,14 +47,20 @@ class Stems:
     def __init__(self) -> None:
         self._owners: dict[str, str] = {}
 
-    def claim(self, name: str) -> tuple[str, Problem | None]:
-        """The stem of a manipulator, and a notice where another one already has the stem of its name."""
+    def claim(self, name: str, *, remember: bool = True) -> tuple[str, Problem | None]:
+        """The stem of a manipulator, and a notice where another one already has the stem of its name.
+
+        Args:
+            name: the manipulator's name.
+            remember: whether another one may yet ask for the same stem.
+        """
         wanted = stem = safe_stem(name)
         number = 1
         while self._key(stem) in self._owners:
             number += 1
             stem = f"{wanted}-{number}"
-        self._owners[self._key(stem)] = name
+        if remember:
+            self._owners[self._key(stem)] = name
         if number == 1:
             return stem, None
         return stem, Problem(

@@ -9,7 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from dh2urdf.cells import Cell, CellCall, Gathering
+from dh2urdf import sampling
+from dh2urdf.cells import Cell, CellCall, with_tables
 from dh2urdf.conversion import Call, Recipe, Written, blaming, make_cell, make_robot, read_items, write_robot
 from dh2urdf.errors import (
     ConfigError,
@@ -19,15 +20,19 @@ from dh2urdf.errors import (
     StageError,
     TableError,
 )
+from dh2urdf.gathering import Gathering
 from dh2urdf.isolation import load_in_child
 from dh2urdf.kinematics import KinematicChain
+from dh2urdf.laws import Value
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.output import Stems
 from dh2urdf.proof import joint_vectors
-from dh2urdf.source import Mark, Problem, in_file_order
+from dh2urdf.source import Mark, Problem, in_file_order, shown
 from dh2urdf.stages import Executor, Loader, LoadReport, LoadRequest, Reader, Rejected
 from dh2urdf.truth import Truth
+from dh2urdf.variation_binding import bind
+from dh2urdf.variations import Variant, VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -54,6 +59,7 @@ class Plan:
         executor: does the work.
         executor_options: its options.
         cells: robots of several of the manipulators, made when all have been read.
+        variations: manipulators drawn from others, made at the end.
     """
 
     inputs: tuple[tuple[Path, Reader[Any], Any], ...]
@@ -62,15 +68,16 @@ class Plan:
     executor: Executor[Any]
     executor_options: Any
     cells: tuple[CellCall, ...] = ()
+    variations: tuple[VariationCall, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """One manipulator, or one cell of several, for a worker.
+    """One manipulator, one cell of several or one variant of one, for a worker.
 
     Attributes:
         index: its number in the run, from 0.
-        item: the manipulator or cell, or why it cannot be read.
+        item: the manipulator, cell or variant, or why it cannot be read; a variant is drawn by the worker.
         source: the file it comes from.
         stem: the stem of its files.
         notices: what is known before the work begins.
@@ -78,7 +85,7 @@ class Task:
     """
 
     index: int
-    item: Manipulator | Cell | Rejected
+    item: Manipulator | Cell | Variant | Rejected
     source: str
     stem: str = ""
     notices: tuple[Problem, ...] = ()
@@ -87,12 +94,13 @@ class Task:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What became of one manipulator or cell.
+    """What became of one manipulator, cell or variant.
 
     Attributes:
         name: its name.
         status: ok, failed, or skipped where the run only looked.
         source: the file it comes from.
+        drawn: what was drawn for it, by field and joint: ``a_2`` [SI].
         was_read: whether there was a manipulator at all.
         keeps_kinematics: whether its transform keeps T(q).
         written: what each emitter wrote.
@@ -106,6 +114,7 @@ class Outcome:
     name: str
     status: Literal["ok", "failed", "skipped"]
     source: str
+    drawn: dict[str, Value] = field(default_factory=dict)
     was_read: bool = True
     keeps_kinematics: bool = True
     written: tuple[Written, ...] = ()
@@ -161,6 +170,8 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     )
     for loader in recipe.loaders:
         loader.stage.require(loader.options)
+    for variation in config.variations:
+        sampling.require(variation.sampling)
     return Plan(
         inputs=tuple(inputs),
         recipe=recipe,
@@ -168,6 +179,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         executor=executor.stage,
         executor_options=executor.options,
         cells=config.cells,
+        variations=config.variations,
     )
 
 
@@ -194,7 +206,7 @@ def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None
         note: is told of every outcome as it comes, as soon as something could be read.
 
     Returns:
-        One outcome per manipulator, in the order of the inputs, and then one per cell.
+        One outcome per manipulator, in the order of the inputs, then one per cell, then one per variant.
 
     Raises:
         TableError: nothing could be read at all.
@@ -218,9 +230,10 @@ def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None
 def tasks(plan: Plan) -> Iterator[Task]:
     """The manipulators of all inputs, one by one, each with a stem of its own; a bad input ends itself, not the run.
 
-    The cells come last: of the manipulators, only those that they need are kept so long.
+    Cells and variants come last: of the manipulators, only those that they need are kept so long.
     """
-    stems, gathering = Stems(), Gathering(plan.cells)
+    needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
+    stems, gathering = Stems(), Gathering(needed)
     index = 0
     for path, reader, options in plan.inputs:
         first = index
@@ -237,13 +250,33 @@ def tasks(plan: Plan) -> Iterator[Task]:
             traceback = error.traceback if isinstance(error, StageError) else ""
             yield Task(index=index, item=rejected, source=str(path), traceback=traceback)
             index += 1
-    for cell in gathering.cells():
+    for cell in with_tables(plan.cells, gathering):
         yield _task(index, cell, cell.mark.file if cell.mark else "", stems)
         index += 1
+    for call in plan.variations:
+        for variant in _variants(call, gathering):
+            yield _task(index, variant, call.mark.file if call.mark else "", stems)
+            index += 1
 
 
-def _task(index: int, item: Manipulator | Cell | Rejected, source: str, stems: Stems) -> Task:
-    stem, clash = ("", None) if isinstance(item, Rejected) else stems.claim(item.name)
+def _variants(call: VariationCall, gathering: Gathering) -> Iterator[Variant | Rejected]:
+    """The variants of a variation, one by one; why not, where there can be none."""
+    table = gathering.table(call.of, f"the variation {shown(call.name)}", call.of_mark or call.mark)
+    try:
+        if not isinstance(table, Manipulator):
+            raise ConfigError(table)
+        variation = bind(call, table)
+    except ConfigError as error:
+        yield Rejected(name=call.name, problems=error.problems, mark=call.mark)
+        return
+    yield from variation.variants()
+
+
+def _task(index: int, item: Manipulator | Cell | Variant | Rejected, source: str, stems: Stems) -> Task:
+    if isinstance(item, Rejected):
+        return Task(index=index, item=item, source=source)
+    # Variants come last, and no two have the same name: that nothing of them is remembered lets a run be of any length.
+    stem, clash = stems.claim(item.name, remember=not isinstance(item, Variant))
     return Task(index=index, item=item, source=source, stem=stem, notices=(clash,) if clash else ())
 
 
@@ -268,13 +301,14 @@ def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) 
         name=item.name,
         status="skipped" if dry_run else "ok",
         source=task.source,
+        drawn=item.drawn() if isinstance(item, Variant) else {},
         keeps_kinematics=recipe.keeps_kinematics,
         notices=(*(item.notices if isinstance(item, Manipulator) else ()), *task.notices),
         seconds=seconds,
     )
     try:
         with _timed(seconds, "transform"):
-            robot, truth = _robot(item, recipe)
+            robot, truth = _robot(item.manipulator(outcome.drawn) if isinstance(item, Variant) else item, recipe)
         outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
         if dry_run:
             return outcome

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.config import DEFAULT_EMITTER, DEFAULT_EXECUTOR, DEFAULT_POSES, DEFAULT_TRANSFORM
 from dh2urdf.errors import ConfigError
 from dh2urdf.option_types import type_hints
+from dh2urdf.sampling import MOST_POINTS, Sampling
+from dh2urdf.variation_section import LAWS, MOST_SEED, MOST_VALUES
+from dh2urdf.variations import AXES, FIELDS
 
 if TYPE_CHECKING:
     from dh2urdf.registry import Catalog
@@ -29,6 +32,7 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
     sections = {
         "inputs": _one_or_more(inputs, "the tables that are read"),
         "cells": _one_or_more(_cell(), "robots of several arms, with one root; none by default", least=0),
+        "variations": _one_or_more(_variation(), "manipulators drawn from others; none by default", least=0),
         "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM),
         "emitters": _one_or_more(_stage(catalog, "emitter", "what writes files"), f"{DEFAULT_EMITTER} by default"),
         "loaders": _one_or_more(_stage(catalog, "loader", "what loads the files"), "none by default", least=0),
@@ -123,6 +127,51 @@ def _cell() -> dict[str, Any]:
     return {**cell, "required": ["name", "arms"]}
 
 
+def _variation() -> dict[str, Any]:
+    """A variation: what is varied, how often, and by which laws."""
+    variation = _mapping(
+        {
+            "name": _text("what the names of the variants begin with; that of the manipulator by default"),
+            "of": _text("the manipulator of this run that is varied"),
+            "count": _whole(1, MOST_POINTS) | {"description": "how many variants; the points of its grids by default"},
+            "seed": _whole(0, MOST_SEED - 1) | {"default": 0, "description": "which of all samples"},
+            "sampling": {"enum": list(Sampling), "default": Sampling.RANDOM, "description": "how the sample spreads"},
+            "vary": _one_or_more(_rule(), "what varies"),
+        }
+    )
+    return {**variation, "required": ["of", "vary"]}
+
+
+def _rule() -> dict[str, Any]:
+    """A field of some joints and the law of its values."""
+    number: dict[str, Any] = {"type": ["number", "string"], "minLength": 1}
+    pair = {"type": "array", "items": number, "minItems": 2, "maxItems": 2}
+    values = {"type": "array", "items": number, "minItems": 1}
+    spaced = _mapping({"from": number, "to": number, "points": _whole(2, MOST_VALUES)})
+    normal = _mapping({"mean": number, "deviation": number, "bounds": pair})
+    joint: dict[str, Any] = {"type": ["integer", "string"], "minimum": 1, "minLength": 1}
+    joints = _either(joint, {"type": "array", "items": joint, "minItems": 1})
+    laws = {
+        "choices": values | {"description": "one of these, all equally likely"},
+        "grid": _either(values, {**spaced, "required": ["from", "to", "points"]})
+        | {"description": "each of these, with each of all other grids"},
+        "uniform": pair | {"description": "any value of this range"},
+        "log-uniform": pair | {"description": "any value of this range, all orders of magnitude equally likely"},
+        "normal": {**normal, "required": ["deviation", "bounds"]}
+        | {"description": "a normal distribution, about the nominal value unless it has a mean, cut at its bounds"},
+        "scale": pair | {"description": "the nominal value times a factor of this range"},
+        "offset": pair | {"description": "the nominal value plus a number of this range"},
+    }
+    field = {"enum": list(FIELDS), "description": "what varies"}
+    about = {"description": "of which joints: all, numbers from 1, or names; the number of axes has none"}
+    rule = _mapping({"joints": joints | about, "field": field, **laws})
+    rule["required"] = ["field"]
+    rule["oneOf"] = [{"required": [law]} for law in LAWS]
+    of_the_arm = {"properties": {"field": {"const": AXES}}, "required": ["field"]}
+    rule["if"], rule["then"], rule["else"] = of_the_arm, {"properties": {"joints": False}}, {"required": ["joints"]}
+    return rule
+
+
 def _if_then(condition: dict[str, Any], kind: Kind, stage: Stage, *, named: bool) -> dict[str, Any]:
     if named:
         condition = {**condition, "required": ["stage"]}
@@ -165,6 +214,10 @@ def _options_schemas(kind: Kind, stage: Stage) -> dict[str, Any]:
 
 def _text(description: str) -> dict[str, Any]:
     return {"type": "string", "minLength": 1, "description": description}
+
+
+def _whole(least: int, most: int) -> dict[str, Any]:
+    return {"type": "integer", "minimum": least, "maximum": most}
 
 
 def _mapping(properties: dict[str, Any]) -> dict[str, Any]:

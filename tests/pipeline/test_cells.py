@@ -12,9 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dh2urdf.cells import ArmCall, Cell, CellCall, Gathering, compose, truth_of
+from dh2urdf.cells import ArmCall, Cell, CellCall, compose, truth_of, with_tables
 from dh2urdf.conversion import Call, make_cell
 from dh2urdf.errors import RobotError
+from dh2urdf.gathering import Gathering
 from dh2urdf.kinematics import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.proof import proof_vectors, prove
@@ -465,10 +466,10 @@ class TestGathering:
     CALL = CellCall(name="pair", arms=(call("a", "arm"), call("b", "arm")), mark=Mark(file="run.yaml", line=3))
 
     def gathered(self, *items: Manipulator | Rejected) -> Cell | Rejected:
-        gathering = Gathering([self.CALL])
+        gathering = Gathering(["arm"])
         for item in items:
             gathering.see(item)
-        (found,) = gathering.cells()
+        (found,) = with_tables([self.CALL], gathering)
         return found
 
     def test_only_what_cells_need_is_kept(self) -> None:

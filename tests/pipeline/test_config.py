@@ -341,7 +341,7 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         (TABLE + "proof: {poses: true}\n", "the number of poses cannot be the truth value true"),
         (TABLE + "proof: {poses: 1.5}\n", "the number of poses cannot be the number 1.5"),
         (TABLE + "emitter: urdf\n", "did you mean 'emitters'?"),
-        (TABLE + "variations: []\n", "a run file has no 'variations' here"),
+        (TABLE + "variatons: []\n", "did you mean 'variations'?"),
     ],
 )
 def test_a_mistake_has_one_message_with_a_place(folder: Path, text: str, message: str) -> None:

@@ -95,7 +95,7 @@ def command(
     try:
         manipulator = _choose(read_items(reader, table, options["reader"]), robot, table)
     except TableError:
-        from dh2urdf.config import is_run_file
+        from dh2urdf.config import is_run_file  # Reading run files takes modules that a conversion does not need.
 
         if not is_run_file(table):
             raise

@@ -82,6 +82,7 @@ def _manipulator(outcome: Outcome) -> dict[str, Any]:
         "name": outcome.name,
         "status": outcome.status,
         "source": outcome.source,
+        "drawn": outcome.drawn,
         "keeps_kinematics": outcome.keeps_kinematics,
         "files": [
             {"path": file.name, "stage": file.stage, "bytes": file.size, "sha256": file.sha256}

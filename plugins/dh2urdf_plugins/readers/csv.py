@@ -277,7 +277,7 @@ class _Table:
             reader.add(_torn(name))
         statements = replace(self.statements)
         read = self._read_rows(rows, statements, reader)
-        if problem := self.cells.ambiguous_point():
+        if problem := self.cells.ambiguous_number():
             reader.add(problem)
         self.plain_table &= not self.cells.has_decimal_commas
         result = manipulator(name, statements, read, reader, mark)

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.csv_lines import CsvLines
     from dh2urdf_plugins.readers.rows import RowReader
 
-_DOTTED = re.compile(r"[+-]?[1-9][0-9]{0,2}\.[0-9]{3}")
+_GROUPED = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")
 _WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+")
+_WITH_POINT = re.compile(r"[+-]?[0-9]*\.[0-9]+")
 _LONGEST_INDEX = 9
 
 
@@ -33,7 +34,8 @@ class CsvCells:
         self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
         self.has_type = "type" in columns.fields
         self._comma: Cell | None = None
-        self._dotted: tuple[Cell, int] | None = None
+        self._point: Cell | None = None
+        self._grouped: tuple[Cell, int] | None = None
 
     @property
     def has_decimal_commas(self) -> bool:
@@ -158,20 +160,27 @@ class CsvCells:
         )
 
     def _look_for_commas(self, cell: Cell, number: int) -> None:
-        if self._comma is None and _WITH_COMMA.fullmatch(cell.text):
+        """Remembers the first of each form in which a number may have a decimal sign, or a sign between thousands."""
+        text = cell.text
+        if self._comma is None and _WITH_COMMA.fullmatch(text):
             self._comma = cell
-        if self._dotted is None and _DOTTED.fullmatch(cell.text):
-            self._dotted = (cell, number)
+        if self._point is None and _WITH_POINT.fullmatch(text):
+            self._point = cell
+        if self._grouped is None and _GROUPED.fullmatch(text):
+            self._grouped = (cell, number)
 
-    def ambiguous_point(self) -> Problem | None:
-        """What is wrong with a manipulator's numbers where one may have a point between thousands; forgets them."""
-        dotted, self._dotted = self._dotted, None
-        if dotted is None or self._comma is None:
+    def ambiguous_number(self) -> Problem | None:
+        """What is wrong with a manipulator's numbers where one may have a sign between thousands; forgets them."""
+        grouped, self._grouped = self._grouped, None
+        if grouped is None:
             return None
-        cell, number = dotted
+        cell, number = grouped
+        word, other, decimal = ("point", self._comma, "comma") if "." in cell.text else ("comma", self._point, "point")
+        if other is None:
+            return None
         return Problem(
-            message=f"{shown(cell.text)} can be read in two ways, since {shown(self._comma.text)} in line "
-            f"{self._comma.mark.line} has a decimal comma: the point may separate thousands",
+            message=f"{shown(cell.text)} can be read in two ways, since {shown(other.text)} in line "
+            f"{other.mark.line} has a decimal {decimal}: the {word} may separate thousands",
             mark=cell.mark,
             joint=f"joint_{number}",
             found=cell.text,

@@ -1,0 +1,80 @@
+"""Picks the tables that a run's cells and variations are made of out of all that pass by."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stages import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+REMEMBERED = 1000
+"""Names of manipulators that a message may suggest [1]; a run may have a million."""
+SHOWN = 20
+"""Names that a message lists [1]."""
+
+
+class Gathering:
+    """Keeps the manipulators of some names, and no others."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._wanted: dict[str, list[Manipulator | Rejected]] = {name: [] for name in names}
+        self._names: list[str] = []
+
+    def see(self, item: Manipulator | Rejected) -> None:
+        """Takes notice of what a reader gave."""
+        if item.name in self._wanted:
+            self._wanted[item.name] = [*self._wanted[item.name][:1], item]  # Of too many, two are enough to say so.
+        if len(self._names) < REMEMBERED:
+            self._names.append(item.name)
+
+    def table(self, name: str, user: str, mark: Mark | None) -> Manipulator | tuple[Problem, ...]:
+        """The manipulator of a name, once everything has been seen; why not, where there is none.
+
+        Args:
+            name: one of the names that are wanted.
+            user: what is made of it, as messages call it: ``the arm 'left'``.
+            mark: where the name stands in the run file.
+        """
+        items = self._wanted[name]
+        match items:
+            case [Manipulator() as table]:
+                return table
+            case _:
+                return tuple(self._problems(name, user, mark, items))
+
+    def _problems(
+        self, name: str, user: str, mark: Mark | None, items: Sequence[Manipulator | Rejected]
+    ) -> Iterator[Problem]:
+        made = f"{user} is made of {shown(name)}, and"
+        match items:
+            case []:
+                names = list(dict.fromkeys(self._names))
+                yield Problem(
+                    message=f"{made} no manipulator of the run has that name",
+                    mark=mark,
+                    field="of",
+                    found=name,
+                    accepted=", ".join([*names[:SHOWN], *(["…"] if len(names) > SHOWN else [])]) or None,
+                    suggestion=did_you_mean(name, names),
+                )
+            case [Rejected(problems=problems)]:
+                yield cannot_be_made(name, user, mark)
+                yield from problems
+            case _:
+                marks = " and ".join(str(item.mark) for item in items if item.mark)
+                yield Problem(
+                    message=f"{made} several manipulators have that name",
+                    mark=mark,
+                    field="of",
+                    found=name,
+                    suggestion=f"they stand at {marks}" if marks else None,
+                )
+
+
+def cannot_be_made(name: str, user: str, mark: Mark | None) -> Problem:
+    """The sentence before the reasons why nothing can be made of a table."""
+    return Problem(message=f"{user} cannot be made of {shown(name)}", mark=mark, field="of", found=name)

@@ -1,0 +1,166 @@
+"""Points of the unit cube, each of which can be made by itself.
+
+Point `index` of a sample depends on the seed, the number of points and its index alone, and no function keeps anything
+that grows with their number: so any part of a run can be made anywhere, in any order. All is whole-number arithmetic
+and BLAKE2, whose results no processor and no library changes.
+
+Sources: Salmon et al., Parallel random numbers: as easy as 1, 2, 3 (SC 2011), for generators that count; McKay,
+Beckman and Conover (Technometrics 21, 1979) for Latin hypercubes; Black and Rogaway, Ciphers with arbitrary finite
+domains (CT-RSA 2002), for permutations that need no table; Steele, Lea
+and Flood (OOPSLA 2014), for the mixing in them; Joe and Kuo (SIAM J. Sci. Comput. 30, 2008) for the
+direction numbers of Sobol sequences, which scipy has; L'Ecuyer and Lemieux (2002) for digital shifts.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from functools import lru_cache
+from hashlib import blake2b
+from math import isqrt
+
+from dh2urdf.errors import MissingDependencyError
+
+MOST_POINTS = 10**9
+"""Points of a sample [1]: fewer than the 2**30 of scipy's Sobol sequences."""
+SOBOL_DIMENSIONS = 21201
+"""Dimensions for which there are direction numbers [1]."""
+
+_BITS = 52  # (word + 1/2) / 2**52 is exact, and neither 0 nor 1.
+_WORDS = 8  # of 64 bits, in a digest of BLAKE2b
+_SOBOL_BITS = 30
+_ROUNDS = 6  # of the Feistel network; four already make a good one where the round function is
+_MASK = 2**64 - 1
+
+
+class Sampling(StrEnum):
+    """How the points of a sample spread over the unit cube."""
+
+    RANDOM = "random"
+    """Independent points."""
+    LATIN_HYPERCUBE = "latin-hypercube"
+    """In every dimension, each of `count` equal parts holds one point."""
+    SOBOL = "sobol"
+    """The points of a Sobol sequence in base 2, shifted by the seed: 2**m of them are spread most evenly."""
+
+
+def require(sampling: Sampling) -> None:
+    """Make sure that a kind of sampling can be done here.
+
+    Raises:
+        MissingDependencyError: it needs a package that is not installed.
+    """
+    if sampling is Sampling.SOBOL:
+        _sobol_engine(1)
+
+
+def point(sampling: Sampling, *, seed: int, count: int, index: int, dimensions: int) -> list[float]:
+    """One point of a sample.
+
+    Args:
+        sampling: how the points spread.
+        seed: which sample of all those of its kind.
+        count: how many points it has, up to `MOST_POINTS`.
+        index: which of them, from 0.
+        dimensions: of the unit cube, up to `SOBOL_DIMENSIONS` for Sobol sequences.
+
+    Returns:
+        The coordinates, each above 0 and below 1.
+
+    Raises:
+        MissingDependencyError: scipy is needed and not installed.
+    """
+    if sampling is Sampling.SOBOL:
+        return _sobol(seed, count, index, dimensions)
+    blocks = range(-(-dimensions // _WORDS))
+    words = [word for block in blocks for word in _words(f"{seed} point {index} {block}")][:dimensions]
+    if sampling is Sampling.RANDOM:
+        return [_in_unit(word) for word in words]
+    last = 1.0 - 2.0**-53
+    return [
+        min((permuted(index, count, f"{seed} dimension {dimension}") + _in_unit(word)) / count, last)
+        for dimension, word in enumerate(words)
+    ]
+
+
+def permuted(index: int, count: int, key: str) -> int:
+    """Where a permutation of `range(count)` has an index: a Feistel network, walked until it is back in the range.
+
+    Args:
+        index: from 0 to count - 1.
+        count: how many are permuted.
+        key: which permutation.
+    """
+    side = isqrt(count - 1) + 1  # side² is count or little more: few walks take more than one step
+    keys = _round_keys(key)
+    while True:
+        left, right = divmod(index, side)
+        for round_key in keys:
+            left, right = right, (left + _mixed(right ^ round_key)) % side
+        index = left * side + right
+        if index < count:
+            return index
+
+
+@lru_cache(maxsize=65536)
+def _round_keys(key: str) -> list[int]:
+    return _words(f"{key} rounds")[:_ROUNDS]
+
+
+def _mixed(word: int) -> int:
+    """SplitMix64's finalizer: every bit of the result depends on every bit of the word."""
+    word = ((word ^ (word >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
+    word = ((word ^ (word >> 27)) * 0x94D049BB133111EB) & _MASK
+    return word ^ (word >> 31)
+
+
+def _words(text: str) -> list[int]:
+    """Random whole numbers of `_BITS` bits, the same for the same text."""
+    digest = blake2b(text.encode(), person=b"dh2urdf").digest()
+    return [int.from_bytes(digest[first : first + 8], "big") >> (64 - _BITS) for first in range(0, 8 * _WORDS, 8)]
+
+
+def _in_unit(word: int) -> float:
+    return (word + 0.5) / 2.0**_BITS
+
+
+# --- Sobol sequences --------------------------------------------------------------------------------------------------
+
+
+def _sobol(seed: int, count: int, index: int, dimensions: int) -> list[float]:
+    gray = index ^ (index >> 1)
+    words = [_shift(seed, dimension) for dimension in range(dimensions)]
+    for bit, directions in enumerate(_directions(dimensions, (count - 1).bit_length())):
+        if gray >> bit & 1:
+            words = [word ^ direction for word, direction in zip(words, directions, strict=True)]
+    return [_in_unit(word) for word in words]
+
+
+@lru_cache(maxsize=65536)
+def _shift(seed: int, dimension: int) -> int:
+    return _words(f"{seed} shift {dimension}")[0]
+
+
+@lru_cache(maxsize=16)
+def _directions(dimensions: int, bits: int) -> list[list[int]]:
+    """The direction numbers of a Sobol sequence, as scipy has them: for every bit, one per dimension.
+
+    scipy goes from point to point in the order of Gray codes, where point 2**i differs from the start by the directions
+    of the bits i and i - 1: its public points give them away.
+    """
+    directions: list[list[int]] = []
+    before = [0] * dimensions
+    for bit in range(bits):
+        engine = _sobol_engine(dimensions)
+        engine.fast_forward(2**bit)
+        words = [int(x * 2.0**_BITS) for x in engine.random(1)[0].tolist()]
+        before = [word ^ other for word, other in zip(words, before, strict=True)]
+        directions.append(before)
+    return directions
+
+
+def _sobol_engine(dimensions: int):  # type: ignore[no-untyped-def]  # noqa: ANN202 - scipy has no types
+    try:
+        from scipy.stats import qmc
+    except ImportError as error:
+        raise MissingDependencyError("sampling 'sobol'", "scipy", "dh2urdf[sampling]") from error
+    return qmc.Sobol(dimensions, scramble=False, bits=_SOBOL_BITS)

@@ -1,0 +1,569 @@
+"""Good tables, damaged: what is still read says what the damaged text says, to a reader that shares nothing with ours.
+
+The tables are those of `plugins/readers/test_dialects.py`: arms of known meaning in random dialects. The oracle below
+is a reader of its own: the standard library's csv module, exact fractions, arithmetic by Python's own grammar, and the
+words of the dialects. It is sure of what it reads, or says that it is not. Of every damaged table it must hold that
+
+- it is refused, with an error that can be read; or
+- the oracle is sure of it, and reads the same arm, number by number; or
+- the oracle is not sure, since a header is no word of the dialects any more: then a notice says so.
+
+Nothing else is accepted, and nothing is raised but a `TableError`.
+"""
+
+from __future__ import annotations
+
+import ast
+import codecs
+import csv
+import importlib.util
+import io
+import math
+import operator
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import assume, event, given, settings
+from hypothesis import strategies as st
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, JointType, Manipulator
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.manipulator import DHRow
+    from dh2urdf.stages import Rejected
+
+PATH = Path(__file__).parent / "plugins" / "readers" / "test_dialects.py"
+SPEC = importlib.util.spec_from_file_location("dialects", PATH)
+assert SPEC
+assert SPEC.loader
+dialects: Any = importlib.util.module_from_spec(SPEC)
+sys.modules[SPEC.name] = dialects  # its dataclasses look their module up
+SPEC.loader.exec_module(dialects)
+
+BOMS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+
+
+@dataclass(frozen=True)
+class Table:
+    """A good table: its text, and how it was coded."""
+
+    text: str
+    bom: bytes
+    encoding: str
+    convention: Convention
+    rows: int
+
+    def coded(self, text: str) -> bytes:
+        return self.bom + text.encode(self.encoding, "surrogatepass")
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> Table:
+    rows, convention, content = draw(dialects.dialects())
+    bom, encoding = next(((bom, name) for bom, name in BOMS.items() if content.startswith(bom)), (b"", "utf-8"))
+    text = re.sub("\r\n?", "\n", content[len(bom) :].decode(encoding))
+    return Table(text, bom, encoding, convention, len(rows))
+
+
+# --- The oracle -------------------------------------------------------------------------------------------------------
+
+
+class UnsureError(Exception):
+    """The oracle does not say what a text means."""
+
+
+def plain(word: str) -> str:
+    """A header without case and separators."""
+    return re.sub(r"[\s_.*{}$\\-]", "", word.casefold())
+
+
+def with_index(word: str) -> str:
+    """The same of a parameter of the link before, whose index has a sign."""
+    return re.sub(r"[\s_.{}()$\\]", "", word.casefold()).replace("−", "-")
+
+
+HEADERS = {plain(word): field for field, words in dialects.HEADERS.items() for word in words}
+PREVIOUS = {with_index(word): field for field, words in dialects.PREVIOUS.items() for word in words}
+TYPES = {word.casefold(): kind for kind, words in dialects.TYPES.items() for word in words}
+CONVENTIONS = {"standard": Convention.STANDARD, "dh": Convention.STANDARD, "classic": Convention.STANDARD}
+CONVENTIONS |= {"mdh": Convention.MODIFIED, "craig": Convention.MODIFIED}
+LENGTHS = {"m": 0, "cm": -2, "mm": -3, "µm": -6, "μm": -6}
+ANGLES = {"deg", "°"}
+HEADER = re.compile(r"(?P<name>.+?)\s*(?:[\[(]\s*(?P<unit>m|cm|mm|[µμ]m|deg|°|rad)\s*[\])]|(?P<loose>°))?")
+QUANTITY = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|[µμ]m|m|deg|°|rad)?")
+
+
+@dataclass(frozen=True)
+class Number:
+    """An exact number of a unit."""
+
+    value: Fraction
+    unit: str | None
+
+    def si(self, default: str | None, *, linear: bool) -> float:
+        unit = self.unit or default
+        if unit is None or unit == ("m" if linear else "rad"):
+            return float(self.value)
+        if linear and unit in LENGTHS:
+            return float(self.value * Fraction(10) ** LENGTHS[unit])
+        if not linear and unit in ANGLES:
+            return float(self.value / 90) * (math.pi / 2)
+        raise UnsureError(f"{unit} of another dimension")
+
+
+def number(text: str, *, comma: bool) -> Number:
+    """What a cell says."""
+    match = QUANTITY.fullmatch(text.strip(" \t\u00a0"))
+    if not match or not match["number"]:
+        raise UnsureError(f"no number: {text!r}")
+    sum_ = match["number"].replace("−", "-")
+    if comma:
+        sum_ = re.sub(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])", r"\1.\2", sum_)
+    sum_ = re.sub(r"\s", " ", sum_)
+    if not re.fullmatch(r"[-+*/(). 0-9eE]+", sum_) or re.search(r"[0-9.]\s+[0-9.]|\*\s*\*|/\s*/|[-+]\s*[-+]", sum_):
+        raise UnsureError(f"no arithmetic: {text!r}")
+    sum_ = re.sub(r"(?<![0-9.])0+(?=[0-9])", "", sum_)  # to Python, 007 is no number
+    try:
+        return Number(exact(ast.parse(sum_.strip(), mode="eval").body), match["unit"])
+    except (SyntaxError, ZeroDivisionError) as error:
+        raise UnsureError(f"no arithmetic: {text!r}") from error
+
+
+OPERATORS: dict[type[ast.AST], Callable[..., Fraction]] = {
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+
+
+def exact(node: ast.AST) -> Fraction:
+    """The value of an arithmetic expression."""
+    match node:
+        case ast.Constant(value=float() | int() as value) if math.isfinite(value) and abs(value) < 1e30:
+            return Fraction(str(value))
+        case ast.UnaryOp(op=sign, operand=operand) if type(sign) in OPERATORS:
+            return OPERATORS[type(sign)](exact(operand))
+        case ast.BinOp(left=left, op=sign, right=right) if type(sign) in OPERATORS:
+            return OPERATORS[type(sign)](exact(left), exact(right))
+    raise UnsureError("no arithmetic")
+
+
+@dataclass
+class Reading:
+    """What the oracle makes of a table."""
+
+    convention: Convention
+    rows: list[dict[str, Any]]
+
+
+def oracle(text: str, *, convention: Convention | None = None) -> Reading:
+    lines = text.split("\n")
+    top = 0
+    for top, line in enumerate(lines):  # noqa: B007 - where the loop ends is what matters
+        if match := re.match(r"\s*#\s*convention\s*:\s*(.*)", line, re.IGNORECASE):
+            convention = CONVENTIONS.get(plain(match[1]))
+        elif line.strip(" \t,;") and (not line.lstrip().startswith("#") or is_commented_header(line)):
+            break
+    top_line = lines[top].lstrip(" #") if is_commented_header(lines[top]) else lines[top]
+    header, delimiter = max(
+        (([cell.strip() for cell in next(csv.reader([top_line], delimiter=sign))], sign) for sign in ",;\t"),
+        key=lambda found: len(found[0]),
+    )
+    fields, units = zip(*(named(cell) for cell in header), strict=True)
+    if any("i-1" in str(field) for field in fields):
+        convention = Convention.MODIFIED if convention in (None, Convention.MODIFIED) else None
+        fields = tuple(str(field).removesuffix(" of i-1") if field else None for field in fields)
+    if convention is None or len(set(filter(None, fields))) != len(list(filter(None, fields))):
+        raise UnsureError("no convention, or two of one field")
+    if not {"a", "alpha", "d"} <= set(fields):
+        raise UnsureError("no geometry")
+    all_units = with_followers(dict(zip(fields, units, strict=True)))
+    rows = []
+    body = "\n".join("" if line.lstrip().startswith("#") else line for line in lines[top + 1 :])
+    for cells in csv.reader(io.StringIO(body), delimiter=delimiter):
+        if not any(cell.strip() for cell in cells):
+            continue
+        if len(cells) < len(header) or any(cell.strip() for cell in cells[len(header) :]):
+            raise UnsureError("a ragged row")
+        said = {field: cell.strip(" \t\u00a0") for field, cell in zip(fields, cells, strict=False) if field}
+        rows.append(meaning(said, all_units, comma=delimiter != ","))
+    return Reading(convention, rows)
+
+
+def with_followers(units: dict[str | None, str | None]) -> dict[str | None, str | None]:
+    """The units of the columns; offsets and limits without one follow where all of the geometry has the same."""
+    for pair, following in ((("a", "d"), "linear"), (("alpha", "theta"), "angular")):
+        said = {units.get(name) for name in pair if name in units}
+        units[following] = said.pop() if len(said) == 1 else None
+    return units
+
+
+def is_commented_header(line: str) -> bool:
+    """Whether a line is a header behind a #, as numpy writes it."""
+    if not line.lstrip().startswith("#"):
+        return False
+    words = [cell.strip(' "') for cell in re.split("[,;\t]", line.lstrip(" #"))]
+    return sum(plain(match["name"]) in HEADERS for word in words if (match := HEADER.fullmatch(word))) >= 3
+
+
+def named(cell: str) -> tuple[str | None, str | None]:
+    """The field and the unit of a header."""
+    if not cell:
+        return None, None
+    match = HEADER.fullmatch(cell)
+    word = match["name"] if match else ""
+    unit = (match["unit"] or match["loose"]) if match else None
+    unit = "deg" if unit == "°" else unit
+    if with_index(word) in PREVIOUS:
+        return f"{PREVIOUS[with_index(word)]} of i-1", unit
+    if plain(word) not in HEADERS:
+        raise UnknownHeaderError(cell)
+    return HEADERS[plain(word)], unit
+
+
+class UnknownHeaderError(UnsureError):
+    """A header is no word of the dialects any more."""
+
+
+def meaning(said: dict[str, str], units: dict[str | None, str | None], *, comma: bool) -> dict[str, Any]:
+    word = said.get("type") or "R"
+    kind = TYPES.get(plain(word) if re.search("[a-zA-Z]", word) else word)
+    if kind is None:
+        raise UnsureError("no type")
+    slides = kind is JointType.PRISMATIC
+
+    def value(field: str, *, linear: bool) -> float:
+        text = said.get(field, "0") or "0"
+        follows = field in ("offset", "lower", "upper") and not units.get(field)
+        unit = units["linear" if linear else "angular"] if follows else units.get(field)
+        return number(text, comma=comma).si(unit, linear=linear)
+
+    row: dict[str, Any] = {"joint": said.get("joint"), "type": kind}
+    if not all(said[field] for field in ("a", "alpha", "d")):
+        raise UnsureError("geometry is missing")
+    row |= {field: value(field, linear=True) for field in ("a", "d")}
+    row |= {field: value(field, linear=False) for field in ("alpha", "theta")}
+    row |= {"offset": value("offset", linear=slides), "sign": value("sign", linear=False) if said.get("sign") else 1}
+    if kind in (JointType.REVOLUTE, JointType.PRISMATIC) and (said.get("lower") or said.get("upper")):
+        row |= {field: value(field, linear=slides) for field in ("lower", "upper")}
+    return row
+
+
+def same(arm: Manipulator, reading: Reading) -> None:
+    """The arm is the one that the oracle reads."""
+    assert arm.convention is reading.convention
+    assert len(arm.rows) == len(reading.rows)
+    for row, wanted in zip(arm.rows, reading.rows, strict=True):
+        found: dict[str, Any] = {
+            name: getattr(row, name) for name in ("type", "a", "d", "alpha", "theta", "offset", "sign")
+        }
+        found |= {name: getattr(row.limits, name) for name in ("lower", "upper")}
+        for name, value in wanted.items():
+            if name == "joint":
+                assert value in (None, row.joint)
+            elif name == "type":
+                assert found[name] is value
+            else:
+                assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-15), f"{name} of {row.joint}"
+
+
+# --- What must hold of every damaged table ----------------------------------------------------------------------------
+
+
+def read(content: bytes) -> list[Manipulator | Rejected] | None:
+    """What our reader gives; None where it refuses the file, whose error must be one that can be read."""
+    try:
+        items: list[Manipulator | Rejected] = dialects.read(content, ".csv")
+    except TableError as error:
+        assert error.problems
+        assert all(problem.severity == "error" and problem.message for problem in error.problems)
+        return None
+    return items
+
+
+def check(content: bytes, text: str) -> None:
+    items = read(content)
+    if items is None:
+        event("refused as a file")
+        return
+    (arm,) = items  # the dialects have no column of manipulators
+    if not isinstance(arm, Manipulator):
+        assert arm.problems
+        event("refused")
+        return
+    try:
+        reading = oracle(text)
+    except UnknownHeaderError as error:
+        assert any("left out" in notice.message for notice in arm.notices), f"accepted without a word: {error}"
+        event("accepted, with a column left out")
+        return
+    same(arm, reading)
+    event("accepted, and the same to the oracle")
+
+
+@given(tables())
+@settings(max_examples=100)
+def test_the_oracle_reads_every_good_table(table: Table) -> None:
+    """Where nothing is damaged, the oracle is sure, and reads what our reader reads."""
+    (arm,) = read(table.coded(table.text)) or [None]
+    assert isinstance(arm, Manipulator)
+    same(arm, oracle(table.text))
+    assert len(arm.rows) == table.rows
+
+
+INSERTED = "0123456789.,;\t\"' -+*/()eEµ°#\n[]{}:_RPq\u00a0\u2212\ufeff\u200b\x00\x1b٣½²"
+
+
+@given(tables(), st.data())
+@settings(max_examples=400)
+def test_characters_lost_doubled_swapped_or_replaced(table: Table, data: st.DataObject) -> None:
+    """One to three slips of a keyboard, a scanner or an editor, anywhere in the text."""
+    text = table.text
+    for _ in range(data.draw(st.integers(1, 3))):
+        where = data.draw(st.integers(0, max(0, len(text) - 2)))
+        what = data.draw(st.sampled_from(["lose", "double", "swap", "replace", "insert"]))
+        character = data.draw(st.sampled_from(INSERTED))
+        before, here, after = text[:where], text[where : where + 1], text[where + 1 :]
+        middle = {
+            "lose": "",
+            "double": here * 2,
+            "swap": after[:1] + here,
+            "replace": character,
+            "insert": here + character,
+        }[what]
+        text = before + middle + (after[1:] if what == "swap" else after)
+    assume(not text.startswith("\ufeff"))  # a second mark of the encoding
+    check(table.coded(text), text)
+
+
+def rewritten(table: Table, change: Callable[[list[list[str]]], None]) -> str:
+    """The table with its header and rows changed as cells; what stands above stays."""
+    lines = table.text.split("\n")
+    start = next(k for k, line in enumerate(lines) if line.strip() and not line.startswith("#"))
+    delimiter = max(",;\t", key=lambda sign: len(next(csv.reader([lines[start]], delimiter=sign))))
+    body = [line for line in lines[start:] if line.strip(delimiter) and not line.startswith("#")]
+    cells = list(csv.reader(body, delimiter=delimiter))
+    change(cells)
+    text = io.StringIO()
+    csv.writer(text, delimiter=delimiter, lineterminator="\n").writerows(cells)
+    return "\n".join([*lines[:start], text.getvalue()])
+
+
+def swap(things: list[Any], one: int, other: int) -> None:
+    things[one], things[other] = things[other], things[one]
+
+
+def each(cells: list[list[str]], change: Callable[[list[str]], object]) -> None:
+    for line in cells:
+        change(line)
+
+
+Slip = Callable[[list[list[str]], int, int, int], object]
+SLIPS: dict[str, Slip] = {
+    "lose a row": lambda cells, row, _column, _other: cells.pop(row),
+    "double a row": lambda cells, row, _column, _other: cells.insert(row, list(cells[row])),
+    "swap rows": lambda cells, row, _column, _other: swap(cells, row, -1),
+    "lose a column": lambda cells, _row, column, _other: each(cells, lambda line: line.pop(column)),
+    "double a column": lambda cells, _row, column, _other: each(cells, lambda line: line.insert(column, line[column])),
+    "swap columns": lambda cells, _row, column, other: each(cells, lambda line: swap(line, column, other)),
+    "swap headers": lambda cells, _row, column, other: swap(cells[0], column, other),
+    "lose a cell": lambda cells, row, column, _other: cells[row].pop(column),
+    "empty a cell": lambda cells, row, column, _other: operator.setitem(cells[row], column, ""),
+    "push cells aside": lambda cells, row, column, _other: cells[row].insert(column, ""),
+    "copy a cell": lambda cells, row, column, other: operator.setitem(cells[row], column, cells[row][other]),
+}
+
+
+@given(tables(), st.sampled_from(sorted(SLIPS)), st.data())
+@settings(max_examples=300)
+def test_cells_rows_and_columns_lost_doubled_or_swapped(table: Table, slip: str, data: st.DataObject) -> None:
+    """What a slip in a spreadsheet does: a row or a column too many or too few, two exchanged, a cell pushed aside."""
+
+    def change(cells: list[list[str]]) -> None:
+        columns = st.integers(0, len(cells[0]) - 1)
+        row = data.draw(st.integers(0, len(cells) - 1), label="row")
+        SLIPS[slip](cells, row, data.draw(columns, label="column"), data.draw(columns, label="other column"))
+
+    text = rewritten(table, change)
+    check(table.coded(text), text)
+
+
+@given(tables(), st.data())
+@settings(max_examples=150)
+def test_a_file_that_ends_too_early(table: Table, data: st.DataObject) -> None:
+    """A copy that was cut off, between characters or within one."""
+    content = table.coded(table.text)
+    cut = content[: data.draw(st.integers(0, len(content)))]
+    try:
+        text = cut[len(table.bom) :].decode(table.encoding) if cut.startswith(table.bom) else ""
+    except UnicodeDecodeError:
+        assert read(cut) is None
+        return
+    if text or read(cut) is not None:
+        check(cut, text)
+
+
+@given(
+    tables(), st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "latin-1", "utf-7"])
+)
+@settings(max_examples=150)
+def test_a_file_in_another_encoding(table: Table, encoding: str) -> None:
+    """The same text in another encoding is the same arm, or it is refused: letters never become other letters."""
+    content = table.text.encode(encoding, "replace")
+    if encoding in ("latin-1", "utf-7") and not table.text.isascii():
+        items = read(content)
+        if encoding == "latin-1":
+            assert items is None or content.isascii()
+        return
+    items = read(content)
+    if encoding == "utf-32":
+        assert items is None
+    elif items is not None:
+        (arm,) = items
+        assert isinstance(arm, Manipulator)
+        same(arm, oracle(table.text))
+    else:
+        assert encoding in ("utf-16-le", "utf-16-be"), "only UTF-16 without its mark may be too little to know"
+
+
+@given(tables(), st.data())
+@settings(max_examples=150)
+def test_separators_of_thousands_are_never_decimal_points(table: Table, data: st.DataObject) -> None:
+    """A length with groups of three digits, as ten countries write them, is refused, or is the number that is meant."""
+    whole = data.draw(st.integers(1_000, 9_999_999))
+    group = data.draw(st.sampled_from([",", ".", "'", "’", " ", "\u00a0", "\u202f", "_"]))
+    point = data.draw(st.sampled_from(["", ".", ","]).filter(lambda point: point != group))
+    text = f"{whole:,}".replace(",", group) + (f"{point}5" if point else "")
+    decimals: list[str] = []
+
+    def change(cells: list[list[str]]) -> None:
+        column = next(k for k, cell in enumerate(cells[0]) if named(cell)[0] in ("d", "d of i-1"))
+        cells[1][column] = text
+        decimals.extend(re.sub("^j.*", "", cell.strip()) for line in cells[1:] for cell in line)
+
+    written = rewritten(table, change)
+    items = read(table.coded(written))
+    arm = items[0] if items else None
+    if not isinstance(arm, Manipulator):
+        return
+    # One separator with three digits behind it is a decimal sign, and then the only one of the table.
+    assert not point
+    assert group in ".,"
+    assert text.count(group) == 1
+    assert ("," if group == "." else ".") not in "".join(cell for cell in decimals if not cell.isalpha())
+    same(arm, oracle(written))
+
+
+@given(tables(), st.data())
+@settings(max_examples=150)
+def test_another_unit_in_the_header_is_another_arm(table: Table, data: st.DataObject) -> None:
+    """The unit of a column is what its header says now, or, where it says none, what is refused or SI."""
+
+    def change(cells: list[list[str]]) -> None:
+        for k, cell in enumerate(cells[0]):
+            field = str(named(cell)[0]).removesuffix(" of i-1")
+            if field in ("a", "d", "alpha", "theta"):
+                units = ["", "[m]", "(mm)", "[cm]"] if field in ("a", "d") else ["", "[rad]", "(deg)", "[°]"]
+                unit = data.draw(st.sampled_from(units), label=field)
+                match = HEADER.fullmatch(cell)
+                assert match
+                cells[0][k] = f"{match['name']} {unit}".strip()
+
+    text = rewritten(table, change)
+    check_units(table.coded(text), text)
+
+
+def check_units(content: bytes, text: str) -> None:
+    """As `check`; a length or an angle without a unit beside one that has another is not taken for SI in silence."""
+    items = read(content)
+    (arm,) = items or [None]
+    if not isinstance(arm, Manipulator):
+        return
+    reading = oracle(text)
+    units = {str(field).removesuffix(" of i-1"): unit for field, unit in header_units(text)}
+    for pair, si in ((("a", "d"), "m"), (("alpha", "theta"), "rad")):
+        said = {units.get(name) or "nothing" for name in pair}
+        if said - {si} > {"nothing"}:
+            assert arm.notices, f"{said} without a word"
+            return
+    same(arm, reading)
+
+
+def header_units(text: str) -> Sequence[tuple[str | None, str | None]]:
+    line = next(line for line in text.split("\n") if line.strip() and not line.startswith("#"))
+    cells = max((next(csv.reader([line], delimiter=sign)) for sign in ",;\t"), key=len)
+    return [named(cell.strip()) for cell in cells]
+
+
+# --- YAML -------------------------------------------------------------------------------------------------------------
+
+GOOD_YAML = """\
+name: arm
+convention: standard
+units: {length: mm, angle: deg}
+base: {xyz: [0, 0, 100], rpy: [0, 0, 90]}
+defaults: &d {velocity: 3, effort: 50}
+joints:
+  - {name: shoulder, type: revolute, a: 0, alpha: 90, d: 89.159, theta: 0, limits: {lower: -180, upper: 180}}
+  - {name: elbow, type: revolute, a: -425, alpha: 0, d: 0, offset: 90, flip: true, mass: 8, com: [0, -20, 0]}
+  - name: slide
+    type: prismatic
+    a: 0
+    alpha: -90
+    d: 12.5
+    limits: {lower: 0, upper: 250}
+"""
+YAML_INSERTED = "0123456789.,:-+*&!|>%@`'\"{}[]#~? \n\t\\\u00a0\ufeff\x00\x85é"
+
+
+@given(st.data())
+@settings(max_examples=300)
+def test_a_damaged_yaml_table_is_refused_or_has_every_number_of_its_text(data: st.DataObject) -> None:
+    """Of one slip among its joints: every number of the arm stands in the text, so none was made up or left out."""
+    where = data.draw(st.integers(GOOD_YAML.index("joints:"), len(GOOD_YAML) - 1))
+    middle = data.draw(st.sampled_from(["", GOOD_YAML[where] * 2, *YAML_INSERTED]))
+    text = GOOD_YAML[:where] + middle + GOOD_YAML[where + 1 :]
+    try:
+        items = dialects.read(text.encode(), ".yaml")
+    except TableError as error:
+        assert error.problems
+        return
+    (arm,) = items
+    if not isinstance(arm, Manipulator):
+        assert arm.problems
+        return
+    assert len(arm.rows) == text.count("type:") or "type:" not in text[where - 6 : where + 6]
+    joints = text.partition("joints:")[2]
+    for row in arm.rows:
+        for value in lengths_and_angles(row):
+            assert value == 0 or any(math.isclose(value, found, rel_tol=1e-12) for found in numbers_in(joints)), value
+
+
+def lengths_and_angles(row: DHRow) -> list[float]:
+    """The geometry of a row in the table's units, mm and degrees."""
+    slides = row.type is JointType.PRISMATIC
+    offset = row.offset * 1000 if slides else math.degrees(row.offset)
+    return [row.a * 1000, row.d * 1000, math.degrees(row.alpha), math.degrees(row.theta), offset]
+
+
+def numbers_in(text: str) -> list[float]:
+    """Every number of a text, and what products, quotients and sums of neighbours come to."""
+    found = []
+    for match in re.finditer(r"[-+]?[0-9.]+(?:[-+*/][-+]?[0-9.]+)?", re.sub(r"(?<=[-+*/])\s+", "", text)):
+        try:
+            found.append(float(exact(ast.parse(re.sub(r"(?<![0-9.])0+(?=[0-9])", "", match[0]), mode="eval").body)))
+        except (SyntaxError, UnsureError, ZeroDivisionError):
+            continue
+    return found

@@ -83,7 +83,7 @@ class UnsureError(Exception):
 
 def plain(word: str) -> str:
     """A header without case and separators."""
-    return re.sub(r"[\s_.*{}$\\-]", "", word.casefold())
+    return re.sub(r"[\s_.*{}$\\−-]", "", word.casefold())
 
 
 def with_index(word: str) -> str:
@@ -98,8 +98,8 @@ CONVENTIONS = {"standard": Convention.STANDARD, "dh": Convention.STANDARD, "clas
 CONVENTIONS |= {"mdh": Convention.MODIFIED, "craig": Convention.MODIFIED}
 LENGTHS = {"m": 0, "cm": -2, "mm": -3, "µm": -6, "μm": -6}
 ANGLES = {"deg", "°"}
-HEADER = re.compile(r"(?P<name>.+?)\s*(?:[\[(]\s*(?P<unit>m|cm|mm|[µμ]m|deg|°|rad)\s*[\])]|(?P<loose>°))?")
-QUANTITY = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|[µμ]m|m|deg|°|rad)?")
+HEADER = re.compile(r"(?P<name>.+?)[\s−-]*(?:[\[(](?P<unit>[^\[\]()]*)[\])]|(?P<loose>°))?")
+QUANTITY = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|[µμ]m|m|deg|°|rad)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def number(text: str, *, comma: bool) -> Number:
         raise UnsureError(f"no arithmetic: {text!r}")
     sum_ = re.sub(r"(?<![0-9.])0+(?=[0-9])", "", sum_)  # to Python, 007 is no number
     try:
-        return Number(exact(ast.parse(sum_.strip(), mode="eval").body), match["unit"])
+        return Number(exact(ast.parse(sum_.strip(), mode="eval").body), match["unit"] and match["unit"].lower())
     except (SyntaxError, ZeroDivisionError) as error:
         raise UnsureError(f"no arithmetic: {text!r}") from error
 
@@ -190,12 +190,13 @@ def oracle(text: str, *, convention: Convention | None = None) -> Reading:
     if not {"a", "alpha", "d"} <= set(fields):
         raise UnsureError("no geometry")
     all_units = with_followers(dict(zip(fields, units, strict=True)))
+    needed = max(k for k, cell in enumerate(header, start=1) if cell)
     rows = []
     body = "\n".join("" if line.lstrip().startswith("#") else line for line in lines[top + 1 :])
     for cells in csv.reader(io.StringIO(body), delimiter=delimiter):
         if not any(cell.strip() for cell in cells):
             continue
-        if len(cells) < len(header) or any(cell.strip() for cell in cells[len(header) :]):
+        if len(cells) < needed or any(cell.strip() for cell in cells[len(header) :]):
             raise UnsureError("a ragged row")
         said = {field: cell.strip(" \t\u00a0") for field, cell in zip(fields, cells, strict=False) if field}
         rows.append(meaning(said, all_units, comma=delimiter != ","))
@@ -222,10 +223,14 @@ def named(cell: str) -> tuple[str | None, str | None]:
     """The field and the unit of a header."""
     if not cell:
         return None, None
+    if with_index(cell) in PREVIOUS:
+        return f"{PREVIOUS[with_index(cell)]} of i-1", None
     match = HEADER.fullmatch(cell)
     word = match["name"] if match else ""
-    unit = (match["unit"] or match["loose"]) if match else None
+    unit = re.sub(r"[\s.*$]", "", match["unit"] or match["loose"] or "").casefold() or None if match else None
     unit = "deg" if unit == "°" else unit
+    if unit not in (None, "rad", *LENGTHS, *ANGLES):
+        raise UnsureError(f"no unit: {unit}")
     if with_index(word) in PREVIOUS:
         return f"{PREVIOUS[with_index(word)]} of i-1", unit
     if plain(word) not in HEADERS:
@@ -255,7 +260,7 @@ def meaning(said: dict[str, str], units: dict[str | None, str | None], *, comma:
         raise UnsureError("geometry is missing")
     row |= {field: value(field, linear=True) for field in ("a", "d")}
     row |= {field: value(field, linear=False) for field in ("alpha", "theta")}
-    row |= {"offset": value("offset", linear=slides), "sign": value("sign", linear=False) if said.get("sign") else 1}
+    row |= {"offset": value("offset", linear=slides), "sign": number(said.get("sign") or "1", comma=comma).value}
     if kind in (JointType.REVOLUTE, JointType.PRISMATIC) and (said.get("lower") or said.get("upper")):
         row |= {field: value(field, linear=slides) for field in ("lower", "upper")}
     return row

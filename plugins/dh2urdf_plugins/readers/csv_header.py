@@ -27,6 +27,7 @@ MAX_HEADER = 100_000
 
 _FEW = 5
 _KHALIL = ("sigma", "σ", "gamma", "γ", "mu", "μ", "b")
+_MINUS = ("-", "−", "–")
 _EXCEL_SEPARATOR = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)  # Excel's own way to name the delimiter
 
 
@@ -188,7 +189,7 @@ def read_columns(line: str, number: int, file: str, delimiter: str | None = None
             _unknown(columns, header, index, mark, problems)
             continue
         name = header.field.name
-        _declare_unit(columns, header, name, mark, problems)
+        _measure(columns, header, text, mark, problems)
         key = "sign" if name == "flip" else name
         if key in first:
             problems.append(
@@ -271,6 +272,16 @@ def _unknown(columns: Columns, header: Header, index: int, mark: Mark, problems:
         )
 
 
+def _measure(columns: Columns, header: Header, text: str, mark: Mark, problems: list[Problem]) -> None:
+    """Takes the unit of a column of numbers, and refuses a header with a sign."""
+    if not (header.field and header.field.dimension):
+        return
+    name = header.field.name
+    if text.startswith(_MINUS):
+        problems.append(_negated(text, name, mark))
+    _declare_unit(columns, header, name, mark, problems)
+
+
 def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, problems: list[Problem]) -> None:
     if header.unit is None:
         return
@@ -304,6 +315,16 @@ def _missing(name: str, columns: Columns, file: str) -> Problem:
         accepted=f"one of the headers {words}; its unit may follow, as in `{name} "
         f"[{'deg' if name == 'alpha' else 'mm'}]`",
         suggestion=f"no field is called {', '.join(map(shown, others[:_FEW]))}" if others else None,
+    )
+
+
+def _negated(text: str, name: str, mark: Mark) -> Problem:
+    return Problem(
+        message=f"{shown(text)} may be the negative of {name}",
+        mark=mark,
+        field=name,
+        found=text,
+        accepted=f"{name}, and its numbers with their signs",
     )
 
 

@@ -306,6 +306,14 @@ CASES = [
         "    write fixed if nothing moves there, or revolute if it does",
     ),
     Case(
+        "a header with a sign",
+        ".csv",
+        {"convention": "standard"},
+        "joint,-a,alpha,d\nj1,1,0,0.1\n",
+        "arm.csv:1:7: error: field 'a': '-a' may be the negative of a\n"
+        "    accepted: a, and its numbers with their signs",
+    ),
+    Case(
         "a fixed row called like a frame of ours",
         ".csv",
         {"convention": "standard"},

@@ -53,14 +53,16 @@ def main() -> int:
     parser.add_argument("targets", nargs="*", metavar="TARGET", help=f"one of {', '.join(TARGETS)}; all by default")
     parser.add_argument("--seconds", type=int, default=15, help="how long for each target")
     parser.add_argument("--runs", type=int, default=-1, help="how many inputs for each target; no bound by default")
+    parser.add_argument("--seed", type=int, default=0, help="of the mutations; another one each time by default")
     parser.add_argument("--keep", action="store_true", help="add what covers new code to the corpus")
     parser.add_argument("--process", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if unknown := set(given.targets) - set(TARGETS):
         parser.error(f"no target is called {', '.join(sorted(unknown))}; the targets are {', '.join(TARGETS)}")
     if given.process:
-        fuzz(given.targets[0], given.seconds, given.runs, keep=given.keep)
-    results = [in_process(target, given.seconds, given.runs, keep=given.keep) for target in given.targets or TARGETS]
+        fuzz(given.targets[0], given.seconds, given.runs, given.seed, keep=given.keep)
+    targets = given.targets or TARGETS
+    results = [in_process(target, given.seconds, given.runs, given.seed, keep=given.keep) for target in targets]
     print(f"\n{'target':12} {'inputs':>9} {'per second':>11} {'corpus':>7}")
     for result in results:
         failed = "" if result.status == 0 else f"   FAILED: see {FOUND.relative_to(HERE.parent)}/"
@@ -68,10 +70,10 @@ def main() -> int:
     return int(any(result.status for result in results))
 
 
-def in_process(target: str, seconds: int, runs: int, *, keep: bool) -> Result:
+def in_process(target: str, seconds: int, runs: int, seed: int, *, keep: bool) -> Result:
     """Fuzz a target in a process of its own: libFuzzer ends the process that it runs in."""
     command = [sys.executable, __file__, target, "--process", f"--seconds={seconds}", f"--runs={runs}"]
-    command += ["--keep"] * keep
+    command += [f"--seed={seed}", *(["--keep"] * keep)]
     done = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True, errors="replace")
     if done.returncode:
         print(done.stderr[-8000:], file=sys.stderr)
@@ -89,7 +91,7 @@ def in_process(target: str, seconds: int, runs: int, *, keep: bool) -> Result:
     )
 
 
-def fuzz(name: str, seconds: int, runs: int, *, keep: bool) -> None:
+def fuzz(name: str, seconds: int, runs: int, seed: int, *, keep: bool) -> None:
     """Fuzz a target in this process, and end it."""
     import atheris
 
@@ -107,7 +109,12 @@ def fuzz(name: str, seconds: int, runs: int, *, keep: bool) -> None:
             shutil.copy(path, folder)
         first = [str(corpus), folder] if keep else [folder]  # libFuzzer adds to the first folder.
         flags = [f"-max_total_time={seconds}", f"-runs={runs}", f"-max_len={LONGEST}", f"-timeout={TIME_LIMIT}"]
-        flags += [f"-rss_limit_mb={MEMORY_LIMIT}", f"-artifact_prefix={FOUND}/{name}-", "-print_final_stats=1"]
+        flags += [
+            f"-seed={seed}",
+            f"-rss_limit_mb={MEMORY_LIMIT}",
+            f"-artifact_prefix={FOUND}/{name}-",
+            "-print_final_stats=1",
+        ]
         if (words := HERE / "words" / f"{name}.txt").exists():
             flags.append(f"-dict={words}")
         atheris.Setup([sys.argv[0], *flags, *first], function)

@@ -138,6 +138,8 @@ def read_header(text: str) -> Header:
                 return front._replace(unit=match[2].strip())
             if bracketed and front.field:
                 return front
+            if bracketed or is_unit(match[2]):
+                return header._replace(key=front.key)
     return header
 
 
@@ -151,8 +153,9 @@ def _named(plain: str) -> Header:
 @lru_cache(maxsize=1024)
 def misspelt(key: str) -> Field | None:
     """The field that a word of four letters or more misses by one slip, or with all its letters, as `tetha` does."""
+    keys = (key, key.removesuffix("i"))  # `tehta_i`
     for word, field in _WORDS.items():
-        if len(word) >= _SURE and (one_slip(key, word) or _is_shuffled(key, word)):
+        if len(word) >= _SURE and any(one_slip(key, word) or _is_shuffled(key, word) for key in keys):
             return field
     return None
 

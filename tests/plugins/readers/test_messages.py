@@ -203,6 +203,48 @@ CASES = [
         "    accepted: decimal commas alone, or decimal points alone, without separators of thousands",
     ),
     Case(
+        "a comma that may separate thousands",
+        ".csv",
+        {"convention": "standard"},
+        "joint;type;a [mm];alpha;d;theta\nj1;revolute;1,250;0;0;0\nj2;revolute;80.5;0;0;0\n",
+        "arm.csv:2:13: error: joint 'joint_1': '1,250' can be read in two ways, since '80.5' in line 3 has a decimal point: the comma may separate thousands\n"
+        "    accepted: decimal commas alone, or decimal points alone, without separators of thousands",
+    ),
+    Case(
+        "a header with a sign",
+        ".csv",
+        {"convention": "standard"},
+        "joint,-a,alpha,d\nj1,0.1,0,0\n",
+        "arm.csv:1:7: error: field 'a': '-a' may be the negative of a\n"
+        "    accepted: a, and its numbers with their signs",
+    ),
+    Case(
+        "a misspelt header with a unit",
+        ".csv",
+        {"convention": "standard"},
+        "a,alpha,d,tehta [deg]\n0,0,0.1,90\n",
+        "arm.csv:1:11: error: field 'tehta': no column is called 'tehta [deg]'\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction\n"
+        "    did you mean 'theta'?",
+    ),
+    Case(
+        "too many joints",
+        ".csv",
+        {"convention": "standard"},
+        "a,alpha,d\n" + "0.01,0,0\n" * 5001,
+        "arm.csv:2: error: manipulator 'arm', field 'joints': the manipulator has 5,001 joints\n"
+        "    accepted: at most 5,000 joints in one manipulator\n"
+        "    a table of several manipulators has a column robot",
+    ),
+    Case(
+        "too many joints in YAML",
+        ".yaml",
+        {"convention": "standard"},
+        "joints:\n" + "- {a: 0.01, alpha: 0, d: 0}\n" * 5001,
+        "arm.yaml:2:1: error: the list that begins here has more than 5,000 entries\n"
+        "    accepted: at most 5,000 entries",
+    ),
+    Case(
         "not a number",
         ".csv",
         {"convention": "standard"},

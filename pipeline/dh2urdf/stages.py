@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeAlias, TypeVar
 
+from dh2urdf.columns import ManipulatorColumns, RobotColumns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
@@ -80,6 +81,8 @@ class Transform(Generic[O]):
         transform: makes the robot; raises `dh2urdf.errors.TransformError` where it refuses the manipulator.
         keeps_kinematics: whether T(base_link → tool0) of the robot is the DH product with these options. Where it is
             not, the proof reports the difference and fails nothing.
+        transform_columns: makes the robots of many manipulators at once, to the last bit as `transform` does; None
+            where it cannot with these options or for such tables. A stage without it makes them one by one.
     """
 
     name: str
@@ -87,6 +90,7 @@ class Transform(Generic[O]):
     transform: Callable[[Manipulator, O], Robot]
     options: type[O]
     keeps_kinematics: Callable[[O], bool] = _always
+    transform_columns: Callable[[ManipulatorColumns, O], RobotColumns | None] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +121,12 @@ class Emitter(Generic[O]):
             every run compares its kinematics with the DH product. None where the format cannot be read.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
+        emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
+            a stem for each; a robot that is not `sure` gets an empty list. None where it cannot with these options or
+            for such robots. A stage without it makes them one by one.
+        read_columns: the robots that many main files describe, in groups whose members differ in numbers only, each
+            with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
+            nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
     """
 
     name: str
@@ -127,6 +137,8 @@ class Emitter(Generic[O]):
     read_back: Callable[[Path], Robot] | None = None
     one_file: Callable[[O], O] | None = None
     costly_proof: bool = False
+    emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
+    read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -239,6 +251,17 @@ class Loader(Generic[O]):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Lost:
+    """A task that ended the process which worked at it, and so has no result.
+
+    Attributes:
+        reason: what is known of its end, as the end of a sentence: ``the worker crashed (segmentation fault)``.
+    """
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Executor(Generic[O]):
     """Runs the pipeline over many manipulators.
 
@@ -246,7 +269,9 @@ class Executor(Generic[O]):
         name: the stage's name in a run file.
         summary: where the work is done, in one line.
         options: its options dataclass.
-        map: results of a picklable function over tasks, in the order of the tasks, taking tasks as they are needed.
+        map: results of a picklable function over tasks, in the order of the tasks, taking tasks as they are needed. A
+            worker that ends costs no result but that of a task which ends every worker it is given to: it gives `Lost`
+            in its place, and the others go on. What the function raises is raised after the results before it.
     """
 
     name: str

@@ -8,27 +8,36 @@ as it would be to each. A number that all have alike is a float.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, field, replace
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any, TypeAlias
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cache
+from itertools import chain, repeat
+from operator import attrgetter, is_
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
-from dh2urdf.manipulator import DHRow, Inertia, Limits, Manipulator
+from dh2urdf.elementwise import is_column
+from dh2urdf.manipulator import Inertia, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence
 
+T = TypeVar("T")
 Mask: TypeAlias = Any
 """An array of booleans; numpy is imported where there is one."""
 Shape: TypeAlias = tuple[int, int]
 """A collision shape: the number of its link in the robot, and its own in the link, both from 0."""
 
-_names_of = attrgetter("joint", "link", "type", "sign")
 _NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction")
 _LIMITS = ("lower", "upper", "velocity", "effort")
 _INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-_numbers_of = attrgetter(*_NUMBERS, *(f"limits.{name}" for name in _LIMITS))
+Place: TypeAlias = tuple[int | None, int | None]
+"""Line and column."""
+
+_place_of = attrgetter("line", "column")
+_names_of = attrgetter("joint", "link", "type", "sign")
+_numbers_of = attrgetter("com", "inertia", *_NUMBERS, *(f"limits.{name}" for name in _LIMITS))
+_common_of = attrgetter("convention", "base", "tool", "geometry", "density", "base_mass", "base_geometry", "notices")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,27 +48,34 @@ class ManipulatorColumns:
         table: a manipulator whose rows hold floats, where all have the same number, and arrays of shape (N,) elsewhere.
         names: their names, N of them.
         marks: the place of each in its file.
+        lines: line and column of every row of each, in the same file.
     """
 
     table: Manipulator
     names: tuple[str, ...]
     marks: tuple[Mark | None, ...]
+    lines: tuple[tuple[Place | None, ...], ...]
 
     def __len__(self) -> int:
         return len(self.names)
 
     def pick(self, index: int) -> Manipulator:
-        """One of them, as it was, but for the marks of its rows."""
-        rows = tuple(_mapped(row, lambda numbers: entry(numbers, index)) for row in self.table.rows)
-        return replace(self.table, name=self.names[index], rows=rows, mark=self.marks[index])
+        """One of them, as it was."""
+        table = replaced(self.table, lambda numbers: float(numbers[index]))
+        mark = self.marks[index]
+        rows = [
+            replace(row, mark=replace(mark, line=place[0], column=place[1])) if mark and place else row
+            for row, place in zip(table.rows, self.lines[index], strict=True)
+        ]
+        return replace(table, name=self.names[index], rows=tuple(rows), mark=mark)
 
     def take(self, indices: Sequence[int]) -> ManipulatorColumns:
-        """Some of them."""
-        rows = tuple(_mapped(row, lambda numbers: _entries(numbers, indices)) for row in self.table.rows)
+        """Some of them, in the order of their indices."""
         return ManipulatorColumns(
-            table=replace(self.table, rows=rows),
-            names=tuple(self.names[index] for index in indices),
-            marks=tuple(self.marks[index] for index in indices),
+            table=replaced(self.table, lambda numbers: _alike(numbers[indices])),
+            names=tuple([self.names[index] for index in indices]),
+            marks=tuple([self.marks[index] for index in indices]),
+            lines=tuple([self.lines[index] for index in indices]),
         )
 
 
@@ -86,56 +102,72 @@ class RobotColumns:
     def __len__(self) -> int:
         return len(self.names)
 
+    def pick(self, index: int) -> Robot:
+        """One of them."""
+        robot = replaced(self.robot, lambda numbers: float(numbers[index]))
+        missing = {shape for shape, present in self.present.items() if not present[index]}
+        links = [
+            replace(
+                link,
+                collisions=tuple(
+                    shape for number, shape in enumerate(link.collisions) if (place, number) not in missing
+                ),
+            )
+            for place, link in enumerate(robot.links)
+        ]
+        return replace(robot, name=self.names[index], comment=self.comments[index], links=tuple(links))
+
 
 def in_columns(manipulators: Sequence[Manipulator]) -> list[tuple[list[int], ManipulatorColumns]]:
     """Manipulators in groups that differ in numbers only, each with the places of its members in the sequence.
 
-    The marks of their rows are left out; notices keep a manipulator apart from all that have others.
+    Notices keep a manipulator apart from all that have others.
     """
     groups: defaultdict[Hashable, list[int]] = defaultdict(list)
-    numbers: list[list[tuple[Any, ...]]] = []
+    numbers: list[tuple[Any, ...]] = []
     for index, manipulator in enumerate(manipulators):
-        rows = manipulator.rows
-        values = [_numbers_of(row) for row in rows]
-        shape = tuple([tuple([value is None for value in row]) for row in values])
-        bodies = tuple([(row.com is None, row.inertia is None) for row in rows])
-        groups[_common(manipulator), tuple(map(_names_of, rows)), shape, bodies].append(index)
-        numbers.append(values)
+        said = tuple(chain.from_iterable(map(_numbers_of, manipulator.rows)))
+        missing = bytes(map(is_, said, repeat(None)))
+        groups[_common_of(manipulator), tuple(map(_names_of, manipulator.rows)), missing].append(index)
+        numbers.append(said)
     return [
         (indices, _columns([manipulators[i] for i in indices], [numbers[i] for i in indices]))
         for indices in groups.values()
     ]
 
 
-def _common(manipulator: Manipulator) -> Hashable:
-    """What is not in the rows, without the name."""
-    m = manipulator
-    return m.convention, m.base, m.tool, m.geometry, m.density, m.base_mass, m.base_geometry, m.notices
-
-
-def _columns(manipulators: list[Manipulator], numbers: list[list[tuple[Any, ...]]]) -> ManipulatorColumns:
+def _columns(manipulators: list[Manipulator], numbers: list[tuple[Any, ...]]) -> ManipulatorColumns:
     model = manipulators[0]
+    columns = zip(*numbers, strict=True)
     rows = []
-    for index, row in enumerate(model.rows):
-        columns = [column(entries) for entries in zip(*[table[index] for table in numbers], strict=True)]
-        named = dict(zip(_NUMBERS, columns, strict=False))
-        com, inertia = row.com, row.inertia
-        if com is not None:
-            x, y, z = (
-                column(entries)
-                for entries in zip(*[table.rows[index].com or () for table in manipulators], strict=True)
-            )
-            com = (x, y, z)
-        if inertia is not None:
-            tensors = [table.rows[index].inertia for table in manipulators]
-            inertia = Inertia(**{name: column([getattr(tensor, name) for tensor in tensors]) for name in _INERTIA})
-        limits = Limits(**dict(zip(_LIMITS, columns[len(_NUMBERS) :], strict=True)))
-        rows.append(replace(row, **named, com=com, inertia=inertia, limits=limits, mark=None))
+    for row in model.rows:
+        com, tensors = next(columns), next(columns)
+        named = {name: column(next(columns)) for name in _NUMBERS}
+        limits = Limits(**{name: column(next(columns)) for name in _LIMITS})
+        rows.append(replace(row, **named, com=_com(com), inertia=_inertia(tensors), limits=limits, mark=None))
     return ManipulatorColumns(
         table=replace(model, name="", rows=tuple(rows), mark=None),
         names=tuple([manipulator.name for manipulator in manipulators]),
         marks=tuple([manipulator.mark for manipulator in manipulators]),
+        lines=tuple([row_places(table) for table in manipulators]),
     )
+
+
+def row_places(table: Manipulator) -> tuple[Place | None, ...]:
+    """Line and column of every row."""
+    return tuple([_place_of(row.mark) if row.mark else None for row in table.rows])
+
+
+def _com(centres: Sequence[Any]) -> Any:  # noqa: ANN401 - None, or a vector of columns
+    if centres[0] is None:
+        return None
+    return tuple([column(coordinates) for coordinates in zip(*centres, strict=True)])
+
+
+def _inertia(tensors: Sequence[Any]) -> Inertia | None:
+    if tensors[0] is None:
+        return None
+    return Inertia(**{name: column([getattr(tensor, name) for tensor in tensors]) for name in _INERTIA})
 
 
 def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an array
@@ -148,22 +180,43 @@ def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an
     return np.array(entries, dtype=float)
 
 
-def entry(numbers: Any, index: int) -> Any:  # noqa: ANN401 - None, a float or an array
-    """The number of one member of a column."""
-    return float(numbers[index]) if hasattr(numbers, "shape") else numbers
+def _alike(numbers: Any) -> Any:  # noqa: ANN401 - a float or an array
+    """Numbers of an array, as one float where all are the same."""
+    return float(numbers[0]) if (numbers == numbers[0]).all() else numbers
 
 
-def _entries(numbers: Any, indices: Sequence[int]) -> Any:  # noqa: ANN401 - None, a float or an array
-    return column([float(numbers[index]) for index in indices]) if hasattr(numbers, "shape") else numbers
+def replaced(record: T, change: Callable[[Any], Any]) -> T:
+    """A record with something else in place of each of its columns."""
+    value: Any = record
+    kind: Any = type(value)
+    if is_column(value):
+        return cast("T", change(value))
+    if isinstance(value, tuple):
+        items = [replaced(item, change) for item in value]
+        if all(new is old for new, old in zip(items, value, strict=True)):
+            return record
+        return cast("T", kind(*items) if hasattr(value, "_fields") else tuple(items))
+    changed = {}
+    for name in _field_names(kind):
+        old = getattr(value, name)
+        if (new := replaced(old, change)) is not old:
+            changed[name] = new
+    return cast("T", replace(value, **changed)) if changed else record
 
 
-def _mapped(row: DHRow, change: Callable[[Any], Any]) -> DHRow:
-    """A row with something else in place of each of its numbers."""
-    numbers = {name: change(getattr(row, name)) for name in _NUMBERS}
-    limits = Limits(**{name: change(getattr(row.limits, name)) for name in _LIMITS})
-    com, inertia = row.com, row.inertia
-    if com is not None:
-        com = (change(com[0]), change(com[1]), change(com[2]))
-    if inertia is not None:
-        inertia = Inertia(**{name: change(getattr(inertia, name)) for name in _INERTIA})
-    return replace(row, **numbers, limits=limits, com=com, inertia=inertia)
+@cache
+def _field_names(kind: Any) -> tuple[str, ...]:  # noqa: ANN401 - any type
+    """The fields of a record; none of what is no record."""
+    return tuple(field.name for field in fields(kind)) if is_dataclass(kind) else ()
+
+
+def columns_of(record: object) -> list[Any]:
+    """The columns of a record, in the order of its fields."""
+    found: list[Any] = []
+
+    def note(numbers: Any) -> Any:  # noqa: ANN401 - an array
+        found.append(numbers)
+        return numbers
+
+    replaced(record, note)
+    return found

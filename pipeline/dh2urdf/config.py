@@ -18,10 +18,12 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cell_section import CellsReader
 from dh2urdf.cells import CellCall
+from dh2urdf.conversion import Sample
 from dh2urdf.documents import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.errors import ConfigError
+from dh2urdf.layouts import Layout
 from dh2urdf.options import COMMAND_LINE
-from dh2urdf.sections import SectionReader
+from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, SettingsReader
 from dh2urdf.settings import with_setting
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.textfiles import LONG_PATH, check_file, read_bytes
@@ -31,7 +33,18 @@ from dh2urdf.variations import VariationCall
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-SECTIONS = ("inputs", "cells", "variations", "transform", "emitters", "loaders", "output", "execution", "proof")
+SECTIONS = (
+    "inputs",
+    "cells",
+    "variations",
+    "transform",
+    "emitters",
+    "loaders",
+    "output",
+    "execution",
+    "proof",
+    "sample",
+)
 DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
 DEFAULT_EXECUTOR = "local"
@@ -90,10 +103,14 @@ class RunConfig:
         emitters: what writes files.
         loaders: what loads the files into simulators.
         execution: what does the work.
-        directory: where the output goes.
+        output: where the output goes: a folder, or an address such as ``s3://bucket/prefix``.
+        layout: how it lies there.
         cells: robots of several arms that are made besides.
         variations: manipulators whose tables are drawn, that are made besides.
         poses: random joint vectors at which each written file is compared with its table.
+        proved: whose files are compared.
+        sample: whose files go through what is slow: expansion of xacro, and simulators.
+        time_limit: how long one manipulator may take, simulators aside [s].
         problems: what is wrong with the file; nothing may start while there is any.
     """
 
@@ -102,10 +119,14 @@ class RunConfig:
     emitters: tuple[StageCall, ...]
     loaders: tuple[StageCall, ...]
     execution: StageCall
-    directory: Path
+    output: Path | str
+    layout: Layout = Layout()
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     poses: int = DEFAULT_POSES
+    proved: Sample = Sample()
+    sample: Sample = DEFAULT_SAMPLE
+    time_limit: float = DEFAULT_TIME_LIMIT
     problems: tuple[Problem, ...] = ()
 
 
@@ -174,8 +195,9 @@ def _written_out(root: Node) -> Node:
         "emitters": _list_of(given.get("emitters", _text(DEFAULT_EMITTER, root)), "stage", root),
         "loaders": _list_of(given.get("loaders"), "stage", root),
         "execution": _mapping_of(given.get("execution", _text(DEFAULT_EXECUTOR, root)), "stage"),
-        "output": given.get("output", _mapping({}, root)),
+        "output": _mapping_of(given.get("output", _mapping({}, root)), "directory"),
         "proof": given.get("proof", _mapping({}, root)),
+        "sample": given.get("sample", _mapping({}, root)),
     }
     return _mapping(sections, root)
 
@@ -217,7 +239,7 @@ def _matches(folder: Path, pattern: str) -> Iterator[Path]:
 # --- The sections -----------------------------------------------------------------------------------------------------
 
 
-class _Sections(SectionReader):
+class _Sections(SettingsReader):
     """Reads the sections of a run file and gathers what is wrong with them."""
 
     def __init__(self, root: Node, path: Path, problems: list[Problem]) -> None:
@@ -228,21 +250,25 @@ class _Sections(SectionReader):
     def config(self) -> RunConfig:
         """The run file."""
         sections = self.entries(self.root, SECTIONS, "")
-        output = self.entries(sections["output"], ("directory",), "output")
-        proof = self.entries(sections["proof"], ("poses",), "proof")
-        directory = self._path_text(output.get("directory"), "output.directory")
+        output = self.entries(sections["output"], ("directory", "layout", "size"), "output")
+        proof = self.entries(sections["proof"], ("poses", "first", "every"), "proof")
+        sample = self.entries(sections["sample"], ("first", "every"), "sample")
         return RunConfig(
             inputs=tuple(self._inputs(sections["inputs"])),
             transform=self._call(sections["transform"], "transform", DEFAULT_TRANSFORM)
             or StageCall(stage=DEFAULT_TRANSFORM),
             emitters=tuple(self._calls(sections["emitters"], "emitters", needed="something must be written")),
             loaders=tuple(self._calls(sections["loaders"], "loaders")),
-            execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR)
+            execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR, ("time_limit",))
             or StageCall(stage=DEFAULT_EXECUTOR),
-            directory=self._resolved(*directory) if directory else self.path.parent / "build" / self.path.stem,
+            output=self._output(output.get("directory")),
+            layout=self.layout(output),
             cells=CellsReader(self.problems).read(sections["cells"]),
             variations=VariationsReader(self.problems).read(sections["variations"]),
-            poses=self._poses(proof.get("poses")),
+            poses=self.whole(proof.get("poses"), "proof.poses", 1, MAX_POSES, DEFAULT_POSES),
+            proved=self.sample(proof, "proof", Sample()),
+            sample=self.sample(sample, "sample", DEFAULT_SAMPLE),
+            time_limit=self.seconds(sections["execution"]),
             problems=tuple(self.problems),
         )
 
@@ -291,10 +317,12 @@ class _Sections(SectionReader):
             seen[call.stage] = call.mark
             yield call
 
-    def _call(self, node: Node, field: str, default: str | None = None) -> StageCall | None:
+    def _call(
+        self, node: Node, field: str, default: str | None = None, others: tuple[str, ...] = ()
+    ) -> StageCall | None:
         """One stage and its options; None where it is not said which."""
         before = len(self.problems)
-        given = self.entries(node, ("stage", "options"), field)
+        given = self.entries(node, ("stage", "options", *others), field)
         if default is None and "stage" not in given and len(self.problems) == before:
             self.say("it is not said which stage is meant", node, field, accepted="`stage: NAME`")
         name = self.name(given.get("stage"), f"{field}.stage") or default
@@ -308,19 +336,6 @@ class _Sections(SectionReader):
             return node
         self.say(f"options cannot be {node.describe()}", node, field, accepted="a mapping such as {frames: dh}")
         return None
-
-    def _poses(self, node: Node | None) -> int:
-        if node is None or node.value is None:
-            return DEFAULT_POSES
-        if isinstance(node.value, int) and not isinstance(node.value, bool) and 1 <= node.value <= MAX_POSES:
-            return node.value
-        self.say(
-            f"the number of poses cannot be {node.describe()}",
-            node,
-            "proof.poses",
-            accepted=f"a whole number from 1 to {MAX_POSES}",
-        )
-        return DEFAULT_POSES
 
     # --- Paths
 
@@ -340,6 +355,12 @@ class _Sections(SectionReader):
             )
             return None
         return text, node
+
+    def _output(self, node: Node | None) -> Path | str:
+        directory = self._path_text(node, "output.directory")
+        if directory is None:
+            return self.path.parent / "build" / self.path.stem
+        return directory[0] if "://" in directory[0] else self._resolved(*directory)
 
     def _resolved(self, text: str, node: Node) -> Path:
         """A path of the run file is relative to it, one of the command line to the working directory."""

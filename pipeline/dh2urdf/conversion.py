@@ -9,7 +9,6 @@ import traceback
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
-from hashlib import sha256
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from dh2urdf.cells import Cell, cannot_be, compose, truth_of
@@ -60,6 +59,22 @@ def _installed() -> Catalog:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """Which manipulators of a run are looked at, by their numbers from 0.
+
+    Attributes:
+        first: so many at the beginning [1].
+        every: of the rest every how many-th [1].
+    """
+
+    first: int = 0
+    every: int = 1
+
+    def __contains__(self, index: int) -> bool:
+        return index < self.first or index % self.every == 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Recipe:
     """What is done with every manipulator.
 
@@ -68,12 +83,18 @@ class Recipe:
         emitters: make the files.
         loaders: load the files into simulators.
         poses: random joint vectors of a proof, besides zero and both ends of the limits.
+        proved: whose files are compared with the table.
+        sample: whose files go through what is slow: expansion of xacro, and simulators.
+        time_limit: how long one manipulator may take, simulators aside [s].
     """
 
     transform: Call[Transform[Any]]
     emitters: tuple[Call[Emitter[Any]], ...]
     loaders: tuple[Call[Loader[Any]], ...] = ()
     poses: int = 32
+    proved: Sample = Sample()
+    sample: Sample = Sample()
+    time_limit: float = 300.0
 
     @property
     def keeps_kinematics(self) -> bool:
@@ -82,25 +103,8 @@ class Recipe:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WrittenFile:
-    """A file that was put in place.
-
-    Attributes:
-        name: its name in the output folder.
-        stage: name of the emitter.
-        size: bytes.
-        sha256: hash of its content, in hexadecimal.
-    """
-
-    name: str
-    stage: str
-    size: int
-    sha256: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Written:
-    """What an emitter wrote.
+    """What an emitter made.
 
     Attributes:
         stage: name of the emitter.
@@ -110,7 +114,7 @@ class Written:
     """
 
     stage: str
-    files: tuple[WrittenFile, ...]
+    files: tuple[EmittedFile, ...]
     proof: Proof | None
 
 
@@ -155,14 +159,7 @@ def _checked(robot: Robot, mark: Mark | None) -> Robot:
 
 
 def write_robot(
-    truth: Truth,
-    robot: Robot,
-    recipe: Recipe,
-    *,
-    directory: Path,
-    stem: str,
-    main_file: str | None = None,
-    prove_costly: bool = True,
+    truth: Truth, robot: Robot, recipe: Recipe, *, directory: Path, stem: str, main_file: str | None = None
 ) -> tuple[Written, ...]:
     """Emit a robot with every emitter, prove each file, and put all of them in place, or none.
 
@@ -173,42 +170,65 @@ def write_robot(
         directory: where the files go; made where it is missing.
         stem: the stem of their names.
         main_file: another name for the first emitter's main file.
-        prove_costly: whether to prove the files of emitters whose proof is slow.
 
     Raises:
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
         OutputError: the files cannot be written.
     """
-    poses = proof_vectors(truth, robot, recipe.poses)
+    with staging(directory) as folder:
+        written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
+        put_in_place(folder, [file.name for emitted in written for file in emitted.files], directory)
+    return written
+
+
+def emit_robot(
+    truth: Truth,
+    robot: Robot,
+    recipe: Recipe,
+    *,
+    folder: Path,
+    stem: str,
+    place: str = "",
+    main_file: str | None = None,
+    proved: bool = True,
+    sampled: bool = True,
+) -> tuple[Written, ...]:
+    """Emit a robot with every emitter into a folder of its own, and prove each file there.
+
+    Args:
+        truth: what the tables say of it.
+        robot: the robot.
+        recipe: what is done.
+        folder: a folder that nobody else uses.
+        stem: the stem of the files' names.
+        place: where the files will stand in the end, for messages; by default the folder above.
+        main_file: another name for the first emitter's main file.
+        proved: whether to prove the files.
+        sampled: whether to prove also those whose proof is slow.
+
+    Raises:
+        ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
+        OutputError: the files cannot be written.
+    """
+    poses = proof_vectors(truth, robot, recipe.poses) if proved else ()
     written: list[Written] = []
     taken: dict[str, str] = {}
-    with staging(directory) as folder:
-        for call in recipe.emitters:
-            emitter = call.stage
-            with blaming("emitter", emitter.name):
-                files = [a_record(file, EmittedFile) for file in emitter.emit(robot, stem, call.options)]
-            if not files:
-                raise EmitterError(f"the emitter {emitter.name!r} gave no file")
-            if main_file is not None and not written:
-                files[0] = replace(files[0], name=main_file)
-            for file in files:
-                if other := taken.get(file.name.casefold()):  # as on file systems that ignore case
-                    raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
-                taken[file.name.casefold()] = emitter.name
-            write_files(folder, files)
-            proved = prove_costly or not emitter.costly_proof
-            proof = _prove_file(truth, folder / files[0].name, emitter, poses, recipe=recipe) if proved else None
-            facts = tuple(
-                WrittenFile(
-                    name=file.name,
-                    stage=emitter.name,
-                    size=len(file.content),
-                    sha256=sha256(file.content).hexdigest(),
-                )
-                for file in files
-            )
-            written.append(Written(stage=emitter.name, files=facts, proof=proof))
-        put_in_place(folder, [file.name for emitted in written for file in emitted.files], directory)
+    for call in recipe.emitters:
+        emitter = call.stage
+        with blaming("emitter", emitter.name):
+            files = [a_record(file, EmittedFile) for file in emitter.emit(robot, stem, call.options)]
+        if not files:
+            raise EmitterError(f"the emitter {emitter.name!r} gave no file")
+        if main_file is not None and not written:
+            files[0] = replace(files[0], name=main_file)
+        for file in files:
+            if other := taken.get(file.name.casefold()):  # as on file systems that ignore case
+                raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
+            taken[file.name.casefold()] = emitter.name
+        write_files(folder, files, place)
+        looked = proved and (sampled or not emitter.costly_proof)
+        proof = _prove_file(truth, folder / files[0].name, emitter, poses, recipe=recipe) if looked else None
+        written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 
 
@@ -218,6 +238,16 @@ def _prove_file(truth: Truth, path: Path, emitter: Emitter[Any], poses: Poses, *
     with blaming("emitter", emitter.name):
         described = a_record(emitter.read_back(path), Robot)
     proof = prove(truth, described, poses)
+    accept(proof, emitter, truth.name, truth.mark, recipe=recipe)
+    return proof
+
+
+def accept(proof: Proof, emitter: Emitter[Any], name: str, mark: Mark | None, *, recipe: Recipe) -> None:
+    """Let a proof pass.
+
+    Raises:
+        ProofError: what was written is not the arm of the table, and the transform keeps the kinematics.
+    """
     if recipe.keeps_kinematics and not proof.holds:
         raise ProofError(
             Problem(
@@ -226,11 +256,10 @@ def _prove_file(truth: Truth, path: Path, emitter: Emitter[Any], poses: Poses, *
                     f"{proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = {list(proof.q)}; "
                     f"allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
                 ),
-                robot=truth.name,
-                mark=truth.mark,
+                robot=name,
+                mark=mark,
             )
         )
-    return proof
 
 
 def read_items(reader: Reader[O], path: Path, options: O) -> Iterator[Manipulator | Rejected]:

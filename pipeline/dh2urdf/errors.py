@@ -7,13 +7,16 @@
     │   ├── ConfigError              a run file or a word of the command line is wrong
     │   ├── TableError               a table cannot be read
     │   ├── OutputError              nothing can be written where it should go
+    │   ├── ExecutorError            nobody does the work: no worker can be started or reached, or all are gone
     │   └── UnknownStageError        no installed stage has the name
     ├── ManipulatorError .......... exit 1: this manipulator failed, others go on
     │   ├── TransformError           the transform refuses the manipulator
     │   ├── RobotError               the finished robot breaks a rule
     │   ├── EmitterError             no file could be made of the robot
     │   ├── ProofError               what was written is not the arm of the table
-    │   ├── LoaderError              a simulator refused the file, crashed or measured another arm
+    │   ├── LoaderError              a simulator refused the file or measured another arm
+    │   ├── CrashError               whatever worked on it crashed or left without a result
+    │   │   └── TimeLimitError       it did not finish in time
     │   └── StageError               a stage raised what it should not have raised
     └── PluginError ............... exit 3: the run needs a plugin that is broken
         ├── BrokenPluginError        it failed while it was imported, registered or run
@@ -82,6 +85,10 @@ class OutputError(InputError):
     """Nothing can be written where it should go: no permission, no space, not a folder."""
 
 
+class ExecutorError(InputError):
+    """Nobody does the work: no worker can be started or reached, none is fit for it, or all are gone."""
+
+
 class UnknownStageError(InputError):
     """No installed stage has the name.
 
@@ -129,7 +136,15 @@ class ProofError(ManipulatorError):
 
 
 class LoaderError(ManipulatorError):
-    """A simulator refused the file, crashed, or measured another arm."""
+    """A simulator refused the file, or measured another arm."""
+
+
+class CrashError(ManipulatorError):
+    """The process that worked on the manipulator crashed, was killed, or left without a result."""
+
+
+class TimeLimitError(CrashError):
+    """The process that worked on the manipulator did not finish in time, and was ended."""
 
 
 class StageError(ManipulatorError):

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple, cast
 
-from dh2urdf.errors import LoaderError
+from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:
@@ -72,7 +72,9 @@ class ChildFailure(Exception):  # noqa: N818 - never raised: it is the cause of 
         )
 
 
-def run_in_child(function: Callable[[*Args], T], *args: *Args, timeout: float | None) -> ChildResult[T]:
+def run_in_child(
+    function: Callable[[*Args], T], *args: *Args, timeout: float | None, who: str = "the simulator"
+) -> ChildResult[T]:
     """Calls a function in a child process and waits for it.
 
     The child is gone, and all processes that it started are killed, when this returns or raises, also where it is
@@ -82,13 +84,15 @@ def run_in_child(function: Callable[[*Args], T], *args: *Args, timeout: float | 
         function: a function of a module that can be imported by name.
         args: its arguments; they and the value must be picklable.
         timeout: how long it may take [s]; None where a person ends it, for example by closing a window.
+        who: what messages call the function.
 
     Raises:
-        LoaderError: the child crashed, left without a result, did not finish in time, cannot be started, or cannot
-            import the function.
+        TimeLimitError: the child did not finish in time.
+        CrashError: the child crashed, left without a result, cannot be started, or cannot import the function.
         Exception: whatever the function raised, in its own type; as a `LoaderError` where that cannot be pickled.
             What the child printed is in its cause, a `ChildFailure`.
     """
+    kind: type[CrashError] = CrashError
     child = _Child(_pickled_call(function, args))
     try:
         outcome = child.outcome(timeout)
@@ -101,47 +105,56 @@ def run_in_child(function: Callable[[*Args], T], *args: *Args, timeout: float | 
         case ("raised", bytes(error), _, traceback):
             raise pickle.loads(error) from ChildFailure(output, traceback)  # noqa: S301 - our own child sent it
         case ("raised", _, text, traceback):
-            raise LoaderError(f"the simulator's loader raised {text}") from ChildFailure(output, traceback)
+            raise LoaderError(f"{who} raised {text}") from ChildFailure(output, traceback)
         case ("not imported", reason):
             message = f"a child process cannot import {function.__module__}.{function.__qualname__}: {reason}"
         case ("left", code):
-            message = f"the simulator left the interpreter (exit status {code}) and gave no result"
+            message = f"{who} left the interpreter (exit status {code}) and gave no result"
         case ("late",):
-            message = f"the simulator did not finish within {timeout:g} s"
+            kind = TimeLimitError
+            message = f"{who} did not finish within {timeout:g} s"
         case _ if status < 0:
-            message = f"the simulator crashed ({(signal.strsignal(-status) or f'signal {-status}').lower()})"
+            message = f"{who} crashed ({(signal.strsignal(-status) or f'signal {-status}').lower()})"
         case _:
-            message = f"the simulator left the process (exit status {status}) and gave no result"
-    raise LoaderError(message + _last_words(output)) from ChildFailure(output)
+            message = f"{who} left the process (exit status {status}) and gave no result"
+    raise kind(message + _last_words(output)) from ChildFailure(output)
 
 
 def load_in_child(loader: Loader[O], request: LoadRequest, options: O) -> LoadReport:
     """Calls a loader in a child process and completes its report with what the simulator printed.
 
     Raises:
-        LoaderError: as `run_in_child`, and whatever the loader refuses; the findings in the output follow it.
+        CrashError: as `run_in_child`.
+        LoaderError: whatever the loader refuses; the findings in the output follow it.
         MissingDependencyError: the simulator is not installed.
     """
+    # The folder of a file in the making has another name in every run.
+    folder = f"{request.path.parent}{os.sep}"
     try:
-        child = run_in_child(loader.load, request, options, timeout=loader.time_limit(options))
-    except LoaderError as error:
+        child = run_in_child(
+            loader.load, request, options, timeout=loader.time_limit(options), who=f"the loader {loader.name!r}"
+        )
+    except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
-        raise LoaderError((*error.problems, *loader.read_output(request, output))) from error
-    findings = (*child.value.findings, *loader.read_output(request, child.output))
-    return replace(child.value, findings=findings, output=child.output)
+        problems = (*error.problems, *loader.read_output(request, output.replace(folder, "")))
+        plain = [replace(problem, message=problem.message.replace(folder, "")) for problem in problems]
+        raise type(error)(plain) from error
+    output = child.output.replace(folder, "")
+    findings = (*child.value.findings, *loader.read_output(request, output))
+    return replace(child.value, findings=findings, output=output)
 
 
 def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
     """The function, by its name, and its arguments."""
     if getattr(function, "__module__", None) == "__main__":
-        raise LoaderError(
+        raise CrashError(
             f"{function.__qualname__} stands in the script that is run, where a child process cannot import it",
         )
     try:
         return pickle.dumps((function, args))
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         name = getattr(function, "__qualname__", repr(function))
-        raise LoaderError(f"{name} and its arguments cannot be sent to a child process: {error}") from error
+        raise CrashError(f"{name} and its arguments cannot be sent to a child process: {error}") from error
 
 
 def _last_words(output: str) -> str:
@@ -168,7 +181,7 @@ class _Child:
                 start_new_session=True,  # A process group of its own, to end it with all that it started.
             )
         except OSError as error:
-            raise LoaderError(f"a child process cannot be started: {error}") from error
+            raise CrashError(f"a child process cannot be started: {error}") from error
         self._call = cast("IO[bytes]", self._process.stdin)
         self._outcome = cast("IO[bytes]", self._process.stdout)
         self._printed = cast("IO[bytes]", self._process.stderr)

@@ -55,8 +55,19 @@ def dh_transform(convention: Convention, *, a: Any, alpha: Any, d: Any, theta: A
         d: offset along the joint axis, joint value included [m].
         theta: angle about the joint axis, joint value included [rad].
     """
-    ct, st = cos_sin(theta)
-    ca, sa = cos_sin(alpha)
+    return dh_transform_of(convention, a=a, d=d, twist=cos_sin(alpha), turn=cos_sin(theta))
+
+
+def dh_transform_of(
+    convention: Convention,
+    *,
+    a: Any,  # noqa: ANN401 - floats and arrays alike
+    d: Any,  # noqa: ANN401
+    twist: tuple[Any, Any],
+    turn: tuple[Any, Any],
+) -> RigidTransform:
+    """The transform A of one row, given cosine and sine of alpha (twist) and of theta (turn)."""
+    (ca, sa), (ct, st) = twist, turn
     if convention is Convention.STANDARD:
         return RigidTransform((ct, -st * ca, st * sa, st, ct * ca, -ct * sa, 0.0, sa, ca), (a * ct, a * st, d))
     return RigidTransform((ct, -st, 0.0, st * ca, ct * ca, -sa, st * sa, ct * sa, ca), (a, -d * sa, d * ca))
@@ -107,23 +118,18 @@ class KinematicChain(NamedTuple):
     origins: tuple[RigidTransform, ...]
 
     @classmethod
+    def of(cls, joints: Sequence[Joint]) -> KinematicChain:
+        """The chain of some joints, from the root outwards."""
+        return cls(tuple(joints), tuple(joint.origin.transform for joint in joints))
+
+    @classmethod
     def between(cls, robot: Robot, root: str = ROOT, tip: str = TOOL) -> KinematicChain:
         """The chain from a root link to a tip link.
 
         Raises:
             ValueError: there is no way from the root to the tip.
         """
-        above = {joint.child: joint for joint in robot.joints}
-        chain: list[Joint] = []
-        link = tip
-        while link != root:
-            joint = above.pop(link, None)  # A cycle finds nothing on its second round.
-            if joint is None:
-                raise ValueError(f"robot {robot.name!r} has no chain from link {root!r} to link {tip!r}")
-            chain.append(joint)
-            link = joint.parent
-        chain.reverse()
-        return cls(tuple(chain), tuple(joint.origin.transform for joint in chain))
+        return cls.of(joints_between(robot, root, tip))
 
     def forward_kinematics(self, q: JointVector) -> RigidTransform:
         """T(root → tip) at one value per moving joint of the chain, from the root outwards [rad or m].
@@ -141,6 +147,24 @@ class KinematicChain(NamedTuple):
             elif joint.type is not JointType.FIXED:
                 pose = pose @ RigidTransform(axis_rotation(joint.axis, next(values)), ZERO)
         return pose
+
+
+def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
+    """The joints from a root link to a tip link, from the root outwards.
+
+    Raises:
+        ValueError: there is no way from the root to the tip.
+    """
+    above = {joint.child: joint for joint in robot.joints}
+    found: list[Joint] = []
+    link = tip
+    while link != root:
+        joint = above.pop(link, None)  # A cycle finds nothing on its second round.
+        if joint is None:
+            raise ValueError(f"robot {robot.name!r} has no chain from link {root!r} to link {tip!r}")
+        found.append(joint)
+        link = joint.parent
+    return tuple(reversed(found))
 
 
 def axis_rotation(axis: Vec3, angle: Any) -> Rotation:  # noqa: ANN401 - floats and arrays alike
@@ -174,9 +198,12 @@ def angle_error(left: RigidTransform, right: RigidTransform) -> float:
 
 
 def reach(manipulator: Manipulator) -> float:
-    """An upper bound of the distance from base_link to tool0, prismatic joints at 0 and the others anywhere [m]."""
+    """An upper bound of the distance from base_link to tool0, prismatic joints at 0 and the others anywhere [m].
+
+    Takes columns.
+    """
     segments = (abs(row.a) + abs(joint_variables(row)[1]) for row in manipulator.rows)
-    return norm(manipulator.base.translation) + math.fsum(segments) + norm(manipulator.tool.translation)
+    return norm(manipulator.base.translation) + sum(segments, 0.0) + norm(manipulator.tool.translation)
 
 
 def dh_transforms(

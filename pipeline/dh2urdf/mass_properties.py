@@ -1,7 +1,8 @@
 """Mass, centre of mass and inertia of primitives and of bodies made of them.
 
 An `Inertial` is a body: its mass, its centre of mass in some frame, and its inertia about that centre, with axes
-parallel to the frame. Everything is spelled out as sums, so the numbers are the same on every machine.
+parallel to the frame. Everything is spelled out as sums, so the numbers are the same on every machine; and all but
+`principal_moments` and `inertia_problem` takes columns, to the last bit as it takes each of their entries.
 
 Source: the moments of solid primitives and the parallel-axis theorem as in Goldstein, Classical Mechanics, 3rd
 edition, section 5.3.
@@ -12,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from dh2urdf.elementwise import Condition, is_column, where
 from dh2urdf.manipulator import Inertia
 from dh2urdf.robot import Box, Cylinder, Inertial, Sphere
 from dh2urdf.rotations import Vec3, add, multiply, rotate, subtract, transpose
@@ -83,14 +85,21 @@ def compound(bodies: Sequence[Inertial]) -> Inertial:
     Raises:
         ValueError: there is no body, or their mass is 0.
     """
-    mass = sum(body.mass for body in bodies)
-    if not mass:
+    mass = 0.0  # Not by sum: from Python 3.12 on it rounds the sum of floats, and of nothing else, better.
+    for body in bodies:
+        mass += body.mass
+    if not is_column(mass) and not mass:
         raise ValueError("a compound needs a mass")
     # From the first body's centre on: a coordinate that all bodies share stays what it is, to the last bit.
-    first = bodies[0].com
-    cx, cy, cz = (
-        first[k] + sum(body.mass * (body.com[k] - first[k]) for body in bodies) / mass + 0.0 for k in range(3)
-    )
+    ox, oy, oz = bodies[0].com
+    cx = cy = cz = 0.0
+    for body in bodies[1:]:
+        m = body.mass
+        x, y, z = body.com
+        cx += m * (x - ox)
+        cy += m * (y - oy)
+        cz += m * (z - oz)
+    cx, cy, cz = ox + cx / mass + 0.0, oy + cy / mass + 0.0, oz + cz / mass + 0.0
     ixx = iyy = izz = ixy = ixz = iyz = 0.0
     for body in bodies:
         m, own = body.mass, body.inertia
@@ -138,13 +147,9 @@ def inertia_problem(inertia: Inertia) -> str | None:
     A body's inertia about its centre of mass is positive definite, and its principal moments A ≤ B ≤ C fulfil
     A + B ≥ C (the triangle inequality: the moments are sums of squares of distances). Rounding is forgiven.
     """
-    elements = _matrix(inertia)
-    if not all(map(math.isfinite, elements)):
+    if not all(map(math.isfinite, _matrix(inertia))):
         return "the inertia is not finite"
-    # The same two rules on the matrix itself: I and tr(I)/2·E - I are positive definite. That needs no eigenvalues.
-    half_trace = 0.5 * (inertia.ixx + inertia.iyy + inertia.izz)
-    second_moments = tuple(half_trace * (k in (0, 4, 8)) - element for k, element in enumerate(elements))
-    if _positive_definite(elements) and _positive_definite(second_moments):
+    if is_sound(inertia):
         return None
     low, middle, high = principal_moments(inertia)
     if low <= 0.0:
@@ -160,19 +165,30 @@ def inertia_problem(inertia: Inertia) -> str | None:
     return None
 
 
+def is_sound(inertia: Inertia) -> Condition:
+    """Whether an inertia tensor keeps both rules with something to spare; takes columns.
+
+    The rules on the matrix itself: I and tr(I)/2·E - I are positive definite. That needs no eigenvalues.
+    """
+    elements = _matrix(inertia)
+    half_trace = 0.5 * (inertia.ixx + inertia.iyy + inertia.izz)
+    second_moments = tuple(half_trace * (k in (0, 4, 8)) - element for k, element in enumerate(elements))
+    return _positive_definite(elements) & _positive_definite(second_moments)
+
+
 def _matrix(inertia: Inertia) -> Rotation:
     """The tensor as a row-major matrix."""
     i = inertia
     return (i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz)
 
 
-def _positive_definite(matrix: Sequence[float]) -> bool:
+def _positive_definite(matrix: Sequence[float]) -> Condition:
     """Whether all pivots of a symmetric 3x3 matrix are positive (Sylvester's criterion)."""
     a, b, c, _, d, e, _, _, f = matrix
-    if a <= 0.0:
-        return False
-    d1, e1 = d - b * b / a, e - b * c / a
-    return d1 > 0.0 and f - c * c / a - e1 * e1 / d1 > 0.0
+    first = where(a > 0.0, a, 1.0)
+    d1, e1 = d - b * b / first, e - b * c / first
+    second = where(d1 > 0.0, d1, 1.0)
+    return (a > 0.0) & (d1 > 0.0) & (f - c * c / first - e1 * e1 / second > 0.0)
 
 
 def _jacobi_rotation(a: list[list[float]], p: int, q: int) -> None:

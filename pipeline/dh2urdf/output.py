@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EISDIR
@@ -11,16 +12,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import OutputError
+from dh2urdf.seen import SeenNames
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from dh2urdf.stages import EmittedFile
 
 LONGEST_STEM = 120
 """Bytes of a file name's stem [1]: file systems take 255 for the whole name, and suffixes need their share."""
 _STAGING = ".dh2urdf-"
+_SAFE = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 
 
@@ -30,6 +33,8 @@ def safe_stem(name: str) -> str:
     Letters, digits, ``.``, ``-``, ``+`` and ``_`` stay; anything else becomes ``_``. A stem never begins with a dot or
     a dash, is no device name of Windows, and where it was cut short it ends in a hash of the whole name.
     """
+    if len(name) <= LONGEST_STEM and _SAFE.fullmatch(name) and name.partition(".")[0].lower() not in _DEVICES:
+        return name  # as nearly all are; what follows gives the same
     composed = unicodedata.normalize("NFC", name)
     stem = "".join(c if c.isalnum() or c in ".-+_" else "_" for c in composed).strip("._-") or "robot"
     device, dot, rest = stem.partition(".")
@@ -42,39 +47,41 @@ def safe_stem(name: str) -> str:
 
 
 class Stems:
-    """Gives every manipulator of a run a stem of its own, also where the file system ignores case."""
+    """Gives every manipulator of a run a stem of its own, also where the file system ignores case.
 
-    def __init__(self) -> None:
-        self._owners: dict[str, str] = {}
+    Args:
+        stem_of: the stem that a name has by itself.
+    """
 
-    def claim(self, name: str, *, remember: bool = True) -> tuple[str, Problem | None]:
-        """The stem of a manipulator, and a notice where another one already has the stem of its name.
+    def __init__(self, stem_of: Callable[[str], str] = safe_stem) -> None:
+        self._stem_of = stem_of
+        self._taken = SeenNames()
 
-        Args:
-            name: the manipulator's name.
-            remember: whether another one may yet ask for the same stem.
-        """
-        wanted = stem = safe_stem(name)
+    def claim_all(self, names: Sequence[str]) -> list[tuple[str, Problem | None]]:
+        """The stems of manipulators, each with a notice where another one already has the stem of its name."""
+        stems = [self._stem_of(name) for name in names]
+        keys = [self._key(stem) for stem in stems]
+        if len(set(keys)) < len(keys) or self._taken.known(keys):
+            return [self.claim(name) for name in names]
+        self._taken.add(keys)
+        return [(stem, None) for stem in stems]
+
+    def claim(self, name: str) -> tuple[str, Problem | None]:
+        """The stem of a manipulator, and a notice where another one already has the stem of its name."""
+        wanted = stem = self._stem_of(name)
         number = 1
-        while self._key(stem) in self._owners:
+        while self._taken.known([self._key(stem)]):
             number += 1
             stem = f"{wanted}-{number}"
-        if remember:
-            self._owners[self._key(stem)] = name
+        self._taken.add([self._key(stem)])
         if number == 1:
             return stem, None
-        return stem, Problem(
-            message=(
-                f"its files are named {stem!r}: {wanted!r} belongs to the manipulator "
-                f"{shown(self._owners[self._key(wanted)])} of this run"
-            ),
-            severity="notice",
-            robot=name,
-        )
+        message = f"its files are named {stem!r}: {wanted!r} belongs to another manipulator of this run"
+        return stem, Problem(message=message, severity="notice", robot=name)
 
     @staticmethod
     def _key(stem: str) -> str:
-        return unicodedata.normalize("NFC", stem.casefold())
+        return stem.lower() if stem.isascii() else unicodedata.normalize("NFC", stem.casefold())
 
 
 @contextmanager
@@ -114,8 +121,13 @@ def _remove(folder: Path) -> None:
         folder.rmdir()
 
 
-def write_files(folder: Path, files: Sequence[EmittedFile]) -> None:
+def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> None:
     """Write an emitter's files into a staging folder.
+
+    Args:
+        folder: the staging folder.
+        files: the files.
+        place: where they will stand in the end, for messages; by default the folder above.
 
     Raises:
         OutputError: a file cannot be written, or its name is not a plain file name.
@@ -123,7 +135,7 @@ def write_files(folder: Path, files: Sequence[EmittedFile]) -> None:
     for file in files:
         if Path(file.name).name != file.name or file.name in ("", ".", ".."):
             raise OutputError(Problem(message=f"{shown(file.name)} is not a plain file name", found=file.name))
-        with reporting_os_errors(folder.parent / file.name):
+        with reporting_os_errors(f"{place}/{file.name}" if place else folder.parent / file.name):
             (folder / file.name).write_bytes(file.content)
 
 
@@ -153,8 +165,15 @@ def write_whole(path: Path, content: bytes) -> None:
         (folder / path.name).replace(path)
 
 
+def write_all(descriptor: int, content: bytes) -> None:
+    """Write all of a content to an open file, in one call of the system if it can be."""
+    written = os.write(descriptor, content)
+    while written < len(content):  # The disk is full, and the next call says so; or this one took its most, 2 GB.
+        written += os.write(descriptor, memoryview(content)[written:])
+
+
 @contextmanager
-def reporting_os_errors(path: Path) -> Iterator[None]:
+def reporting_os_errors(path: Path | str, doing: str = "write") -> Iterator[None]:
     """Turn what the operating system says of a path into one line.
 
     Raises:
@@ -163,5 +182,10 @@ def reporting_os_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise OutputError(Problem(message=f"cannot write {shown(str(path), 200)}: {reason}")) from error
+        raise refused(path, error, doing) from error
+
+
+def refused(path: Path | str, error: Exception, doing: str = "write") -> OutputError:
+    """What the operating system says of a path, as one line."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}"))

@@ -1,7 +1,8 @@
 """The proof: what was written, read back by other code, moves tool0 as the DH product says, that of every arm.
 
 The joint vectors are the same on every machine and in every run: zero, both ends of the limits, and pseudo-random
-ones inside the limits, seeded by the robot's name.
+ones inside the limits. These are the same fractions of their limits for all arms of as many joints, so that arms with
+the same limits are proved at the same joint vectors, and many of them at once (`dh2urdf.proof_columns`).
 """
 
 from __future__ import annotations
@@ -9,10 +10,12 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass, field
+from functools import lru_cache
+from operator import itemgetter
 from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics import TOOL, KinematicChain, angle_error, position_error
+from dh2urdf.kinematics import TOOL, KinematicChain, angle_error, joints_between, position_error
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
 
@@ -56,7 +59,16 @@ class Proof:
     @property
     def holds(self) -> bool:
         """Whether the description is the same arm."""
-        return self.position_error <= self.tolerance and self.angle_error <= TOLERANCE
+        return math.isfinite(self.position_error) and (
+            self.position_error <= self.tolerance and self.angle_error <= TOLERANCE
+        )
+
+
+@lru_cache(maxsize=32)
+def fractions(joints: int, count: int) -> Poses:
+    """The random joint vectors, as fractions of the joints' ranges [1]; the first of many are those of few."""
+    draw = random.Random(f"dh2urdf {joints}")  # noqa: S311 - reproducible on purpose
+    return tuple(tuple(draw.random() for _ in range(joints)) for _ in range(count))
 
 
 def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
@@ -68,9 +80,11 @@ def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
         count: how many.
     """
     ranges = _ranges(truth, robot)
-    draw = random.Random(f"dh2urdf {truth.name}")  # noqa: S311 - reproducible on purpose
     nearest_to_zero = tuple(min(max(0.0, lower), upper) for lower, upper in ranges)
-    others = (tuple(draw.uniform(*limits) for limits in ranges) for _ in range(count - 1))
+    others = (
+        tuple(lower + u * (upper - lower) for u, (lower, upper) in zip(row, ranges, strict=True))
+        for row in fractions(len(ranges), max(0, count - 1))
+    )
     return (nearest_to_zero, *others) if count > 0 else ()
 
 
@@ -92,7 +106,7 @@ def prove(truth: Truth, written: Robot, poses: Sequence[Sequence[float]]) -> Pro
     Raises:
         ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
     """
-    found = {tip.link: _largest(tip, _chain(truth, tip, written), poses) for tip in truth.tips}
+    found = {tip.link: _largest(tip, KinematicChain.of(joints_to(truth, tip, written)), poses) for tip in truth.tips}
     worst = max(found, key=lambda link: found[link][:2])
     position, _, q = found[worst]
     return Proof(
@@ -106,13 +120,17 @@ def prove(truth: Truth, written: Robot, poses: Sequence[Sequence[float]]) -> Pro
     )
 
 
-def _chain(truth: Truth, tip: Tip, written: Robot) -> KinematicChain:
-    """The written way to a tip, which has to move the joints of the tables' way."""
+def joints_to(truth: Truth, tip: Tip, written: Robot) -> tuple[Joint, ...]:
+    """The joints on the written way to a tip, of which those that move have to be those of the tables' way.
+
+    Raises:
+        ProofError: there is no way, or it moves other joints.
+    """
     try:
-        chain = KinematicChain.between(written, truth.root, tip.link)
+        joints = joints_between(written, truth.root, tip.link)
     except ValueError as error:
         raise ProofError(Problem(message=str(error), robot=truth.name)) from error
-    moving = [joint.name for joint in chain.joints if joint.type is not JointType.FIXED]
+    moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
     if moving != list(tip.joints):
         raise ProofError(
             Problem(
@@ -120,7 +138,7 @@ def _chain(truth: Truth, tip: Tip, written: Robot) -> KinematicChain:
                 robot=truth.name,
             )
         )
-    return chain
+    return joints
 
 
 def _largest(
@@ -128,7 +146,7 @@ def _largest(
 ) -> tuple[float, float, tuple[float, ...]]:
     """Largest position error [m] and largest angle error [rad] of a tip, and the joint vector of the first."""
     errors = [(*_errors(tip.pose(q), chain.forward_kinematics(tip.values(q))), tuple(q)) for q in poses]
-    position, _, q = max(errors, default=(0.0, 0.0, ()))
+    position, _, q = max(errors, key=itemgetter(0, 1), default=(0.0, 0.0, ()))
     return position, max((angle for _, angle, _ in errors), default=0.0), q
 
 

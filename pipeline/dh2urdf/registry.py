@@ -123,6 +123,15 @@ class Catalog:
             raise UnknownStageError(kind, name, installed)
         return self._only(kind, name, found).stage
 
+    def distribution(self, kind: Kind, name: str) -> str:
+        """Name and version of the distribution that provides a stage.
+
+        Raises:
+            UnknownStageError: no installed stage has the name.
+        """
+        stage = self.get(kind, name)
+        return next(item.plugin.distribution for item in self.provided(kind) if item.stage is stage)
+
     def reader_for(self, path: Path) -> Reader[Any]:
         """The reader whose suffixes a path has.
 

@@ -13,15 +13,17 @@ from dataclasses import fields, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from dh2urdf.columns import columns_of, replaced
 from dh2urdf.manipulator import JointType
-from dh2urdf.mass_properties import inertia_problem
+from dh2urdf.mass_properties import inertia_problem, is_sound
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import norm
 from dh2urdf.source import Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
+    from dh2urdf.elementwise import Condition
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
 
 LONGEST_NAME = 1000
@@ -59,6 +61,33 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
     problems += _weightless_chains(robot, joint_to)
     problems += _formula_problems(robot)
     return tuple(problem.about(robot=robot.name) for problem in problems)
+
+
+def sure_columns(robot: Robot, names: Sequence[str]) -> Condition:
+    """Which of many robots, whose numbers are columns, are beyond doubt: `check_robot` has nothing to say of them.
+
+    Of the numbers each rule below has a test here that is cheap and sufficient; what all robots have alike is judged by
+    `check_robot` itself on one of them.
+
+    Args:
+        robot: the robot with the columns, shapes that only some of them have included.
+        names: the names of all of them.
+    """
+    import numpy as np
+
+    sure = np.array([bool(name.strip()) for name in names])
+    if columns := columns_of(robot):
+        sure &= np.isfinite(columns).all(axis=0)
+    with np.errstate(all="ignore"):
+        for joint in robot.joints:
+            sure &= _is_sure_joint(joint)
+        for link in robot.links:
+            sure &= _is_sure_link(link)
+    if sure.any():
+        index = int(sure.argmax())
+        one = replaced(robot, lambda numbers: float(numbers[index]))
+        sure &= not check_robot(replace(one, name=names[index]))
+    return sure
 
 
 def _of_joint(problem: Problem, joint: Joint | None) -> Problem:
@@ -211,6 +240,20 @@ def _limit_problems(joint: Joint) -> Iterator[Problem]:
         yield Problem(message=message, field="limits.lower", found=f"{limits.lower:.12g}", accepted="lower ≤ upper")
 
 
+def _is_sure_joint(joint: Joint) -> Condition:
+    (x, y, z), limits = joint.axis, joint.limits
+    sure: Condition = abs(x * x + y * y + z * z - 1.0) <= UNIT  # An axis half as far from 1 passes the rule.
+    for number in (limits.velocity, limits.effort):
+        if number is not None:
+            sure &= number > 0.0
+    if limits.lower is not None and limits.upper is not None:
+        sure &= limits.lower <= limits.upper
+    for number in (joint.damping, joint.friction):
+        if number is not None:
+            sure &= number >= 0.0
+    return sure
+
+
 # Links.
 
 
@@ -234,6 +277,21 @@ def _body_problems(link: Link, holder: Joint | None, *, is_root: bool) -> Iterat
     yield from _finite("com", body.com)
     if broken := inertia_problem(body.inertia):
         yield Problem(message=f"link {name}: {broken}", field="inertia")
+
+
+def _is_sure_link(link: Link) -> Condition:
+    sure: Condition = True
+    body = link.inertial
+    if body and columns_of(body):
+        sure &= (body.mass > 0.0) & is_sound(body.inertia)
+    shapes: Iterable[Visual | Collision] = (*link.visuals, *link.collisions)
+    for shape in shapes:
+        for _, size in _sizes(shape.geometry):
+            sure &= size > 0.0
+    for material in (visual.material for visual in link.visuals if visual.material):
+        for part in material.rgba:
+            sure &= (part >= 0.0) & (part <= 1.0)
+    return sure
 
 
 def _weighs_nothing(body: Inertial) -> bool:

@@ -2,7 +2,8 @@
 
 Two rules make every written file the same bytes on every machine. An angle that is a multiple of π/2 has the sines
 and cosines −1, 0 and 1, never 6.1e-17. And every matrix product is spelled out as sums: products through BLAS differ
-between processors. The elements may be floats or numpy arrays of one shape: the same sums serve both.
+between processors. The elements may be floats or numpy arrays of one shape: the same sums serve both. Functions that
+say so give every entry of a column, to the last bit, what they give a float.
 
 Rotations are row-major 9-tuples (r00, r01, r02, r10, …), vectors are 3-tuples; angles are in rad, lengths in m.
 """
@@ -11,6 +12,8 @@ from __future__ import annotations
 
 import math
 from typing import Any, NamedTuple, TypeAlias
+
+from dh2urdf.elementwise import Condition, Number, atan2, hypot, is_column, mapped
 
 Vec3: TypeAlias = tuple[float, float, float]
 Rotation: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
@@ -28,17 +31,31 @@ X_AXIS: Vec3 = (1.0, 0.0, 0.0)
 Z_AXIS: Vec3 = (0.0, 0.0, 1.0)
 
 
-def quarter_turns(angle: float) -> int | None:
-    """The whole number of quarter turns that an angle [rad] is, or None where it is none.
+def nearest_quarter(angle: Number) -> tuple[Number, Condition]:
+    """The whole number of quarter turns nearest to an angle [rad], and whether the angle is that but for rounding.
 
-    Only rounding is forgiven (relative 1e-15); 1.5708 is not a quarter turn.
+    Only rounding is forgiven (relative 1e-15); 1.5708 is not a quarter turn. Takes columns.
     """
-    turns = round(angle / HALF_PI)
-    return turns if abs(angle - turns * HALF_PI) <= _QUARTER_TURN_TOLERANCE * abs(angle) else None
+    if is_column(angle):
+        import numpy as np
+
+        turns = np.rint(angle / HALF_PI)
+    else:
+        turns = round(angle / HALF_PI)
+    return turns, abs(angle - turns * HALF_PI) <= _QUARTER_TURN_TOLERANCE * abs(angle)
+
+
+def quarter_turns(angle: float) -> int | None:
+    """The whole number of quarter turns that an angle [rad] is, or None where it is none."""
+    turns, is_whole = nearest_quarter(angle)
+    return turns if is_whole else None
 
 
 def cos_sin(angle: Any) -> tuple[Any, Any]:  # noqa: ANN401 - floats and arrays alike
-    """Cosine and sine of an angle [rad]; exact for a float that is a whole number of quarter turns."""
+    """Cosine and sine of an angle [rad]; exact for a float that is a whole number of quarter turns.
+
+    Those of an array are numpy's, fast and right to rounding: joint values are arrays. See `exact_cos_sin`.
+    """
     if isinstance(angle, (float, int)):
         turns = quarter_turns(angle)
         if turns is None:
@@ -47,6 +64,21 @@ def cos_sin(angle: Any) -> tuple[Any, Any]:  # noqa: ANN401 - floats and arrays 
     import numpy as np
 
     return np.cos(angle), np.sin(angle)
+
+
+def exact_cos_sin(angle: Number) -> tuple[Number, Number]:
+    """Cosine and sine of an angle [rad] as `cos_sin` gives them for a float; takes columns."""
+    if not is_column(angle):
+        return cos_sin(angle)
+    import numpy as np
+
+    cosine, sine = mapped(math.cos, angle), mapped(math.sin, angle)
+    turns, is_whole = nearest_quarter(angle)
+    if is_whole.any():
+        quarter = (turns % 4).astype(int)
+        cosine = np.where(is_whole, np.take(_COSINES, quarter), cosine)
+        sine = np.where(is_whole, np.take(_SINES, quarter), sine)
+    return cosine, sine
 
 
 def rotation_x(cosine: float, sine: float) -> Rotation:
@@ -110,14 +142,15 @@ def scale(factor: float, vector: Vec3) -> Vec3:
 
 
 def norm(vector: Vec3) -> float:
-    """The length of a vector, without overflow."""
-    return math.hypot(*vector)
+    """The length of a vector, without overflow; takes columns."""
+    length: float = hypot(*vector)
+    return length
 
 
 def rotation_from_rpy(rpy: Vec3) -> Rotation:
-    """The rotation Rz(yaw)·Ry(pitch)·Rx(roll) of URDF's fixed-axis angles [rad]."""
-    roll, pitch, yaw = rpy
-    return multiply(rotation_z(*cos_sin(yaw)), multiply(rotation_y(*cos_sin(pitch)), rotation_x(*cos_sin(roll))))
+    """The rotation Rz(yaw)·Ry(pitch)·Rx(roll) of URDF's fixed-axis angles [rad]; takes columns."""
+    x, y, z = (exact_cos_sin(angle) for angle in rpy)
+    return multiply(rotation_z(*z), multiply(rotation_y(*y), rotation_x(*x)))
 
 
 def rpy_from_rotation(rotation: Rotation) -> Vec3:
@@ -125,13 +158,14 @@ def rpy_from_rotation(rotation: Rotation) -> Vec3:
 
     The sine and cosine of yaw are divided out before pitch and roll are read off, so nothing is lost where the
     pitch is ±π/2 (the usual asin form keeps half the digits there), and −0.0 is made 0 first: atan2 tells them apart.
+    Takes columns.
     """
     r00, _, r02, r10, r11, r12, r20, _, _ = (element + 0.0 for element in rotation)
     r01 = rotation[1] + 0.0
-    yaw = math.atan2(r10, r00)
-    c, s = cos_sin(yaw)
-    pitch = math.atan2(0.0 - r20, c * r00 + s * r10)
-    roll = math.atan2(s * r02 - c * r12 + 0.0, c * r11 - s * r01 + 0.0)
+    yaw = atan2(r10, r00)
+    c, s = exact_cos_sin(yaw)
+    pitch = atan2(0.0 - r20, c * r00 + s * r10)
+    roll = atan2(s * r02 - c * r12 + 0.0, c * r11 - s * r01 + 0.0)
     return (roll + 0.0, pitch + 0.0, yaw + 0.0)
 
 

@@ -2,50 +2,41 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from functools import partial
+from collections import Counter, deque
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 from dh2urdf import sampling
-from dh2urdf.cells import Cell, CellCall, with_tables
-from dh2urdf.conversion import Call, Recipe, Written, blaming, make_cell, make_robot, read_items, write_robot
-from dh2urdf.errors import (
-    ConfigError,
-    InputError,
-    ManipulatorError,
-    OutputError,
-    StageError,
-    TableError,
-)
-from dh2urdf.gathering import Gathering
-from dh2urdf.isolation import load_in_child
-from dh2urdf.kinematics import KinematicChain
-from dh2urdf.laws import Value
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.batches import Batch, Doomed, Expected, batches
+from dh2urdf.cells import CellCall
+from dh2urdf.conversion import Call, Recipe
+from dh2urdf.errors import ConfigError, CrashError, InputError, ManipulatorError, TableError
+from dh2urdf.isolation import run_in_child
+from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
+from dh2urdf.keys import recipe_key
+from dh2urdf.layouts import Layout
+from dh2urdf.making import Effect, Maker, this_process
 from dh2urdf.options import make_options
-from dh2urdf.output import Stems
-from dh2urdf.proof import joint_vectors
-from dh2urdf.source import Mark, Problem, in_file_order, shown
-from dh2urdf.stages import Executor, Loader, LoadReport, LoadRequest, Reader, Rejected
-from dh2urdf.truth import Truth
-from dh2urdf.variation_binding import bind
-from dh2urdf.variations import Variant, VariationCall
+from dh2urdf.output import reporting_os_errors, write_all
+from dh2urdf.report.json import run_report, write_reports, write_timing
+from dh2urdf.source import Problem, in_file_order
+from dh2urdf.stages import Executor, Loader, Lost, Reader
+from dh2urdf.stores import Store, open_store
+from dh2urdf.variations import VariationCall
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Generator, Iterator, Sequence
 
+    from dh2urdf.batch_report import BatchReport
     from dh2urdf.config import RunConfig, StageCall
     from dh2urdf.registry import Catalog
-    from dh2urdf.robot import Robot
-    from dh2urdf.rotations import RigidTransform
 
-ALL_PROVED = 100
-"""Manipulators of a run that are proved in every format [1]; formats whose proof is slow are sampled beyond."""
-SAMPLE = 50
-"""Beyond that, every how many-th manipulator is proved in the slow formats too [1]."""
+Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
+"""Is told of a batch, and how many manipulators the run will probably have."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +46,9 @@ class Plan:
     Attributes:
         inputs: files with the reader and the reader's options of each.
         recipe: what is done with every manipulator.
-        directory: where the output goes.
+        key: the recipe's, by which a later run knows files that are still right.
+        store: where the output goes.
+        layout: under which names.
         executor: does the work.
         executor_options: its options.
         cells: robots of several of the manipulators, made when all have been read.
@@ -64,65 +57,45 @@ class Plan:
 
     inputs: tuple[tuple[Path, Reader[Any], Any], ...]
     recipe: Recipe
-    directory: Path
+    key: str
+    store: Store
+    layout: Layout
     executor: Executor[Any]
     executor_options: Any
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Task:
-    """One manipulator, one cell of several or one variant of one, for a worker.
+class Result:
+    """What became of a run, so far.
 
     Attributes:
-        index: its number in the run, from 0.
-        item: the manipulator, cell or variant, or why it cannot be read; a variant is drawn by the worker.
-        source: the file it comes from.
-        stem: the stem of its files.
-        notices: what is known before the work begins.
-        traceback: where its reader failed.
+        statuses: how many manipulators are ok, kept from an earlier run, failed or skipped.
+        kinds: how many failed, by kind.
+        seconds: how long the steps took, added up over all workers; `total` is the time that passed [s].
+        timings: how long the steps of the first manipulators took [s].
+        keeps_kinematics: whether the transform keeps T(q).
     """
 
-    index: int
-    item: Manipulator | Cell | Variant | Rejected
-    source: str
-    stem: str = ""
-    notices: tuple[Problem, ...] = ()
-    traceback: str = ""
+    def __init__(self, *, keeps_kinematics: bool = True) -> None:
+        self.statuses: Counter[str] = Counter()
+        self.kinds: Counter[str] = Counter()
+        self.seconds: dict[str, float] = {}
+        self.timings: list[dict[str, Any]] = []
+        self.keeps_kinematics = keeps_kinematics
 
+    @property
+    def exit_status(self) -> int:
+        """0 where all is done, 1 where a manipulator failed."""
+        return int(self.statuses["failed"] > 0)
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Outcome:
-    """What became of one manipulator, cell or variant.
-
-    Attributes:
-        name: its name.
-        status: ok, failed, or skipped where the run only looked.
-        source: the file it comes from.
-        drawn: what was drawn for it, by field and joint: ``a_2`` [SI].
-        was_read: whether there was a manipulator at all.
-        keeps_kinematics: whether its transform keeps T(q).
-        written: what each emitter wrote.
-        loads: what each simulator said, by the loader's name.
-        notices: what a careful person would want to know.
-        errors: why it failed.
-        traceback: where a stage failed, for ``--debug``.
-        seconds: how long each step took [s].
-    """
-
-    name: str
-    status: Literal["ok", "failed", "skipped"]
-    source: str
-    drawn: dict[str, Value] = field(default_factory=dict)
-    was_read: bool = True
-    keeps_kinematics: bool = True
-    written: tuple[Written, ...] = ()
-    loads: dict[str, LoadReport] = field(default_factory=dict)
-    notices: tuple[Problem, ...] = ()
-    errors: tuple[Problem, ...] = ()
-    traceback: str = ""
-    seconds: dict[str, float] = field(default_factory=dict)
+    def add(self, report: BatchReport) -> None:
+        """Takes what became of a batch."""
+        self.statuses += report.statuses
+        self.kinds += report.kinds
+        for step, seconds in report.seconds.items():
+            self.seconds[step] = self.seconds.get(step, 0.0) + seconds
+        self.timings += report.timings
 
 
 def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
@@ -167,15 +140,21 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         emitters=tuple(call for call in emitters if call),
         loaders=tuple(call for call in loaders if call),
         poses=config.poses,
+        proved=config.proved,
+        sample=config.sample,
+        time_limit=config.time_limit,
     )
     for loader in recipe.loaders:
         loader.stage.require(loader.options)
+    executor.stage.require(executor.options)
     for variation in config.variations:
         sampling.require(variation.sampling)
     return Plan(
         inputs=tuple(inputs),
         recipe=recipe,
-        directory=config.directory,
+        key=recipe_key(recipe, catalog),
+        store=open_store(config.output),
+        layout=config.layout,
         executor=executor.stage,
         executor_options=executor.options,
         cells=config.cells,
@@ -197,195 +176,148 @@ def _without_file(config: RunConfig, loaders: Sequence[Call[Loader[Any]] | None]
             )
 
 
-def execute(plan: Plan, *, dry_run: bool = False, note: Callable[[Outcome], None] | None = None) -> list[Outcome]:
+def execute(
+    plan: Plan, *, resume: bool = False, dry_run: bool = False, note: Note | None = None
+) -> tuple[Result, dict[str, Any]]:
     """Do a run.
 
     Args:
         plan: what to do.
+        resume: keep what earlier runs into the same place have finished, where it is whole and nothing of it changed.
         dry_run: read, transform and check, but write nothing.
-        note: is told of every outcome as it comes, as soon as something could be read.
+        note: is told of every batch as it comes, as soon as something could be read, and how many manipulators the run
+            will probably have.
 
     Returns:
-        One outcome per manipulator, in the order of the inputs, then one per cell, then one per variant.
+        What became of it, and its report as plain data. The rows of all manipulators, in the order of the inputs, then
+        of the cells, then of the variants, are in the manifest.
 
     Raises:
         TableError: nothing could be read at all.
+        OutputError: nothing can be written any more; what is done so far is kept for a run that resumes.
         PluginError: the run needs a plugin that is broken.
     """
-    work = partial(make, plan.recipe, plan.directory, dry_run=dry_run)
-    outcomes: list[Outcome] = []
-    readable, told = False, 0
-    for outcome in plan.executor.map(work, tasks(plan), plan.executor_options):
-        outcomes.append(outcome)
-        readable = readable or outcome.was_read
-        if note and readable:  # Where nothing can be read, the error at the end says why, and nobody says it twice.
-            for each in outcomes[told:]:
-                note(each)
-            told = len(outcomes)
-    if not readable:
-        raise TableError([problem for outcome in outcomes for problem in outcome.errors])
-    return outcomes
-
-
-def tasks(plan: Plan) -> Iterator[Task]:
-    """The manipulators of all inputs, one by one, each with a stem of its own; a bad input ends itself, not the run.
-
-    Cells and variants come last: of the manipulators, only those that they need are kept so long.
-    """
-    needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
-    stems, gathering = Stems(), Gathering(needed)
-    index = 0
-    for path, reader, options in plan.inputs:
-        first = index
-        try:
-            for item in read_items(reader, path, options):
-                gathering.see(item)
-                yield _task(index, item, str(path), stems)
-                index += 1
-            if index == first:
-                raise TableError("there is no manipulator in it")
-        except (TableError, StageError) as error:
-            rejected = Rejected(name=path.stem, problems=error.problems, mark=Mark(file=str(path)))
-            gathering.see(rejected)
-            traceback = error.traceback if isinstance(error, StageError) else ""
-            yield Task(index=index, item=rejected, source=str(path), traceback=traceback)
-            index += 1
-    for cell in with_tables(plan.cells, gathering):
-        yield _task(index, cell, cell.mark.file if cell.mark else "", stems)
-        index += 1
-    for call in plan.variations:
-        for variant in _variants(call, gathering):
-            yield _task(index, variant, call.mark.file if call.mark else "", stems)
-            index += 1
-
-
-def _variants(call: VariationCall, gathering: Gathering) -> Iterator[Variant | Rejected]:
-    """The variants of a variation, one by one; why not, where there can be none."""
-    table = gathering.table(call.of, f"the variation {shown(call.name)}", call.of_mark or call.mark)
-    try:
-        if not isinstance(table, Manipulator):
-            raise ConfigError(table)
-        variation = bind(call, table)
-    except ConfigError as error:
-        yield Rejected(name=call.name, problems=error.problems, mark=call.mark)
-        return
-    yield from variation.variants()
-
-
-def _task(index: int, item: Manipulator | Cell | Variant | Rejected, source: str, stems: Stems) -> Task:
-    if isinstance(item, Rejected):
-        return Task(index=index, item=item, source=source)
-    # Variants come last, and no two have the same name: that nothing of them is remembered lets a run be of any length.
-    stem, clash = stems.claim(item.name, remember=not isinstance(item, Variant))
-    return Task(index=index, item=item, source=source, stem=stem, notices=(clash,) if clash else ())
-
-
-def make(recipe: Recipe, directory: Path, task: Task, *, dry_run: bool = False) -> Outcome:
-    """Everything that is done with one manipulator, in whatever process.
-
-    A manipulator that fails gives an outcome that says why; what is wrong with the run itself (a broken plugin, a full
-    disk) is raised.
-    """
-    item = task.item
-    if isinstance(item, Rejected):
-        return Outcome(
-            name=item.name,
-            status="failed",
-            source=task.source,
-            was_read=False,
-            errors=tuple(problem.about(mark=item.mark) for problem in item.problems),
-            traceback=task.traceback,
-        )
-    seconds: dict[str, float] = {}
-    outcome = Outcome(
-        name=item.name,
-        status="skipped" if dry_run else "ok",
-        source=task.source,
-        drawn=item.drawn() if isinstance(item, Variant) else {},
-        keeps_kinematics=recipe.keeps_kinematics,
-        notices=(*(item.notices if isinstance(item, Manipulator) else ()), *task.notices),
-        seconds=seconds,
-    )
-    try:
-        with _timed(seconds, "transform"):
-            robot, truth = _robot(item.manipulator(outcome.drawn) if isinstance(item, Variant) else item, recipe)
-        outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
-        if dry_run:
-            return outcome
-        with _timed(seconds, "write"):
-            sampled = task.index < ALL_PROVED or task.index % SAMPLE == 0
-            written = write_robot(truth, robot, recipe, directory=directory, stem=task.stem, prove_costly=sampled)
-        outcome = replace(outcome, written=written)
-        for number, call in enumerate(recipe.loaders):
-            with _timed(seconds, f"load {call.stage.name}"):
-                picture = f"{task.stem}.png" if number == 0 else f"{task.stem}.{call.stage.name}.png"
-                report = _load(truth, robot, call, written, recipe=recipe, directory=directory, picture=picture)
-            outcome = replace(outcome, loads={**outcome.loads, call.stage.name: report})
-    except OutputError:
-        raise
-    except (ManipulatorError, InputError) as error:
-        return replace(
-            outcome,
-            status="failed",
-            errors=tuple(problem.about(robot=item.name, mark=item.mark) for problem in error.problems),
-            traceback=getattr(error, "traceback", ""),
-        )
-    return outcome
-
-
-def _robot(item: Manipulator | Cell, recipe: Recipe) -> tuple[Robot, Truth]:
-    if isinstance(item, Cell):
-        return make_cell(item, recipe.transform)
-    return make_robot(item, recipe.transform), Truth.of(item)
-
-
-def _load(
-    truth: Truth,
-    robot: Robot,
-    call: Call[Loader[Any]],
-    written: tuple[Written, ...],
-    *,
-    recipe: Recipe,
-    directory: Path,
-    picture: str,
-) -> LoadReport:
-    """What a simulator says of the file that was written.
-
-    Where the transform does not keep the kinematics, the simulator is held against the robot, not against the tables.
-    """
-    loader = call.stage
-    names = {emitted.stage: emitted.files[0].name for emitted in written}
-    path = next(directory / names[wanted] for wanted in loader.formats if wanted in names)
-    poses = joint_vectors(truth, robot, loader.poses(call.options))
-    expected: dict[str, tuple[tuple[float, ...], ...]] = {}
-    for tip in truth.tips:
-        chain = KinematicChain.between(robot, truth.root, tip.link)
-        expected[tip.link] = tuple(
-            _elements(tip.pose(q) if recipe.keeps_kinematics else chain.forward_kinematics(tip.values(q)))
-            for q in poses
-        )
-    request = LoadRequest(
-        path=path,
-        robot=robot,
-        poses=poses,
-        expected=expected,
-        mark=truth.mark,
-        picture=directory / picture if loader.picture(call.options) else None,
-    )
-    with blaming("loader", loader.name):
-        return load_in_child(loader, request, call.options)
-
-
-def _elements(frame: RigidTransform) -> tuple[float, ...]:
-    """A rigid transform as the 16 elements of its homogeneous matrix, row by row."""
-    r, t = frame
-    return (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)
+    started = time.perf_counter()
+    result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
+    if dry_run:
+        with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
+            _make(plan, Effect.LOOK, "", None, rows, result, note)
+            report = run_report(rows, result)
+        result.seconds["total"] = time.perf_counter() - started
+        return result, report
+    store = plan.store
+    with store.lock(), _earlier(store, resume=resume) as earlier, store.scratch() as folder:
+        journal = next_journal(store)
+        path = folder / "manifest"
+        with path.open("w+b") as rows:
+            try:
+                _make(plan, Effect.MAKE, journal, earlier, rows, result, note)
+            except TableError:  # There is nothing to go on with.
+                store.remove_tree(journal if resume else JOURNAL)
+                raise
+            report = write_reports(store, rows, result)
+            result.seconds["total"] = time.perf_counter() - started
+            write_timing(store, result)
+        store.put(MANIFEST, path)
+        store.remove_tree(JOURNAL)
+    return result, report
 
 
 @contextmanager
-def _timed(seconds: dict[str, float], step: str) -> Iterator[None]:
-    started = time.perf_counter()
+def _earlier(store: Store, *, resume: bool) -> Iterator[Earlier | None]:
+    """What earlier runs have done, where the run goes on from there; otherwise that is forgotten."""
+    if resume:
+        with earlier_rows(store) as earlier:
+            yield earlier
+    else:
+        store.remove_tree(JOURNAL)
+        yield None
+
+
+def _make(  # noqa: PLR0917 - what a run has in its hands
+    plan: Plan,
+    effect: Effect,
+    journal: str,
+    earlier: Earlier | None,
+    rows: BinaryIO,
+    result: Result,
+    note: Note | None,
+) -> None:
+    """Make all manipulators, and write the rows of the manifest."""
+    maker = Maker(
+        recipe=plan.recipe,
+        key=plan.key,
+        store=plan.store,
+        layout=plan.layout,
+        journal=journal,
+        home=this_process(),
+        effect=effect,
+    )
+    manifest = tempfile.gettempdir() if effect is Effect.LOOK else f"{plan.store}/{MANIFEST}"
+    under_way: deque[Batch] = deque()
+    expected = Expected(plan)
+
+    def handed_over() -> Iterator[Batch]:
+        for batch in batches(plan, expected):
+            known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
+            under_way.append(known)
+            yield known
+
+    unread: list[
+        BatchReport
+    ] = []  # Where nothing can be read, the error at the end says why, and nobody says it twice.
+    readable = False
+    # An error or an interrupt here ends the workers, not some time later.
+    with closing(_answers(plan, maker, handed_over())) as answers:
+        for answer in answers:
+            batch = under_way.popleft()
+            report = _rescued(maker, batch, answer) if isinstance(answer, Lost) else answer
+            with reporting_os_errors(manifest):
+                write_all(rows.fileno(), report.rows)
+            result.add(report)
+            readable = readable or report.was_read
+            unread.append(report)
+            if readable:
+                for each in unread:
+                    if note:
+                        note(each, expected.total)
+                unread.clear()
+    if not readable:
+        raise TableError([problem for report in unread for problem in report.problems if problem.severity == "error"])
+
+
+def _answers(plan: Plan, maker: Maker, some: Iterator[Batch]) -> Generator[Any, None, None]:
+    """What the executor has of each batch."""
+    yield from plan.executor.map(maker, some, plan.executor_options)
+
+
+# --- Batches that their workers do not survive -----------------------------------------------------------------------
+
+
+def _rescued(maker: Maker, batch: Batch, lost: Lost) -> BatchReport:
+    """What becomes of a batch that no worker survives: all of it is made but the manipulators that are the reason."""
+    doomed = dict(_culprits(maker, batch, 0))
     try:
-        yield
-    finally:
-        seconds[step] = time.perf_counter() - started
+        return run_in_child(Maker.__call__, maker, batch.without(doomed), timeout=None).value
+    except ManipulatorError:
+        error = CrashError(f"the batch of {len(batch)} manipulators that it is in cannot be made: {lost.reason}")
+        everything = {place: Doomed(name, error, None) for place, name in enumerate(batch.names)}
+        return maker(batch.without(everything))
+
+
+def _culprits(maker: Maker, batch: Batch, start: int) -> Iterator[tuple[int, Doomed]]:
+    """The manipulators of a batch that end the process which tries to make them, found by halving."""
+    count = len(batch)
+    limit = maker.recipe.time_limit if count == 1 else None
+    # A single one is ended from outside, in time; of several the first that takes too long ends the process itself.
+    patience = replace(maker.recipe, time_limit=2 * maker.recipe.time_limit) if count == 1 else maker.recipe
+    rehearsal = replace(maker, effect=Effect.REHEARSE, recipe=patience)
+    try:
+        run_in_child(Maker.__call__, rehearsal, batch, timeout=limit, who="a stage")
+    except ManipulatorError as error:
+        if count == 1:
+            yield start, Doomed(batch.names[0], error, None)
+            return
+        middle = count // 2
+        yield from _culprits(maker, batch.part(0, middle), start)
+        yield from _culprits(maker, batch.part(middle, count), start + middle)

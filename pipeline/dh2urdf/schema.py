@@ -8,9 +8,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.config import DEFAULT_EMITTER, DEFAULT_EXECUTOR, DEFAULT_POSES, DEFAULT_TRANSFORM
+from dh2urdf.config import (
+    DEFAULT_EMITTER,
+    DEFAULT_EXECUTOR,
+    DEFAULT_POSES,
+    DEFAULT_TRANSFORM,
+    MAX_POSES,
+)
+from dh2urdf.conversion import Sample
 from dh2urdf.errors import ConfigError
+from dh2urdf.layouts import DEFAULT_SIZE, LARGEST, Form
 from dh2urdf.option_types import type_hints
+from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, MOST
 from dh2urdf.sampling import MOST_POINTS, Sampling
 from dh2urdf.variation_section import LAWS, MOST_SEED, MOST_VALUES
 from dh2urdf.variations import AXES, FIELDS
@@ -36,18 +45,30 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
         "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM),
         "emitters": _one_or_more(_stage(catalog, "emitter", "what writes files"), f"{DEFAULT_EMITTER} by default"),
         "loaders": _one_or_more(_stage(catalog, "loader", "what loads the files"), "none by default", least=0),
-        "output": _mapping({"directory": _text("where the output goes, from the folder of the run file")}),
-        "execution": _stage(catalog, "executor", "what does the work", DEFAULT_EXECUTOR),
+        "output": _either(_text("where the output goes"), _output()),
+        "execution": _stage(
+            catalog,
+            "executor",
+            "what does the work",
+            DEFAULT_EXECUTOR,
+            time_limit={
+                "type": "number",
+                "exclusiveMinimum": 0,
+                "default": DEFAULT_TIME_LIMIT,
+                "description": "seconds that one manipulator may take, simulators aside",
+            },
+        ),
         "proof": _mapping(
             {
-                "poses": {
-                    "type": "integer",
-                    "minimum": 1,
+                "poses": _whole(1, MAX_POSES)
+                | {
                     "default": DEFAULT_POSES,
                     "description": "random joint vectors at which each file is compared with its table",
-                }
+                },
+                **_sample(Sample(), "are compared with their tables"),
             }
         ),
+        "sample": _mapping(_sample(DEFAULT_SAMPLE, "go through expansion of xacro and simulators")),
     }
     return {
         "$schema": DIALECT,
@@ -80,11 +101,36 @@ def _stages(catalog: Catalog, kind: Kind) -> list[Any]:
     return [provided.stage for provided in catalog.provided(kind)]
 
 
-def _stage(catalog: Catalog, kind: Kind, description: str, default: str | None = None) -> dict[str, Any]:
+def _output() -> dict[str, Any]:
+    return _mapping(
+        {
+            "directory": _text("a folder, from that of the run file, or an address such as s3://bucket/prefix"),
+            "layout": {
+                "enum": [form.value for form in Form],
+                "default": Form.FILES.value,
+                "description": "one folder, folders of `size` manipulators, or tar shards of as many",
+            },
+            "size": _whole(1, LARGEST)
+            | {"default": DEFAULT_SIZE, "description": "manipulators in one folder or shard"},
+        }
+    )
+
+
+def _sample(default: Sample, what: str) -> dict[str, Any]:
+    return {
+        "first": _whole(0, MOST)
+        | {"default": default.first, "description": f"so many manipulators at the beginning of the run {what}"},
+        "every": _whole(1, MOST) | {"default": default.every, "description": f"of the rest every how many-th {what}"},
+    }
+
+
+def _stage(
+    catalog: Catalog, kind: Kind, description: str, default: str | None = None, **others: dict[str, Any]
+) -> dict[str, Any]:
     """A stage and its options, or its name alone; a default stage need not be named."""
     stages = _stages(catalog, kind)
     names = {"enum": [stage.name for stage in stages], "description": description}
-    call = _mapping({"stage": names, "options": {}})
+    call = _mapping({"stage": names, "options": {}, **others})
     call["allOf"] = [
         _if_then({"properties": {"stage": {"const": stage.name}}}, kind, stage, named=stage.name != default)
         for stage in stages

@@ -81,8 +81,9 @@ class Transform(Generic[O]):
         transform: makes the robot; raises `dh2urdf.errors.TransformError` where it refuses the manipulator.
         keeps_kinematics: whether T(base_link → tool0) of the robot is the DH product with these options. Where it is
             not, the proof reports the difference and fails nothing.
-        transform_columns: makes the robots of many manipulators at once, to the last bit as `transform` does; None
-            where it cannot with these options or for such tables. A stage without it makes them one by one.
+        transform_columns: makes the robots of many manipulators at once, to the last bit as `transform` does, in groups
+            whose members differ in numbers only, each with the places of its members; it leaves out what has to be made
+            one by one. None where it cannot with these options. A stage without it makes all of them one by one.
     """
 
     name: str
@@ -90,7 +91,9 @@ class Transform(Generic[O]):
     transform: Callable[[Manipulator, O], Robot]
     options: type[O]
     keeps_kinematics: Callable[[O], bool] = _always
-    transform_columns: Callable[[ManipulatorColumns, O], RobotColumns | None] | None = None
+    transform_columns: Callable[[ManipulatorColumns, O], Sequence[tuple[Sequence[int], RobotColumns]] | None] | None = (
+        None
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,8 +125,8 @@ class Emitter(Generic[O]):
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
         emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
-            a stem for each; a robot that is not `sure` gets an empty list. None where it cannot with these options or
-            for such robots. A stage without it makes them one by one.
+            a stem for each; a robot that is not `sure`, or that it cannot write so, gets an empty list. None where it
+            cannot with these options or for such robots. A stage without it makes them one by one.
         read_columns: the robots that many main files describe, in groups whose members differ in numbers only, each
             with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
             nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
@@ -272,12 +275,15 @@ class Executor(Generic[O]):
         map: results of a picklable function over tasks, in the order of the tasks, taking tasks as they are needed. A
             worker that ends costs no result but that of a task which ends every worker it is given to: it gives `Lost`
             in its place, and the others go on. What the function raises is raised after the results before it.
+        require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `map`
+            needs with these options is not installed, without importing it (`importlib.util.find_spec`).
     """
 
     name: str
     summary: str
     map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]]
     options: type[O]
+    require: Callable[[O], None] = _all_there
 
 
 Kind: TypeAlias = Literal["reader", "transform", "emitter", "loader", "executor"]

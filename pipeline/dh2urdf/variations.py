@@ -12,6 +12,7 @@ from dataclasses import field as attribute
 from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.laws import Grid, Law, Value
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
@@ -20,7 +21,7 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.units import Dimension
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
 TYPE = "type"
 AXES = "axes"
@@ -165,6 +166,14 @@ class Variation:
         """All its variants, one by one."""
         return (Variant(variation=self, number=number) for number in range(1, self.count + 1))
 
+    def changes(self, drawn: Collection[str]) -> dict[int, dict[str, Factor]]:
+        """The factors of some keys by the indices of their rows, and by their fields."""
+        changes: dict[int, dict[str, Factor]] = {}
+        for factor in self.factors:
+            if factor.row is not None and factor.key in drawn:
+                changes.setdefault(factor.row, {})[factor.field] = factor
+        return changes
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variant:
@@ -238,22 +247,15 @@ class Variant:
         """
         nominal = self.variation.nominal
         rows = list(first_axes(nominal.rows, int(drawn[AXES])) if AXES in drawn else nominal.rows)
-        changes: dict[int, dict[str, Factor]] = {}
-        for factor in self.variation.factors:
-            if factor.row is not None and factor.key in drawn:
-                changes.setdefault(factor.row, {})[factor.field] = factor
-        notices = list(nominal.notices)
         problems: list[Problem] = []
+        changes = self.variation.changes(drawn)
         for index, factors in changes.items():
-            row = _changed(rows[index], {name: drawn[factor.key] for name, factor in factors.items()})
-            problems += _row_problems(row, factors)
-            # What was drawn is meant: nobody need ask whether it should have been a quarter turn.
-            angles = [name for name in factors if FIELDS[name].dimension is Dimension.ANGLE]
-            notices += (Problem(message="drawn", severity="notice", joint=row.joint, field=name) for name in angles)
-            rows[index] = row
+            rows[index] = changed(rows[index], {name: drawn[factor.key] for name, factor in factors.items()})
+            problems += _row_problems(rows[index], factors)
         if problems:
             raise ManipulatorError([problem.about(robot=self.name) for problem in problems])
-        return replace(nominal, name=self.name, rows=tuple(rows), notices=tuple(notices))
+        notices = (*nominal.notices, *drawn_notices(changes, rows))
+        return replace(nominal, name=self.name, rows=tuple(rows), notices=notices)
 
 
 # --- Rows -------------------------------------------------------------------------------------------------------------
@@ -265,19 +267,31 @@ def first_axes(rows: Sequence[DHRow], axes: int) -> Sequence[DHRow]:
     return rows[: moving[axes]] if axes < len(moving) else rows
 
 
-def _changed(row: DHRow, values: Mapping[str, Value]) -> DHRow:
-    """A row with other values."""
+def drawn_notices(changes: Mapping[int, Collection[str]], rows: Sequence[DHRow]) -> Iterator[Problem]:
+    """What was drawn is meant: nobody need ask whether an angle should have been a quarter turn."""
+    for index, names in changes.items():
+        for name in names:
+            if FIELDS[name].dimension is Dimension.ANGLE:
+                yield Problem(message="drawn", severity="notice", joint=rows[index].joint, field=name)
+
+
+def changed(row: DHRow, values: Mapping[str, Any]) -> DHRow:
+    """A row with other values, each a number or, but for types, a column of numbers."""
     if TYPE in values:
-        geometry: dict[str, Any] = {name: float(values[name]) for name in GEOMETRY if name in values}
+        geometry: dict[str, Any] = {name: _number(values[name]) for name in GEOMETRY if name in values}
         row = retyped(replace(row, **geometry), JointType(str(values[TYPE])))
         values = {name: value for name, value in values.items() if name != TYPE and name not in geometry}
-    limits = {name: float(values[name]) for name in LIMITS if name in values}
-    changes: dict[str, Any] = {name: float(value) for name, value in values.items() if name not in limits}
+    limits = {name: _number(values[name]) for name in LIMITS if name in values}
+    changes: dict[str, Any] = {name: _number(value) for name, value in values.items() if name not in limits}
     inertia = row.inertia
     if "mass" in changes and row.mass and inertia:
         ratio = changes["mass"] / row.mass
         inertia = Inertia(**{part.name: getattr(inertia, part.name) * ratio for part in fields(inertia)})
     return replace(row, **changes, limits=replace(row.limits, **limits) if limits else row.limits, inertia=inertia)
+
+
+def _number(value: Any) -> Any:  # noqa: ANN401 - a number, or a column of numbers
+    return value if is_column(value) else float(value)
 
 
 def retyped(row: DHRow, kind: JointType) -> DHRow:

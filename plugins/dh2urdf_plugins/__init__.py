@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 @hookimpl
 def dh2urdf_readers() -> Iterable[Reader[Any]]:
-    """Tables as CSV and as YAML."""
-    from dh2urdf_plugins.readers import csv, yaml
+    """Tables as CSV, as Parquet and as YAML."""
+    from dh2urdf_plugins.readers import csv, parquet, yaml
 
-    return (csv.READER, yaml.READER)
+    return (csv.READER, parquet.READER, yaml.READER)
 
 
 @hookimpl
@@ -49,7 +49,7 @@ def dh2urdf_loaders() -> Iterable[Loader[Any]]:
 
 @hookimpl
 def dh2urdf_executors() -> Iterable[Executor[Any]]:
-    """Processes of this machine."""
-    from dh2urdf_plugins.executors import local
+    """Processes of this machine, and a Dask cluster."""
+    from dh2urdf_plugins.executors import dask, local
 
-    return (local.EXECUTOR,)
+    return (local.EXECUTOR, dask.EXECUTOR)

@@ -122,8 +122,9 @@ def _status(words: list[str], *, debug: bool) -> int:
     except click.ClickException as error:
         error.show()
         return error.exit_code
-    except (KeyboardInterrupt, click.Abort, _Interrupted):
-        click.echo("dh2urdf: interrupted; nothing half-written is left", err=True)
+    except (KeyboardInterrupt, click.Abort, _Interrupted) as error:
+        advice = getattr(error.__cause__, "__notes__", ())
+        click.echo("; ".join(["dh2urdf: interrupted; nothing half-written is left", *advice]), err=True)
         return INTERRUPTED
     except Dh2UrdfError as error:
         if debug:

@@ -6,48 +6,61 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from rich.table import Table
 
-    from dh2urdf.run import Outcome
+    from dh2urdf.outcome import Row
+    from dh2urdf.run import Result
 
 MOST_ROWS = 40
 """Rows that a summary shows [1]; of a longer run it shows the failures first and counts the rest."""
+
+MANY = 100
+"""Manipulators of a run that is told how many it made per second [1]."""
 
 NAME_WIDTH = 48
 """Characters of a name in one line [1]; a longer one is folded."""
 
 
-def print_summary(outcomes: Sequence[Outcome], directory: Path, *, dry_run: bool) -> None:
-    """Print what became of each manipulator, with the largest error of every file and simulator."""
+def print_summary(result: Result, report: Row, where: str, *, dry_run: bool) -> None:
+    """Print what became of each manipulator, with the largest error of every file and simulator, and the counts.
+
+    Args:
+        result: what became of the run.
+        report: its report.
+        where: where its output is.
+        dry_run: whether nothing was written.
+    """
     from rich.console import Console
 
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=140)
-    if any(outcome.written for outcome in outcomes):
+    rows = report["manipulators"]
+    if any(row["files"] for row in rows):
         console.print("largest distance of tool0 from the DH product, in metres:")
-    console.print(_table(outcomes))
-    if len(outcomes) > MOST_ROWS:
-        console.print(f"and {len(outcomes) - MOST_ROWS} more manipulators")
-    counts = [
-        f"{count} {word}"
-        for word in ("ok", "failed", "skipped")
-        if (count := sum(outcome.status == word for outcome in outcomes))
-    ]
-    console.print(f"{', '.join(counts)}{' (dry run: nothing was written)' if dry_run else ''}")
-    if any(not outcome.keeps_kinematics for outcome in outcomes):
+    console.print(_table(rows))
+    count = sum(result.statuses.values())
+    if (more := count - min(len(rows), MOST_ROWS)) > 0:
+        console.print(f"and {more:,} more manipulators")
+    words = {"ok": "made", "kept": "unchanged", "skipped": "skipped", "failed": "failed"}
+    counts = [f"{result.statuses[status]:,} {word}" for status, word in words.items() if result.statuses[status]]
+    kinds = ", ".join(f"{kind}: {number:,}" for kind, number in result.kinds.most_common())
+    seconds = result.seconds["total"]
+    rate = f"; {count / seconds:,.0f} per second" if count >= MANY and seconds else ""
+    what = f"{', '.join(counts)}{f' ({kinds})' if kinds else ''}{rate}"
+    console.print(f"{what}{' (dry run: nothing was written)' if dry_run else ''}", markup=False)
+    if not result.keeps_kinematics:
         console.print("the transform does not keep the kinematics: differences are reported and fail nothing")
     if not dry_run:
-        console.print(f"written to {directory}", markup=False, soft_wrap=True)
+        console.print(f"written to {where}", markup=False, soft_wrap=True)
 
 
-def _table(outcomes: Sequence[Outcome]) -> Table:
+def _table(rows: Sequence[Row]) -> Table:
     from rich.table import Table
 
-    emitters = list(dict.fromkeys(written.stage for outcome in outcomes for written in outcome.written))
-    loaders = list(dict.fromkeys(name for outcome in outcomes for name in outcome.loads))
+    emitters = list(dict.fromkeys(stage for row in rows for stage in row["proof"]))
+    loaders = list(dict.fromkeys(name for row in rows for name in row["loaders"]))
     table = Table()
     table.add_column("manipulator", overflow="fold", max_width=NAME_WIDTH)
     table.add_column("status")
@@ -56,29 +69,27 @@ def _table(outcomes: Sequence[Outcome]) -> Table:
     if loaders:
         table.add_column("holds still")
     table.add_column("files", overflow="fold")
-    for outcome in sorted(outcomes, key=lambda outcome: outcome.status != "failed")[:MOST_ROWS]:
-        errors: dict[str, float | None] = {
-            written.stage: written.proof.position_error for written in outcome.written if written.proof
-        }
-        errors |= {name: report.position_error for name, report in outcome.loads.items()}
-        cells = [_metres(errors.get(name)) for name in (*emitters, *loaders)]
+    for row in sorted(rows, key=lambda row: row["status"] != "failed")[:MOST_ROWS]:
+        asked = {**row["proof"], **row["loaders"]}
+        cells = [_metres(asked.get(name)) for name in (*emitters, *loaders)]
         if loaders:
-            cells.append(_holds(outcome))
-        files = [file.name for written in outcome.written for file in written.files]
-        files += [report.picture for report in outcome.loads.values() if report.picture]
-        colour = {"ok": "green", "failed": "red", "skipped": "yellow"}[outcome.status]
-        table.add_row(_plain(outcome.name), f"[{colour}]{outcome.status}[/]", *cells, _plain(", ".join(files)))
+            cells.append(_holds(row))
+        files = [file["path"] for file in row["files"]]
+        files += [report["picture"] for report in row["loaders"].values() if report["picture"]]
+        colour = {"ok": "green", "failed": "red", "skipped": "yellow"}[row["status"]]
+        table.add_row(_plain(row["name"]), f"[{colour}]{row['status']}[/]", *cells, _plain(", ".join(files)))
     return table
 
 
-def _metres(error: float | None) -> str:
+def _metres(facts: Row | None) -> str:
+    error = facts["position_error"] if facts else None
     if error is None:
         return "–"
     return f"{error:.1e}" if error else "0"
 
 
-def _holds(outcome: Outcome) -> str:
-    stays = [report.hold.get("stayed") for report in outcome.loads.values() if report.hold]
+def _holds(row: Row) -> str:
+    stays = [report["hold"].get("stayed") for report in row["loaders"].values() if report["hold"]]
     return "–" if not stays else "yes" if all(stays) else "no"
 
 

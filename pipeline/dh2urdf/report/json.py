@@ -1,104 +1,81 @@
-"""`report.json` and `timing.json`.
+"""The files that tell of a run: its report, the index of its failures, the manifest as a table, and its durations.
 
-All that a run found stands in `report.json`, and no duration: a repeated run writes the same bytes. Durations stand in
+All that a run found stands in its manifest, and no duration: a repeated run writes the same bytes. Durations stand in
 `timing.json`.
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from itertools import islice
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import orjson
 
 from dh2urdf import __version__
-from dh2urdf.output import write_whole
+from dh2urdf.manifest import Index, can_write_parquet, write_parquet
+from dh2urdf.outcome import to_text
+from dh2urdf.output import reporting_os_errors
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from dh2urdf.conversion import Written
-    from dh2urdf.run import Outcome
-    from dh2urdf.stages import LoadReport
+    from dh2urdf.run import Result
+    from dh2urdf.stores import Store
 
 SCHEMA = "dh2urdf-report/1"
 """Name and version of the form of `report.json`."""
+REPORTED = 1000
+"""Manipulators that the report repeats from the manifest [1]: the first ones; `timing.json` tells of as many."""
 
 
-def exit_status(outcomes: Sequence[Outcome]) -> int:
-    """0 where all is done, 1 where a manipulator failed."""
-    return int(any(outcome.status == "failed" for outcome in outcomes))
-
-
-def run_report(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def run_report(rows: BinaryIO, result: Result) -> dict[str, Any]:
     """The report of a run as plain data."""
+    rows.seek(0)
+    count = sum(result.statuses.values())
     return {
         "schema": SCHEMA,
         "version": __version__,
-        "exit_status": exit_status(outcomes),
-        "manipulators": [_manipulator(outcome) for outcome in outcomes],
+        "exit_status": result.exit_status,
+        "manipulators": [orjson.loads(row) for row in islice(rows, REPORTED)],
+        "left_out": max(0, count - REPORTED),
     }
 
 
-def timing(outcomes: Sequence[Outcome], total: float) -> dict[str, Any]:
-    """How long a run and each of its steps took [s]."""
-    return {
-        "total": total,
-        "manipulators": [{"name": outcome.name, **outcome.seconds} for outcome in outcomes],
-    }
+def timing(result: Result) -> dict[str, Any]:
+    """How long a run and its steps took, added up over all its workers [s]."""
+    steps = dict(result.seconds)
+    total = steps.pop("total", 0.0)
+    count = sum(result.statuses.values())
+    rate = count / total if total else None
+    return {"total": total, "per_second": rate, "steps": steps, "manipulators": result.timings[:REPORTED]}
 
 
-def to_text(data: dict[str, Any]) -> bytes:
-    """Plain data as indented JSON with a newline at its end."""
-    import orjson
+def write_reports(store: Store, rows: BinaryIO, result: Result) -> dict[str, Any]:
+    """Write `report.json`, `index.json` and, with pyarrow, `manifest.parquet`, from the rows of the manifest.
 
-    options = orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS
-    try:
-        return orjson.dumps(data, option=options)
-    except orjson.JSONEncodeError:
-        return orjson.dumps(_in_utf_8(data), option=options)
-
-
-def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data
-    """The same data, lone surrogates spelled out: the name of a file may hold bytes that are no UTF-8."""
-    if isinstance(value, str):
-        return value.encode("utf-8", "backslashreplace").decode("utf-8")
-    if isinstance(value, dict):
-        return {_in_utf_8(key): _in_utf_8(entry) for key, entry in value.items()}
-    return [_in_utf_8(entry) for entry in value] if isinstance(value, (list, tuple)) else value
-
-
-def write_reports(directory: Path, outcomes: Sequence[Outcome], total: float) -> None:
-    """Write `report.json` and `timing.json` into the output folder.
+    Returns:
+        The report as plain data.
 
     Raises:
         OutputError: they cannot be written.
     """
-    write_whole(directory / "report.json", to_text(run_report(outcomes)))
-    write_whole(directory / "timing.json", to_text(timing(outcomes, total)))
+    index = Index()
+    rows.seek(0)
+    for row in rows:
+        index.add(orjson.loads(row))
+    store.write("index.json", to_text(index.as_json()))
+    report = run_report(rows, result)
+    store.write("report.json", to_text(report))
+    if can_write_parquet():
+        with store.scratch() as folder:
+            with reporting_os_errors(f"{store}/manifest.parquet"):
+                write_parquet(rows, folder / "manifest.parquet")
+            store.put("manifest.parquet", folder / "manifest.parquet")
+    return report
 
 
-def _manipulator(outcome: Outcome) -> dict[str, Any]:
-    return {
-        "name": outcome.name,
-        "status": outcome.status,
-        "source": outcome.source,
-        "drawn": outcome.drawn,
-        "keeps_kinematics": outcome.keeps_kinematics,
-        "files": [
-            {"path": file.name, "stage": file.stage, "bytes": file.size, "sha256": file.sha256}
-            for written in outcome.written
-            for file in written.files
-        ],
-        "proof": {written.stage: _proof(written) for written in outcome.written},
-        "loaders": {name: _load(report) for name, report in outcome.loads.items()},
-        "notices": [problem.as_json() for problem in outcome.notices],
-        "errors": [problem.as_json() for problem in outcome.errors],
-    }
+def write_timing(store: Store, result: Result) -> None:
+    """Write `timing.json`.
 
-
-def _proof(written: Written) -> dict[str, Any] | None:
-    return asdict(written.proof) if written.proof else None
-
-
-def _load(report: LoadReport) -> dict[str, Any]:
-    return {**asdict(report), "findings": [finding.as_json() for finding in report.findings]}
+    Raises:
+        OutputError: it cannot be written.
+    """
+    store.write("timing.json", to_text(timing(result)))

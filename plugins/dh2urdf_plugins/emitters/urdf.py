@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from lxml import etree
-
 from dh2urdf.errors import EmitterError
-from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
-from dh2urdf_plugins.emitters.urdf_tree import Notation, append_mujoco_options, append_robot, serialise
+from dh2urdf_plugins.emitters.urdf_tree import Notation, check_lines, serialise, urdf_tree
 from dh2urdf_plugins.urdf_reader import read_urdf
+from dh2urdf_plugins.urdf_scanner import scan_columns
 
 if TYPE_CHECKING:
-    from dh2urdf.robot import Robot
+    from collections.abc import Sequence
 
-LONGEST_LINE = 8000
-"""Bytes of one line [1]: PyBullet cuts a longer one in silence."""
+    from dh2urdf.columns import RobotColumns
+    from dh2urdf.robot import Robot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,25 +35,29 @@ def emit(robot: Robot, stem: str, _options: UrdfOptions) -> tuple[EmittedFile]:
             what URDF requires.
     """
     notation = Notation()
-    root = etree.Element("robot", name=notation.text(robot.name))
-    append_mujoco_options(root)
-    append_robot(root, robot, notation)
-    content = serialise(root, robot.comment)
-    _check_lines(content)
+    content = serialise(urdf_tree(robot, notation.text(robot.name), notation), robot.comment)
+    check_lines(content)
     return (EmittedFile(name=f"{stem}.urdf", content=content),)
 
 
-def _check_lines(content: bytes) -> None:
-    for number, line in enumerate(content.splitlines(), start=1):
-        if len(line) > LONGEST_LINE:
-            raise EmitterError(
-                Problem(
-                    message=f"line {number} of the robot description would have {len(line)} bytes",
-                    found=shown(line.decode("utf-8").strip()),
-                    accepted=f"at most {LONGEST_LINE} bytes: PyBullet cuts a longer line without a word",
-                    suggestion="shorten the names",
-                )
-            )
+def emit_columns(
+    robots: RobotColumns, stems: Sequence[str], _options: UrdfOptions
+) -> list[tuple[EmittedFile, ...]] | None:
+    """The URDF of each of many robots, as ``<stem>.urdf``.
+
+    A robot that is not sure, or whose name or comment has to be escaped, gets no file. None where one file is not
+    another with other numbers, or where there can be none: `emit` makes them one by one, or says why it cannot.
+    """
+    from dh2urdf_plugins.emitters.urdf_columns import filled_in
+
+    try:
+        contents = filled_in(robots)
+    except EmitterError:
+        return None
+    return [
+        () if content is None else (EmittedFile(name=f"{stem}.urdf", content=content),)
+        for stem, content in zip(stems, contents, strict=True)
+    ]
 
 
 EMITTER = Emitter(
@@ -65,4 +67,6 @@ EMITTER = Emitter(
     options=UrdfOptions,
     emit=emit,
     read_back=read_urdf,
+    emit_columns=emit_columns,
+    read_columns=scan_columns,
 )

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
 
+LONGEST_LINE = 8000
+"""Bytes of one line [1]: PyBullet cuts a longer one in silence."""
+
 LONGEST_COMMENT = 1000
 """Characters of one comment [1]."""
 
@@ -74,6 +77,18 @@ class Notation:
         return self.numbers(angles)
 
 
+def urdf_tree(robot: Robot, name: str, notation: Notation) -> etree._Element:
+    """The whole tree of a URDF, under a name that is written already.
+
+    Raises:
+        EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
+    """
+    root = etree.Element("robot", name=name)
+    append_mujoco_options(root)
+    append_robot(root, robot, notation)
+    return root
+
+
 def append_robot(parent: etree._Element, robot: Robot, notation: Notation) -> None:
     """Appends the materials, then the links from the base to the tip, each after the joint that holds it.
 
@@ -99,7 +114,7 @@ def append_inertial(parent: etree._Element, inertial: Inertial, notation: Notati
     element = etree.SubElement(parent, "inertial")
     etree.SubElement(element, "origin", {"xyz": notation.numbers(inertial.com), "rpy": "0 0 0"})
     etree.SubElement(element, "mass", {"value": notation.numbers((inertial.mass,))})
-    etree.SubElement(element, "inertia", _elements(inertial.inertia))
+    etree.SubElement(element, "inertia", _elements(inertial.inertia, notation))
 
 
 def append_comment(parent: etree._Element, text: str) -> None:
@@ -112,6 +127,24 @@ def serialise(root: etree._Element, comment: str = "") -> bytes:
     etree.indent(root, "  ")
     head = etree.tostring(_comment(comment), encoding="UTF-8") + b"\n" if comment else b""
     return b'<?xml version="1.0"?>\n' + head + etree.tostring(root, encoding="UTF-8", xml_declaration=False) + b"\n"
+
+
+def check_lines(content: bytes) -> None:
+    """Checks that readers take every line of a file whole.
+
+    Raises:
+        EmitterError: a line is too long.
+    """
+    for number, line in enumerate(content.splitlines(), start=1):
+        if len(line) > LONGEST_LINE:
+            raise EmitterError(
+                Problem(
+                    message=f"line {number} of the robot description would have {len(line)} bytes",
+                    found=shown(line.decode("utf-8").strip()),
+                    accepted=f"at most {LONGEST_LINE} bytes: PyBullet cuts a longer line without a word",
+                    suggestion="shorten the names",
+                )
+            )
 
 
 def _comment(text: str) -> etree._Comment:
@@ -176,9 +209,9 @@ def _append_link(parent: etree._Element, link: Link, notation: Notation) -> None
         _append_shape(etree.SubElement(element, "collision"), collision, notation)
 
 
-def _elements(inertia: Inertia) -> dict[str, str]:
+def _elements(inertia: Inertia, notation: Notation) -> dict[str, str]:
     names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    return dict(zip(names, format_numbers(getattr(inertia, name) for name in names), strict=True))
+    return dict(zip(names, notation.numbers(getattr(inertia, name) for name in names).split(" "), strict=True))
 
 
 def _append_visual(parent: etree._Element, visual: Visual, notation: Notation) -> None:

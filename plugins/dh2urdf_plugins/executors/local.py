@@ -1,26 +1,48 @@
-"""The executor `local`: processes of this machine."""
+"""The executor `local`: processes of this machine.
+
+Every worker process has a thread here that hands it one task at a time, so it is known which task a worker was at when
+it died. A pool of `concurrent.futures` does not know that, and breaks as a whole.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import os
+import pickle
+import re
 import signal
-from collections import deque
+import subprocess
+import sys
+import tempfile
+import threading
+import time
 from dataclasses import dataclass, field
-from itertools import islice
-from typing import TYPE_CHECKING, Any, Literal
+from itertools import chain, islice
+from operator import length_hint
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
-from dh2urdf.errors import ManipulatorError, OutputError
-from dh2urdf.source import Problem
-from dh2urdf.stages import Executor
+from dh2urdf.errors import ExecutorError
+from dh2urdf.isolation import ChildFailure
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import Executor, Lost
+from dh2urdf_plugins.executors.window import handed_over
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from concurrent.futures import Future, ProcessPoolExecutor
+    from concurrent.futures import Future
 
-CHUNK = 16
-"""Manipulators that a process takes at once: handing one over costs about as much as making it."""
 AHEAD = 4
-"""Chunks per process that wait or are under way, so that the tasks of a long run are never all held."""
+"""Tasks per process that wait or are under way, so that the tasks of a long run are never all held."""
+TRIES = 2
+"""Workers that a task may cost before it is lost: the first may have been killed for the sake of others."""
+
+_SCRIPT = Path(__file__).with_name("local_worker.py")
+_CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
+_KEPT = 64 * 1024  # bytes of what a worker printed that are looked at
+_LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
+_FAULT = re.compile(r"^(?:Fatal Python error: |Timeout \().*", re.MULTILINE)  # how the words of faulthandler begin
+_STACK = re.compile(r"^(?:(Current thread)|Thread) .*\n((?:  File .*\n)+)", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,115 +60,223 @@ class LocalOptions:
 
 
 def map_locally(function: Callable[[Any], Any], tasks: Iterable[Any], options: LocalOptions) -> Iterator[Any]:
-    """Results of a function over tasks, in their order, from a pool of processes.
+    """Results of a function over tasks, in their order, from processes of this machine.
 
-    One task, or one worker, needs no pool: it is done in this process.
+    One task, or one worker, needs no other process: it is done in this one. A task that is a collection of several
+    things is worth a process of its own, which may crash.
+
+    Raises:
+        ExecutorError: no worker process can be started, or none can import the function.
     """
-    workers = _processors() if options.workers == "auto" else options.workers
+    workers = processors() if options.workers == "auto" else options.workers
     waiting = iter(tasks)
     first = list(islice(waiting, 2))
-    if workers == 1 or len(first) < 2:  # noqa: PLR2004 - one task alone
+    if workers == 1 or sum(length_hint(task, 1) for task in first) <= 1:
         yield from map(function, first)
         yield from map(function, waiting)
         return
-    yield from _map_in_pool(function, _chunks(first, waiting), workers)
+    pool = _Pool(function, workers)
+    try:
+        for future in handed_over(chain(first, waiting), pool.submit, lambda: AHEAD * workers):
+            yield future.result()
+    finally:
+        pool.end()
 
 
-def _processors() -> int:
+def processors() -> int:
     """The processors that this process may use, where the system says; else all there are."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
-def _map_in_pool(function: Callable[[Any], Any], chunks: Iterator[list[Any]], workers: int) -> Iterator[Any]:
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
+class _Pool:
+    """Worker processes, and a thread for each that waits for its results."""
 
-    context = get_context("spawn")
-    try:
-        stop = context.RawValue("b", 0)
-        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker, initargs=(stop,))
-    except OSError as error:  # Shared memory and semaphores are files, too: a full disk is met here first.
-        raise OutputError(
-            Problem(
-                message=f"worker processes cannot be started: {error.strerror}", suggestion="`--workers 1` needs none"
+    def __init__(self, function: Callable[[Any], Any], workers: int) -> None:
+        from concurrent.futures import ThreadPoolExecutor
+
+        self._function = pickle.dumps(function)
+        self._threads = ThreadPoolExecutor(workers)
+        self._workers: list[_Worker] = []
+        self._idle: list[_Worker] = []
+        self._changing = threading.Lock()
+        self._is_ending = False
+
+    def submit(self, task: Any) -> Future[Any]:  # noqa: ANN401 - a task is the caller's
+        """The result to come of a task."""
+        return self._threads.submit(self._do, task)
+
+    def _do(self, task: Any) -> Any:  # noqa: ANN401 - a task and its result are the caller's
+        """The result of one task, from one worker, or from another one where that dies; in a thread."""
+        data = pickle.dumps(task)
+        for tried in range(TRIES):
+            worker = self._take(fresh=tried > 0)
+            answer = worker.ask(data)
+            if answer:
+                self._idle.append(worker)
+                return _result(answer)
+            reason = worker.reason()
+            self._workers.remove(worker)
+        if not worker.is_ready:
+            raise ExecutorError(
+                Problem(message=f"worker processes cannot begin: {reason}", suggestion="`--workers 1` needs none")
             )
-        ) from error
-    under_way: deque[Future[list[Any]]] = deque()
-    try:
-        under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, AHEAD * workers))
-        while under_way:
-            results = under_way.popleft().result()
-            under_way.extend(_submit(pool, function, chunk) for chunk in islice(chunks, 1))
-            yield from results
-    except BrokenProcessPool as error:
-        raise ManipulatorError(
-            Problem(
-                message="a worker process was ended from outside: killed, or out of memory",
-                suggestion="fewer workers need less memory: `--workers 1`",
+        return Lost(reason=reason)
+
+    def _take(self, *, fresh: bool) -> _Worker:
+        """A worker that has nothing to do, or a new one; there are never more than threads."""
+        from concurrent.futures import CancelledError
+
+        with self._changing:
+            if self._is_ending:
+                raise CancelledError
+            while self._idle and not fresh:
+                worker = self._idle.pop()
+                if worker.is_alive():
+                    return worker
+                self._workers.remove(worker)
+            worker = _Worker(self._function)
+            self._workers.append(worker)
+            return worker
+
+    def end(self) -> None:
+        """Ends all workers, at work or not, and waits until they are gone."""
+        with self._changing:
+            self._is_ending = True
+            workers = list(self._workers)  # Threads still take off the list what dies.
+        try:
+            for worker in workers:
+                worker.terminate()
+            patience = time.monotonic() + _CLEARING_UP
+            for worker in workers:
+                worker.wait(patience - time.monotonic())
+        finally:  # Also where a person presses Ctrl-C again.
+            for worker in workers:
+                worker.kill()
+            self._threads.shutdown(cancel_futures=True)
+            for worker in workers:
+                worker.close()
+
+
+def _result(answer: tuple[Any, ...]) -> Any:  # noqa: ANN401 - the result of the caller's function
+    match answer:
+        case ("value", value):
+            return pickle.loads(value)  # noqa: S301 - our own worker sent it
+        case ("raised", error, traceback):
+            raise pickle.loads(error) from ChildFailure("", traceback)  # noqa: S301 - our own worker sent it
+        case _:
+            raise ExecutorError(
+                Problem(
+                    message=f"a worker process cannot take the work over: {answer[1]}",
+                    suggestion="stages stand in modules that can be imported, not in a script; `--workers 1` takes any",
+                )
             )
-        ) from error
-    finally:
-        stop.value = 1
-        pool.shutdown(cancel_futures=True)
 
 
-_stop: Any = None
-"""In a worker: whether the run has ended, and nobody waits for the rest of a chunk."""
+class _Worker:
+    """A worker process, in a session of its own, with all that it starts: Ctrl-C in a terminal reaches none of them."""
 
-# Ctrl-C reaches all processes of a terminal, and SIGTERM may: it ends a worker's work, and what the work was writing is
-# taken away. A worker that has none, or that is just being started, stays silent: the run tells it, once.
+    def __init__(self, function: bytes) -> None:
+        try:
+            self._printed = tempfile.TemporaryFile("a+b", buffering=0)  # noqa: SIM115 - closed where it is read
+            self._process = subprocess.Popen(  # noqa: S603 - our own script
+                [sys.executable, "-X", "faulthandler", "-P", str(_SCRIPT)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._printed,
+                start_new_session=True,
+            )
+        except OSError as error:
+            raise ExecutorError(
+                Problem(
+                    message=f"worker processes cannot be started: {error.strerror}",
+                    suggestion="`--workers 1` needs none",
+                )
+            ) from error
+        self._messages = cast("IO[bytes]", self._process.stdin)
+        self._answers = cast("IO[bytes]", self._process.stdout)
+        self._first: Any = (sys.path, function)
+        self.is_ready = False
+        self._watch = threading.Thread(target=self._clear_after, daemon=True)
+        self._watch.start()
 
+    def _clear_after(self) -> None:
+        """Ends what the worker started, as soon as it has ended: that may hold the pipe of its answers open."""
+        self._process.wait()
+        if hasattr(os, "killpg"):
+            with contextlib.suppress(ProcessLookupError, PermissionError):  # nothing is left, or (macOS) a zombie
+                os.killpg(self._process.pid, signal.SIGKILL)
 
-class _Terminated(BaseException):
-    """SIGTERM came while a worker was at work."""
+    def ask(self, task: bytes) -> tuple[Any, ...]:
+        """The worker's answer to a task; empty where it died before."""
+        try:
+            os.ftruncate(self._printed.fileno(), 0)
+            if not self.is_ready:
+                answer = self._exchange(self._first)
+                if answer != ("ready",):
+                    return answer
+                self.is_ready = True
+            return self._exchange(task)
+        except (EOFError, OSError, pickle.UnpicklingError):
+            return ()
 
+    def _exchange(self, message: Any) -> tuple[Any, ...]:  # noqa: ANN401 - what is sent
+        pickle.dump(message, self._messages)
+        self._messages.flush()
+        return cast("tuple[Any, ...]", pickle.load(self._answers))  # noqa: S301 - our own worker sent it
 
-def _on_terminate(_number: int, _frame: object) -> None:
-    raise _Terminated
+    def is_alive(self) -> bool:
+        """Whether it can be given a task."""
+        return self._process.poll() is None
 
+    def reason(self) -> str:
+        """How a worker that died came to its end, and what it printed before."""
+        self._watch.join(_CLEARING_UP)
+        self.kill()  # It is gone, unless what it sent was no answer.
+        self._watch.join()
+        status = self._process.returncode
+        name = {number.value: number.name for number in signal.Signals}.get(-status, f"signal {-status}")
+        if name in {"SIGKILL", "SIGTERM"}:
+            end = f"the worker was killed ({name}), from outside or for want of memory"
+        elif status < 0:
+            end = f"the worker crashed ({name}, {(signal.strsignal(-status) or 'unknown').lower()})"
+        else:
+            end = f"the worker left with exit status {status}"
+        words = self._last_words()
+        self.close()
+        return f"{end}; it printed last: {shown(words, _LAST_WORDS)}" if words else end
 
-def _submit(pool: ProcessPoolExecutor, function: Callable[[Any], Any], chunk: list[Any]) -> Future[list[Any]]:
-    if not hasattr(signal, "pthread_sigmask"):
-        return pool.submit(_map_chunk, function, chunk)
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # A process that starts here inherits it.
-    try:
-        return pool.submit(_map_chunk, function, chunk)
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    def _last_words(self) -> str:
+        """The end of what it printed; of what faulthandler says, where the thread was that failed, or the main one."""
+        self._printed.seek(max(0, self._printed.seek(0, os.SEEK_END) - _KEPT))
+        printed = self._printed.read().decode("utf-8", "replace").rstrip() + "\n"
+        *_, fault = None, *_FAULT.finditer(printed)
+        if fault:
+            stacks = list(_STACK.finditer(printed, fault.end()))
+            failed = [stack[2] for stack in stacks if stack[1]] or [stack[2] for stack in stacks[-1:]]
+            printed = " ".join([fault[0], *failed])[: 2 * _LAST_WORDS]
+        else:
+            printed = printed[-_LAST_WORDS:]
+        return " ".join(printed.split())
 
+    def terminate(self) -> None:
+        """Asks it to end: what it was writing is taken away."""
+        self._process.terminate()
 
-def _start_worker(stop: Any) -> None:  # noqa: ANN401 - a number in shared memory has no public type
-    global _stop  # noqa: PLW0603 - a worker has one pool
-    _stop = stop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    def wait(self, seconds: float) -> None:
+        """Waits until it has ended, for so long at most."""
+        self._watch.join(max(0.0, seconds))
 
+    def kill(self) -> None:
+        """Ends it, whatever it does."""
+        self._process.kill()
 
-def _map_chunk(function: Callable[[Any], Any], chunk: list[Any]) -> list[Any]:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.signal(signal.SIGTERM, _on_terminate)
-    try:
-        return [function(task) for task in chunk if not _stop.value]
-    except _Terminated:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        os.kill(os.getpid(), signal.SIGTERM)  # Everything is cleaned up: now it ends as SIGTERM ends a process.
-        raise
-    finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-
-def _chunks(first: list[Any], rest: Iterator[Any]) -> Iterator[list[Any]]:
-    """The tasks one by one at first, so that a short run keeps every process busy, then in full chunks."""
-    yield from ([task] for task in first)
-    size = 1
-    while chunk := list(islice(rest, size)):
-        yield chunk
-        size = min(size + 1, CHUNK)
+    def close(self) -> None:
+        """Closes the pipes and the file of a worker that is gone."""
+        for stream in (self._messages, self._answers, self._printed):
+            with contextlib.suppress(OSError):
+                stream.close()
 
 
 EXECUTOR = Executor(

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from dh2urdf.quantities import Dimension, Unit
-from dh2urdf.source import Mark  # noqa: TC001 - the field of a NamedTuple is looked up when it is made
+from dh2urdf.source import Mark
 
 SPACES = " \t\u00a0\u2007\u2009\u202f"
 """White space around a cell."""
+
+
+Value: TypeAlias = str | float
+"""What a cell holds as it comes from its file: a text, or a number that was one already."""
+
+
+def text_of(value: Value) -> str:
+    """What a cell holds as a text, which reads back to the same double if it was a number."""
+    return value if isinstance(value, str) else repr(value).removesuffix(".0")
 
 
 class Cell(NamedTuple):
@@ -18,6 +27,15 @@ class Cell(NamedTuple):
 
     text: str
     mark: Mark
+
+
+class RowMark(Mark):
+    """A place in a file that has rows and no lines: its line is the number of a row, counted from 1."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return self.file if self.line is None else f"{self.file}, row {self.line}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

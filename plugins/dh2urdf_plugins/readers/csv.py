@@ -1,40 +1,25 @@
-"""Reads Denavit-Hartenberg tables as CSV, one manipulator or a million in a file.
-
-The file is never held as a whole: its lines come in blocks, its rows in batches, and the rows of one manipulator
-are read together, by `plain_rows` where nothing about them is remarkable, and with all care where something is.
-"""
+"""Reads Denavit-Hartenberg tables as CSV, one manipulator or a million in a file."""
 
 from __future__ import annotations
 
-from collections import Counter
-from dataclasses import replace
-from itertools import chain, groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.quantities import Dimension
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Reader, Rejected
-from dh2urdf_plugins.readers.cells import SPACES, Cell, Units
-from dh2urdf_plugins.readers.csv_cells import CsvCells, check_index
 from dh2urdf_plugins.readers.csv_comments import prose_notices
-from dh2urdf_plugins.readers.csv_header import Top, headers_unit, read_top, undeclared_units, unit_problems
+from dh2urdf_plugins.readers.csv_header import DELIMITERS, read_top
 from dh2urdf_plugins.readers.csv_lines import CsvLines
-from dh2urdf_plugins.readers.fields import convention_of
-from dh2urdf_plugins.readers.names import MAX_NAME
-from dh2urdf_plugins.readers.plain_rows import PlainRows
-from dh2urdf_plugins.readers.records import make_manipulators
-from dh2urdf_plugins.readers.rows import RowReader
-from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, stopped, too_many_joints
+from dh2urdf_plugins.readers.row_table import RowTable
+from dh2urdf_plugins.readers.statements import TableOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.manipulator import DHRow
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf_plugins.readers.headers import Columns
+    from dh2urdf_plugins.readers.row_table import Row
 
 
 def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
@@ -52,7 +37,10 @@ def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
     """
     lines = CsvLines(path)
     top = read_top(lines, str(path))
-    yield from _Table(path, options, lines, top).manipulators()
+    table = RowTable(path, options, top.columns, top.statements, _CsvRows(lines, top.columns))
+    if convention := table.statements.convention:
+        table.notices += prose_notices(top.comments, convention[0])
+    yield from table.manipulators()
 
 
 READER: Reader[TableOptions] = Reader(
@@ -64,284 +52,50 @@ READER: Reader[TableOptions] = Reader(
 )
 
 
-class _Rows:
-    """The rows of one manipulator as they stand in the file.
+class _CsvRows:
+    """The rows below the header.
 
     Attributes:
-        name: the manipulator's name.
-        lines: the line of each row.
-        cells: the cells of each row; of more than are read, some are left out.
-        count: how many rows there are.
-        torn: whether other rows of the same manipulator stand elsewhere.
-        nameless: whether the robot column is empty in some of them.
+        notices: of comment lines that look like rows.
     """
 
-    __slots__ = ("cells", "count", "lines", "name", "nameless", "torn")
-
-    def __init__(self, name: str, lines: Iterable[int] = (), cells: list[list[str]] | None = None) -> None:
-        self.name = name
-        self.lines = list(lines)
-        self.cells = cells or []
-        self.count = len(self.cells)
-        self.torn = False
-        self.nameless = False
-
-    def extend(self, lines: Sequence[int], cells: list[list[str]]) -> None:
-        """Adds rows, as many as are needed to see that there are too many."""
-        room = max(0, MAX_JOINTS - len(self.cells))
-        self.lines.extend(lines[:room])
-        self.cells.extend(cells[:room])
-        self.count += len(cells)
-
-
-class _Table:
-    """One file that is being read."""
-
-    def __init__(self, path: Path, options: TableOptions, lines: CsvLines, top: Top) -> None:
-        self.path = path
-        self.file = str(path)
+    def __init__(self, lines: CsvLines, columns: Columns) -> None:
         self.lines = lines
-        self.columns = columns = top.columns
-        self.statements = Statements()
-        self.notices: list[Problem] = [*columns.notices]
-        self.name = self._state(top, options)
-        units = self.statements.units()
-        self.notices += undeclared_units(columns, units, self.file)
-        self.units = Units(
-            length=units.length or headers_unit(columns, Dimension.LENGTH),
-            angle=units.angle or headers_unit(columns, Dimension.ANGLE),
-            columns=columns.units,
-            decimal_comma=columns.delimiter != ",",
+        self.headers = columns.headers
+        self.delimiter = columns.delimiter or ","
+        self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
+        lines.row_form = self.delimiter, len(columns.headers)
+        self.notices = lines.notices
+
+    def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
+        """The rows that hold anything, and the line at which each starts."""
+        width = len(self.headers)
+        for lines, batch in self.lines.records(self.delimiter):
+            if set(map(len, batch)) == {width} and all(map(itemgetter(0), batch)):
+                yield lines, batch
+            else:
+                pairs = [(line, cells) for line, cells in zip(lines, batch, strict=True) if any(map(str.strip, cells))]
+                yield [line for line, _ in pairs], [cells for _, cells in pairs]
+
+    def mark(self, line: int) -> Mark:
+        """The line of a row."""
+        return Mark(file=self.lines.file, line=line)
+
+    def marks(self, line: int, texts: Sequence[str]) -> list[Mark]:
+        """Where the cells of a row start."""
+        starts = self.lines.starts(line, texts, self.delimiter)
+        return [Mark(file=self.lines.file, line=line, column=start) for start in starts]
+
+    def row_problem(self, line: int, texts: Sequence[str], number: int) -> Problem | None:
+        """What is wrong with a row that has more or fewer cells than the header has columns."""
+        headers = self.headers
+        if len(texts) >= self.needed and not any(map(str.strip, texts[len(headers) :])):
+            return None
+        comma = self.delimiter == "," and len(texts) > len(headers)
+        return Problem(
+            message=f"row {number} has {len(texts)} cells, and the header has {len(headers)} columns",
+            mark=self.mark(line),
+            joint=f"joint_{number}",
+            accepted=f"one cell for each column, with a {DELIMITERS[self.delimiter]} between them",
+            suggestion="is there a decimal comma in it, or a comma in a text without quotes?" if comma else None,
         )
-        self.robot_column = self._column("robot")
-        self.convention_column = self._column("convention")
-        self.plain_table = self.statements.convention is not None or self.convention_column is not None
-        self.has_type = "type" in columns.fields
-        self.cells = CsvCells(columns, lines)
-        lines.row_form = columns.delimiter, len(columns.headers)
-        self.commented = 0
-        self.plain = PlainRows(columns, self.units, self.file)
-        self.seen: set[str] = set()
-
-    def _column(self, name: str) -> int | None:
-        return self.columns.fields.index(name) if name in self.columns.fields else None
-
-    def _state(self, top: Top, options: TableOptions) -> Cell:
-        """Takes what comment lines, headers and options say of the whole table; gives the manipulator's name."""
-        columns, said, problems = self.columns, top.statements, list[Problem]()
-        if units := said.get("units"):
-            self.statements.say_units(units, problems.append)
-        if convention := said.get("convention"):
-            self.statements.say_convention(Cell(convention.text or "", convention.mark), problems.append)
-        if columns.modified is not None:
-            header = Cell(columns.headers[columns.modified], Mark(file=self.file, line=columns.line))
-            if self.statements.convention is None and options.convention is None:
-                message = f"the header {shown(header.text)} means the modified (Craig) convention"
-                self.notices.append(
-                    Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
-                )
-            self.statements.say_which(Convention.MODIFIED, header, problems.append)
-        self.statements.say_options(options, problems.append)
-        problems += unit_problems(columns, (self.statements.length, self.statements.angle), self.file)
-        for what in ("base", "tool"):
-            if node := said.get(what):
-                self.statements.say_transform(node, what, problems.append)
-        self.statements.say_option_transforms(options, problems.append)
-        if defaults := said.get("defaults"):
-            self.statements.say_defaults(defaults, problems.append)
-        errors = [problem for problem in problems if problem.severity == "error"]
-        if errors:
-            raise TableError(errors)
-        self.notices += problems
-        if self.statements.convention is not None:
-            self.notices += prose_notices(top.comments, self.statements.convention[0])
-        name = said.get("name")
-        return Cell(name.text or "", name.mark) if name else Cell(self.path.stem, Mark(file=self.file))
-
-    # --- Rows ---------------------------------------------------------------------------------------------------------
-
-    def manipulators(self) -> Iterator[Manipulator | Rejected]:
-        """Reads all rows."""
-        any_rows = False
-        for groups in self._groups():
-            any_rows = any_rows or bool(groups)
-            self.notices += self.lines.notices[self.commented :]
-            self.commented = len(self.lines.notices)
-            while groups and (self.notices or not self.plain_table):
-                yield self._careful(groups.pop(0))
-            yield from self._plain(groups) or map(self._any, groups)
-        if not any_rows:
-            yield self._careful(_Rows(self.name.text))
-
-    def _groups(self) -> Iterator[list[_Rows]]:
-        """The rows of manipulators that are complete, batch by batch."""
-        rows = _Rows(self.name.text)
-        for lines, batch in self.lines.records(self.columns.delimiter):
-            finished = []
-            for name, some_lines, some_rows in self._by_robot(*_without_blank(lines, batch, len(self.columns.fields))):
-                if not name and rows.lines:  # a cell that a spreadsheet has merged with the one above, perhaps
-                    rows.nameless = True
-                elif name != rows.name or not rows.lines:
-                    finished.append(rows)
-                    rows = _Rows(name, some_lines, some_rows)
-                    continue
-                rows.extend(some_lines, some_rows)
-            yield self._whole(finished, rows)
-        yield self._whole([rows])
-
-    def _by_robot(
-        self, lines: Sequence[int], batch: list[list[str]]
-    ) -> Iterator[tuple[str, Sequence[int], list[list[str]]]]:
-        """Runs of rows with the same name of the manipulator."""
-        column = self.robot_column
-        if column is None:
-            yield self.name.text, lines, batch
-            return
-        key: Callable[[list[str]], str] = itemgetter(column)
-        if batch and min(map(len, batch)) <= column:
-
-            def key(cells: list[str]) -> str:
-                """A short row is refused later; until then it goes without a name."""
-                return cells[column] if len(cells) > column else ""
-
-        start = 0
-        for name, some in groupby(batch, key):
-            rows = list(some)
-            yield name.strip(SPACES), lines[start : start + len(rows)], rows
-            start += len(rows)
-
-    def _whole(self, groups: list[_Rows], *unfinished: _Rows) -> list[_Rows]:
-        """Marks the manipulators whose rows do not all stand together, as far as a batch shows it in time."""
-        groups = [rows for rows in groups if rows.lines]
-        if self.robot_column is not None:
-            count = Counter(rows.name for rows in (*groups, *unfinished))
-            for rows in groups:
-                rows.torn = count[rows.name] > 1 or rows.name in self.seen
-            self.seen.update(rows.name for rows in groups)
-        return groups
-
-    def _any(self, rows: _Rows) -> Manipulator | Rejected:
-        plain = self._plain([rows])
-        return plain[0] if plain else self._careful(rows)
-
-    def _plain(self, groups: list[_Rows]) -> list[Manipulator] | None:
-        """Manipulators about which there is nothing to say, read fast; None where there may be something."""
-        for rows in groups:
-            name = rows.name
-            if (
-                rows.torn
-                or rows.nameless
-                or rows.count > MAX_JOINTS
-                or not name
-                or len(name) > MAX_NAME
-                or not (name.isascii() and name.isprintable())
-            ):
-                return None
-        cells = list(chain.from_iterable(rows.cells for rows in groups))
-        lines = chain.from_iterable(rows.lines for rows in groups)
-        if not cells or (read := self.plain.read(cells, lines, [len(rows.lines) for rows in groups])) is None:
-            return None
-        if (statements := self._agreed(cells)) is None:
-            return None
-        model = statements.manipulator("", (), None)
-        return make_manipulators(model, zip([rows.name for rows in groups], read, strict=True))
-
-    def _agreed(self, cells: list[list[str]]) -> Statements | None:
-        """What holds for all of some rows, the convention included; None where they say several, or an unknown one."""
-        if self.convention_column is None:
-            return self.statements
-        said = {cells[self.convention_column] for cells in cells}
-        conventions = {None if "\n" in word else convention_of(word.strip(SPACES)) for word in said}
-        stated = self.statements.convention
-        (convention, *others) = conventions
-        if others or convention is None or (stated and stated[0] is not convention):
-            return None
-        return replace(self.statements, convention=(convention, Mark(file=self.file)))
-
-    # --- Rows, with care ----------------------------------------------------------------------------------------------
-
-    def _careful(self, rows: _Rows) -> Manipulator | Rejected:
-        """A manipulator, or everything that is wrong with it."""
-        reader = RowReader(self.units, type_is_given=self.has_type)
-        for notice in self.notices:
-            reader.add(notice)
-        mark = Mark(file=self.file, line=rows.lines[0] if rows.lines else None)
-        name = self.name
-        if self.robot_column is not None and rows.lines:
-            starts = self.lines.starts(rows.lines[0], rows.cells[0], self.columns.delimiter)
-            name = Cell(rows.name, replace(mark, column=starts[min(self.robot_column, len(starts) - 1)]))
-        if rows.count > MAX_JOINTS:
-            too_many = too_many_joints(rows.count, mark).about(robot=rows.name)
-            return Rejected(name=rows.name, problems=(too_many,), mark=mark)
-        if rows.torn:
-            reader.add(_torn(name))
-        statements = replace(self.statements)
-        read = self._read_rows(rows, statements, reader)
-        if problem := self.cells.ambiguous_number():
-            reader.add(problem)
-        self.plain_table &= not self.cells.has_decimal_commas
-        result = manipulator(name, statements, read, reader, mark)
-        if isinstance(result, Manipulator):
-            self.notices = []  # what is to be said of the file is said once, with the first manipulator
-        return result
-
-    def _read_rows(self, rows: _Rows, statements: Statements, reader: RowReader) -> list[DHRow | None]:
-        """The rows as far as they can be read, and what they say of the convention."""
-        read: list[DHRow | None] = []
-        numbered = self._numbered(rows)
-        for number, (line, texts) in enumerate(zip(rows.lines, rows.cells, strict=True), start=1):
-            mark = Mark(file=self.file, line=line)
-            cells = self.cells.read(texts, line, number, reader)
-            if cells is None:
-                read.append(None)
-                continue
-            if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
-                reader.add(_nameless(robot, rows.name, number))
-            if convention := cells.pop("convention", None):
-                statements.say_convention(convention, reader.add)
-            index = cells.pop("index", None)
-            if index and numbered:
-                check_index(index, number, reader)
-            elif index:
-                cells["joint"] = index
-            read.append(reader.read(number, cells, mark))
-            if stopped(reader):
-                break
-        return read
-
-    def _numbered(self, rows: _Rows) -> bool:
-        """Whether the index column holds numbers; where there is no joint column it may hold names instead."""
-        column = self._column("index")
-        if column is None or "joint" in self.columns.fields or not rows.cells or len(rows.cells[0]) <= column:
-            return True
-        return rows.cells[0][column].strip(SPACES).isdecimal()
-
-
-def _nameless(robot: Cell, name: str, number: int) -> Problem:
-    return Problem(
-        message=f"row {number} does not say which manipulator it belongs to; the row above says {shown(name)}",
-        mark=robot.mark,
-        joint=f"joint_{number}",
-        field="robot",
-        found=robot.text,
-        accepted="the name of the manipulator in every row",
-        suggestion="a spreadsheet that has merged cells leaves all but the first of them empty",
-    )
-
-
-def _torn(name: Cell) -> Problem:
-    return Problem(
-        message=f"rows of {shown(name.text)} stand in several places of the file",
-        mark=name.mark,
-        field="robot",
-        found=name.text,
-        accepted="all rows of a manipulator together",
-    )
-
-
-def _without_blank(lines: Sequence[int], batch: list[list[str]], width: int) -> tuple[Sequence[int], list[list[str]]]:
-    """The rows that hold anything."""
-    if set(map(len, batch)) == {width} and all(map(itemgetter(0), batch)):
-        return lines, batch
-    pairs = [(line, cells) for line, cells in zip(lines, batch, strict=True) if any(map(str.strip, cells))]
-    return [line for line, _ in pairs], [cells for _, cells in pairs]

@@ -128,7 +128,7 @@ class CsvLines:
             )
         )
 
-    def starts(self, number: int, cells: list[str], delimiter: str) -> list[int]:
+    def starts(self, number: int, cells: Sequence[str], delimiter: str) -> list[int]:
         """The columns at which the cells of a row start, counted from 1 in characters."""
         while self.quoted and self.quoted[0][0] < number:
             self.quoted.popleft()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -81,7 +82,7 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
             if name in taken:
                 problems.append(_taken(kind, name, taken[name], joint, mark))
                 continue
-            taken[name] = f"a {kind} of {mark.file}:{mark.line} has it already" if mark else "it is taken already"
+            taken[name] = f"a {kind} of {replace(mark, column=None)} has it already" if mark else "it is taken already"
             folded = unicodedata.normalize("NFKC", name).casefold()
             if (twin := alike.setdefault(folded, name)) is not name:
                 problems.append(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from operator import le
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType, Limits
-from dh2urdf_plugins.readers.cells import SPACES
+from dh2urdf_plugins.readers.cells import SPACES, text_of
 from dh2urdf_plugins.readers.plain_numbers import REMEMBERED, PlainNumbers, plain_quantity
 from dh2urdf_plugins.readers.records import make_limits
 from dh2urdf_plugins.readers.rows import NO_LIMITS, REMARKABLE_LIMIT
@@ -16,7 +16,7 @@ from dh2urdf_plugins.readers.tables import LONGEST_ARM
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from dh2urdf_plugins.readers.cells import Units
+    from dh2urdf_plugins.readers.cells import Units, Value
 
 LIMITS = ("lower", "upper", "velocity", "effort")
 _FEW = 20
@@ -35,9 +35,9 @@ class PlainLimits:
         self.bounds = tuple(
             math.inf if units.angle or name in units.columns else REMARKABLE_LIMIT for name in ("lower", "upper")
         )
-        self.known: dict[tuple[str, ...], Limits] = {}
+        self.known: dict[tuple[Any, ...], Limits] = {}
 
-    def read(self, words: Sequence[str], columns: Sequence[Sequence[str]]) -> list[Limits] | None:
+    def read(self, words: Sequence[str], columns: Sequence[Sequence[Any]]) -> list[Limits] | None:
         """The limits of the joints, or None where there is anything to say about one of them.
 
         Args:
@@ -63,7 +63,7 @@ class PlainLimits:
             known[key] = limits
         return list(map(known.__getitem__, keys))
 
-    def _decimals(self, columns: Sequence[Sequence[str]]) -> dict[str, list[float]] | None:
+    def _decimals(self, columns: Sequence[Sequence[Any]]) -> dict[str, list[float]] | None:
         """The columns as numbers, where they hold nothing else."""
         read: dict[str, list[float]] = {}
         for name, index in self.columns.items():
@@ -91,12 +91,12 @@ class PlainLimits:
         nothing = [None] * count
         return make_limits(zip(lower or nothing, upper or nothing, velocity or nothing, effort or nothing, strict=True))
 
-    def _one(self, word: str, *texts: str) -> Limits | None:
+    def _one(self, word: str, *cells: Value) -> Limits | None:
         """The limits that some cells say to a joint of some type."""
         kind = self.kinds[word]
         linear = kind is JointType.PRISMATIC
         values: dict[str, float] = {}
-        for name, text in zip(self.columns, texts, strict=True):
+        for name, text in zip(self.columns, map(text_of, cells), strict=True):
             if text.strip(SPACES):
                 if (value := plain_quantity(text, self.units, name, linear=linear)) is None:
                     return None

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
-from dh2urdf_plugins.readers.cells import SPACES
+from dh2urdf_plugins.readers.cells import SPACES, text_of
 from dh2urdf_plugins.readers.fields import FIELDS
 
 if TYPE_CHECKING:
@@ -35,36 +35,42 @@ class PlainNumbers:
         self.name = name
         self.units = units
         self.has_expressions = False
-        self._converted = _converter(foreign_unit(units, name))
-        self._known: dict[str, float] = {}
+        unit = foreign_unit(units, name)
+        self._converted = _converter(unit)
+        self._shifts = bool(unit and unit.power)
+        self._known: dict[Any, float] = {}
 
-    def read(self, column: Sequence[str]) -> list[float] | None:
-        """The SI numbers of a column of texts, or None where one of them is not plain."""
+    def read(self, column: Sequence[Any]) -> list[float] | None:
+        """The SI numbers of a column of texts, or of numbers; None where one of them is not plain."""
         numbers = self.decimals(column)
         self.has_expressions = numbers is None
         return self._by_text(column) if numbers is None else numbers
 
-    def decimals(self, column: Sequence[str]) -> list[float] | None:
+    def decimals(self, column: Sequence[Any]) -> list[float] | None:
         """The same where all are decimal numbers; infinities and what is no number may be among them."""
+        if self._shifts and isinstance(column[0], float):
+            column = list(map(text_of, column))
         try:
             numbers = self._converted(column)
         except ValueError:
             return None
+        if isinstance(column[0], float):
+            return [number + 0.0 for number in numbers]  # 0 for each −0
         text = "".join(column)  # `float` reads 1_0 and digits of other scripts too
         if "_" in text or LINE_END in text or not text.isascii():
             return None
-        return [number + 0.0 for number in numbers] if "-" in text and 0.0 in numbers else numbers  # 0 for each −0
+        return [number + 0.0 for number in numbers] if "-" in text and 0.0 in numbers else numbers
 
-    def _by_text(self, column: Sequence[str]) -> list[float] | None:
+    def _by_text(self, column: Sequence[Any]) -> list[float] | None:
         """The same where some are expressions, of which a table has few that differ."""
         known = self._known
         if len(known) > REMEMBERED:
             known.clear()
-        for text in set(column) - known.keys():
-            value = plain_quantity(text, self.units, self.name)
+        for cell in set(column) - known.keys():
+            value = plain_quantity(text_of(cell), self.units, self.name)
             if value is None:
                 return None
-            known[text] = value
+            known[cell] = value
         return list(map(known.__getitem__, column))
 
 
@@ -99,8 +105,11 @@ def foreign_unit(units: Units, name: str) -> Unit | None:
     return unit if unit and (unit.power or unit.degrees) else None
 
 
-def _converter(unit: Unit | None) -> Callable[[Sequence[str]], list[float]]:
-    """What makes SI numbers of a column of decimal numbers; it raises ValueError where a text is something else."""
+def _converter(unit: Unit | None) -> Callable[[Sequence[Any]], list[float]]:
+    """What makes SI numbers of a column of decimal numbers; it raises ValueError where a text is something else.
+
+    Numbers that are none of texts are taken too, unless a power of ten is to be applied, which is done to texts.
+    """
     if unit is None:
         return lambda column: list(map(float, column))
     if unit.degrees:

@@ -1,4 +1,4 @@
-"""The fast way through a CSV table: rows about which there is nothing to say.
+"""The fast way through a table: rows about which there is nothing to say.
 
 Most rows of a large table are plain numbers, known words and expressions such as pi/2 that were seen before. They are
 read column by column, at the speed of Python's own loops. Whatever is not surely plain is left to `RowReader`, which
@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from itertools import accumulate, chain
 from operator import add, methodcaller
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf_plugins.readers.cells import text_of
 from dh2urdf_plugins.readers.fields import joint_type
 from dh2urdf_plugins.readers.names import END_NAMES, MAX_NAME, RESERVED, are_out_of_order
 from dh2urdf_plugins.readers.plain_limits import LIMITS, PlainLimits
@@ -27,8 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from dh2urdf.manipulator import DHRow
-    from dh2urdf_plugins.readers.cells import Units
-    from dh2urdf_plugins.readers.csv_header import Columns
+    from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.cells import Units, Value
+    from dh2urdf_plugins.readers.headers import Columns
 
 _GEOMETRY = ("a", "alpha", "d", "theta", "offset")
 _WORDS = ("robot", "convention", "index", "joint", "link", "type")
@@ -38,11 +40,12 @@ _HASH = methodcaller("startswith", "#")
 class PlainRows:
     """Reads the rows of manipulators that stand behind each other, where they are plain."""
 
-    def __init__(self, columns: Columns, units: Units, file: str) -> None:
-        """Takes the columns and units of the table, once for all of its rows."""
-        self.file = file
+    def __init__(self, columns: Columns, units: Units, place: Mark) -> None:
+        """Takes the columns and units of the table and the place of any row, once for all of its rows."""
+        self.place = place
         self.units = units
         self.width = len(columns.fields)
+        self.holding_numbers = columns.numbers
         self.column = {name: index for index, name in enumerate(columns.fields) if name}
         self.nameless = [index for index, header in enumerate(columns.headers) if not header]
         # Without a column of types, one that no field knows may hold them.
@@ -60,7 +63,7 @@ class PlainRows:
         self.limits = PlainLimits(self.column, units, self.kinds)
 
     def read(
-        self, rows: Sequence[Sequence[str]], lines: Iterable[int], sizes: Sequence[int]
+        self, rows: Sequence[Sequence[Value]], lines: Iterable[int], sizes: Sequence[int]
     ) -> list[tuple[DHRow, ...]] | None:
         """The rows of each manipulator, or None where one of them is not surely plain.
 
@@ -71,7 +74,10 @@ class PlainRows:
         """
         if not self.usable or set(map(len, rows)) != {self.width}:
             return None
-        columns = list(zip(*rows, strict=True))
+        columns: list[Any] = list(zip(*rows, strict=True))  # of texts each, or of numbers
+        for index in self.holding_numbers:
+            if set(map(type, columns[index])) != {float}:  # a cell among them is empty
+                columns[index] = tuple(map(text_of, columns[index]))
         words = columns[self.column["type"]] if "type" in self.column else ("",) * len(rows)
         names = self._names(columns, sizes)
         if not self._are_kinds(words) or names is None or any(map(any, (columns[k] for k in self.nameless))):
@@ -90,7 +96,7 @@ class PlainRows:
         kinds = [self.kinds[word] for word in words]
         if "offset" in values and not self._are_plain_offsets(kinds, offset):
             return None
-        made = make_rows(self.file, zip(*names, kinds, a, alpha, d, theta, offset, limits, lines, strict=True))
+        made = make_rows(self.place, zip(*names, kinds, a, alpha, d, theta, offset, limits, lines, strict=True))
         ends = accumulate(sizes)
         return [tuple(made[end - size : end]) for size, end in zip(sizes, ends, strict=True)]
 

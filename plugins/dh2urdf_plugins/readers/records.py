@@ -41,20 +41,21 @@ class _Manipulator:
     __slots__ = tuple(field.name for field in fields(Manipulator))
 
 
-def make_rows(file: str, rows: Iterable[tuple[Any, ...]]) -> list[DHRow]:
+def make_rows(place: Mark, rows: Iterable[tuple[Any, ...]]) -> list[DHRow]:
     """Rows with nothing beyond their geometry and limits.
 
     Args:
-        file: the file that they stand in.
+        place: the place of any of them; each has another line.
         rows: joint, link, type, a, alpha, d, theta, offset, limits and line of each.
     """
     made: list[Any] = []
+    file, kind_of_mark = place.file, type(place)
     for joint, link, kind, a, alpha, d, theta, offset, limits, line in rows:
         mark: Any = _Mark()
         mark.file = file
         mark.line = line
         mark.column = None
-        mark.__class__ = Mark
+        mark.__class__ = kind_of_mark
         row: Any = _Row()
         row.joint = joint
         row.link = link

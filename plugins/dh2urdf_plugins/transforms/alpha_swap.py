@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.errors import TransformError
 from dh2urdf.stages import Transform
-from dh2urdf_plugins.transforms.checks import paper_problems, table_problems
+from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems
 from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.paper import paper
 from dh2urdf_plugins.transforms.shapes import Shape
 
 if TYPE_CHECKING:
+    from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
 
@@ -86,9 +87,23 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         problems += paper_problems(manipulator, options.snap)
     if any(problem.severity == "error" for problem in problems):
         raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
-    robot = (paper if options.variant == "paper" else exact)(manipulator, options)
-    notices = (*problems, *robot.notices)
-    return replace(robot, notices=tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in notices))
+    if options.variant == "paper":
+        robot = paper(manipulator, options)
+    else:
+        robot = exact(manipulator, options)
+        problems += angle_notices(manipulator)
+    return replace(robot, notices=tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems))
+
+
+def alpha_swap_columns(
+    columns: ManipulatorColumns, options: AlphaSwapOptions
+) -> list[tuple[list[int], RobotColumns]] | None:
+    """The robots of many manipulators, in groups; None for the paper's variant, which nobody makes by the thousand."""
+    if options.variant == "paper":
+        return None
+    from dh2urdf_plugins.transforms.columns import exact_columns
+
+    return exact_columns(columns, options)
 
 
 def keeps_kinematics(options: AlphaSwapOptions) -> bool:
@@ -102,4 +117,5 @@ TRANSFORM = Transform(
     transform=alpha_swap,
     options=AlphaSwapOptions,
     keeps_kinematics=keeps_kinematics,
+    transform_columns=alpha_swap_columns,
 )

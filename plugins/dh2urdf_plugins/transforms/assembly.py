@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING
 
+from dh2urdf.elementwise import greater_of, mapped
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Robot, Visual
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.source import Problem
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""
@@ -100,9 +101,10 @@ def complete_limits(row: DHRow) -> Limits:
 
 def travel(joint_type: JointType, limits: Limits) -> float:
     """How far a joint moves its link along its axis from where it is at joint value 0, at most [m]."""
-    if joint_type is not JointType.PRISMATIC:
+    if joint_type is not JointType.PRISMATIC or limits.lower is None or limits.upper is None:
         return 0.0
-    return max(abs(limits.lower or 0.0), abs(limits.upper or 0.0))
+    farthest: float = greater_of(abs(limits.lower), abs(limits.upper))
+    return farthest
 
 
 def parameters(manipulator: Manipulator, *, angles: bool = False) -> tuple[Parameter, ...]:
@@ -125,7 +127,6 @@ def assemble(
     density: float,
     parameters: tuple[Parameter, ...],
     comment: str,
-    notices: tuple[Problem, ...] = (),
 ) -> Robot:
     """The robot of a manipulator.
 
@@ -138,7 +139,6 @@ def assemble(
         density: of links without a mass [kg/m³].
         parameters: the numbers that formulas use.
         comment: one line for a reader of the file.
-        notices: what a careful person would want to know.
     """
     bodies = [link_body(part, density) for part in parts]
     efforts = static_efforts(parts, bodies)
@@ -176,7 +176,6 @@ def assemble(
         joints=tuple(joints),
         parameters=parameters,
         comment=comment,
-        notices=notices,
     )
 
 
@@ -236,8 +235,7 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
         slide = travel(part.row.type, part.limits)
         moment += weight * part.reach + body.mass * (norm(from_foot) + slide)
         weight += body.mass
-        needed = SAFETY * GRAVITY * load
-        efforts.append(_two_digits_up(needed) if needed > LEAST_EFFORT else LEAST_EFFORT)
+        efforts.append(mapped(_default_effort, SAFETY * GRAVITY * load))
     return efforts[::-1]
 
 
@@ -246,10 +244,15 @@ def _cross(left: Vec3, right: Vec3) -> Vec3:
     return (b * z - c * y, c * x - a * z, a * y - b * x)
 
 
-def _two_digits_up(number: float) -> float:
-    """A number greater than 1 rounded up to two significant digits."""
-    if not math.isfinite(number):
-        return number
-    exponent = math.floor(math.log10(number)) - 1
-    # Through text: 57 times 10**-1 would be 5.7 only by luck.
-    return float(f"{math.ceil(number * 10.0**-exponent - 1e-9)}e{exponent}")
+def _default_effort(needed: float) -> float:
+    """What is needed, rounded up to two significant digits, and the least effort at least [N·m or N]."""
+    if not LEAST_EFFORT < needed < math.inf:
+        return max(LEAST_EFFORT, needed)
+    exponent = math.floor(math.log10(needed)) - 1
+    return _decimal(math.ceil(needed * 10.0**-exponent - 1e-9), exponent)
+
+
+@cache
+def _decimal(digits: int, exponent: int) -> float:
+    """A whole number times a power of ten, through text: 57 times 10**-1 would be 5.7 only by luck."""
+    return float(f"{digits}e{exponent}")

@@ -6,19 +6,25 @@ import math
 from dataclasses import fields
 from typing import TYPE_CHECKING, Literal
 
+from dh2urdf.elementwise import is_column, where
 from dh2urdf.manipulator import Convention, DHRow, JointType
-from dh2urdf.mass_properties import inertia_problem
-from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.mass_properties import inertia_problem, is_sound
+from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from dh2urdf.columns import ManipulatorColumns
+    from dh2urdf.elementwise import Condition, Number
     from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
 
 SUSPICIOUS = 2e-3
 """Distance from a quarter turn [rad] at which an angle was probably meant to be one: 3.14 and 1.57 are nearer."""
+
+LARGEST = 1e9
+"""Size of a number [any unit] up to which a table is beyond doubt: nothing that follows from it overflows."""
 
 PAPER_ANGLES = {"0": 0.0, "pi": math.pi, "pi/2": HALF_PI, "-pi/2": -HALF_PI}
 """The set of the paper's equation (1), by the words that a table may use."""
@@ -121,15 +127,64 @@ def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
     """Angles that are kept as given although a quarter turn was probably meant, unless the reader said so already."""
     known = {(notice.joint, notice.field) for notice in manipulator.notices}
     for row in manipulator.rows:
-        names = ["alpha", "theta"] + ["offset"] * (row.type in (JointType.REVOLUTE, JointType.CONTINUOUS))
-        for name in names:
+        for name in _angles_of(row):
             value: float = getattr(row, name)
-            turns = round(value / HALF_PI)
-            near = turns and abs(value - turns * HALF_PI) < SUSPICIOUS and quarter_turns(value) is None
-            if near and (row.joint, name) not in known:
+            if is_suspicious(value) and (row.joint, name) not in known:
+                turns, _ = nearest_quarter(value)
                 meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
                 message = f"{name} is {value:.12g}, which is kept as given; {meant} was probably meant"
                 yield row_problem(row, message, field=name, found=value, severity="notice")
+
+
+def sure_tables(columns: ManipulatorColumns) -> Condition:
+    """Which of many tables are beyond doubt: `table_problems` and `angle_notices` have nothing to say of them.
+
+    The tests are sufficient ones, and cheap. What all have alike is judged by one of them.
+    """
+    import numpy as np
+
+    sure = np.ones(len(columns), dtype=bool)
+    with np.errstate(all="ignore"):
+        for row in columns.table.rows:
+            sure &= _is_sure(row)
+    if sure.any():
+        one = columns.pick(int(sure.argmax()))
+        sure &= not table_problems(one) and not any(angle_notices(one))
+    return sure
+
+
+def _is_sure(row: DHRow) -> Condition:
+    """Whether nothing can be said of the numbers of a row, as far as they are columns."""
+    limits = (row.limits.lower, row.limits.upper, row.limits.velocity, row.limits.effort)
+    sure: Condition = True
+    for number in (*(getattr(row, name) for name in _NUMBERS), *limits, *(row.com or ())):
+        if number is not None:
+            sure &= abs(number) <= LARGEST
+    for angle in (getattr(row, name) for name in _angles_of(row)):
+        if is_column(angle):
+            sure &= ~is_suspicious(angle)
+    for size in (row.mass, row.radius):
+        if size is not None:
+            sure &= size > 0.0
+    if row.type is JointType.FIXED:
+        sure &= row.offset == 0.0
+    if row.inertia is not None:
+        sure &= is_sound(row.inertia)
+    return sure
+
+
+def _angles_of(row: DHRow) -> tuple[str, ...]:
+    """The names of the numbers of a row that are angles; the offset of a prismatic joint is a length."""
+    return (
+        ("alpha", "theta", "offset") if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) else ("alpha", "theta")
+    )
+
+
+def is_suspicious(angle: Number) -> Condition:
+    """Whether an angle [rad] was probably meant to be a quarter turn, and is none; takes columns."""
+    turns, is_whole = nearest_quarter(angle)
+    near: Condition = (turns != 0) & (abs(angle - turns * HALF_PI) < SUSPICIOUS)
+    return where(is_whole, False, near)
 
 
 def _row_problems(row: DHRow) -> Iterator[Problem]:

@@ -7,14 +7,13 @@ included. `frames` says where everything is; here it becomes joints and bodies.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.elementwise import agreed, greater_of, hypot, smaller_of
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
-from dh2urdf_plugins.transforms.checks import angle_notices
-from dh2urdf_plugins.transforms.formulas import Quantity, origin, plus, times, values
+from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, standard_frames
 from dh2urdf_plugins.transforms.shapes import (
     BASE_COLOUR,
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Limits, Manipulator
     from dh2urdf.robot import Robot, Visual
     from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
-    from dh2urdf_plugins.transforms.formulas import Quantities
+    from dh2urdf_plugins.transforms.formulas import Quantities, Symbol
     from dh2urdf_plugins.transforms.frames import Frames, LinkFrame
 
 
@@ -45,9 +44,15 @@ class Rail(NamedTuple):
     collisions: tuple[Collision, ...] = ()
 
 
-def exact(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
-    """The robot of a manipulator, with the kinematics of its table."""
-    frames = _frames(manipulator, options)
+def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = Quantity.parameter) -> Robot:
+    """The robot of a manipulator, with the kinematics of its table.
+
+    Of a table whose numbers are columns it is the robot whose numbers are columns; `symbol` is `nameless` then.
+
+    Raises:
+        DividedError: the robots of such a table are not all drawn alike.
+    """
+    frames = _frames(manipulator, options, symbol)
     limits = [complete_limits(row) for row in manipulator.rows]
     base_style, styles = _styles(manipulator, options, frames, limits)
     rails = [
@@ -63,19 +68,18 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         flange=origin(*frames.flange),
         tool0=origin(*frames.tool0),
         density=manipulator.density or options.density,
-        parameters=parameters(manipulator, angles=options.frames == "dh"),
+        parameters=() if symbol is nameless else parameters(manipulator, angles=options.frames == "dh"),
         comment=(
             f"{manipulator.name}: made by dh2urdf from a DH table of the {manipulator.convention.value} convention "
             f"(alpha-swap, exact, {options.frames} frames)"
         ),
-        notices=tuple(angle_notices(manipulator)),
     )
 
 
-def _frames(manipulator: Manipulator, options: AlphaSwapOptions) -> Frames:
+def _frames(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol) -> Frames:
     if options.frames == "aligned":
-        return aligned_frames(manipulator)
-    return (modified_frames if manipulator.convention is Convention.MODIFIED else standard_frames)(manipulator)
+        return aligned_frames(manipulator, symbol)
+    return (modified_frames if manipulator.convention is Convention.MODIFIED else standard_frames)(manipulator, symbol)
 
 
 def _styles(
@@ -98,7 +102,11 @@ def _styles(
         material=BASE_COLOUR,
     )
     styles = [
-        Style(shape=shape, radius=row.radius or radius, material=LINK_COLOURS[number % len(LINK_COLOURS)])
+        Style(
+            shape=shape,
+            radius=radius if row.radius is None else row.radius,
+            material=LINK_COLOURS[number % len(LINK_COLOURS)],
+        )
         for number, row in enumerate(manipulator.rows)
     ]
     return base_style, styles
@@ -124,7 +132,7 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
         visuals=seen + rail.visuals,
         collisions=collisions(segments, style) + rail.collisions,
         foot=values(frame.foot),
-        reach=math.hypot(max(abs(delta + low), abs(delta + high)), normal),
+        reach=hypot(greater_of(abs(delta + low), abs(delta + high)), normal),
         arm=abs(normal),
         dh_frame=frame.dh_frame,
     )
@@ -145,9 +153,9 @@ def _rail(row: DHRow, frame: LinkFrame, limits: Limits, style: Style) -> Rail:
     delta, (low, high) = frame.offset.length, _range(row, limits)
     middle = plus(at, times(delta + Quantity(0.5 * (low + high)), along))
     segments = [Segment(middle, Quantity(high - low), rpy)]
-    if delta.value + low > 0.0:
+    if agreed(delta.value + low > 0.0):
         segments.append(Segment.between(at, along, delta + Quantity(low), rpy))
-    elif delta.value + high < 0.0:
+    elif agreed(delta.value + high < 0.0):
         segments.append(Segment.between(at, along, delta + Quantity(high), rpy))
     thin = Style(shape=style.shape, radius=0.5 * style.radius, material=BASE_COLOUR)
     return Rail(visuals(segments, thin), collisions(segments, thin))
@@ -158,7 +166,7 @@ def _range(row: DHRow, limits: Limits) -> tuple[float, float]:
     if row.type is not JointType.PRISMATIC or limits.lower is None or limits.upper is None:
         return 0.0, 0.0
     ends = (row.sign * limits.lower, row.sign * limits.upper)
-    return (min(ends), max(ends))
+    return (smaller_of(*ends), greater_of(*ends))
 
 
 def _base(frames: Frames, style: Style, rail: Rail, *, touches: bool) -> Base:

@@ -6,16 +6,20 @@ names, and abs, max, sin, cos, atan2: Python and xacro read them alike.
 
 At a quarter turn cos and sin of the parameter would be 6e-17 instead of 0. There the formula is written with the phase
 taken out, cos θ = -sin(θ - π/2), which is the same function of θ and exactly 0 at the number of the table.
+
+The value may be a column, of a quantity that no parameter changes: the numbers of many robots have no formulas.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from decimal import Decimal
 from typing import TYPE_CHECKING, TypeAlias
 
+from dh2urdf.elementwise import Number, atan2, greater_of, is_column, mapped, where
 from dh2urdf.robot import Origin
-from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.rotations import HALF_PI, exact_cos_sin, nearest_quarter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -96,6 +100,15 @@ class Quantity:
 Quantities: TypeAlias = tuple[Quantity, Quantity, Quantity]
 """A vector, or roll, pitch and yaw."""
 
+Symbol: TypeAlias = Callable[[str, float], Quantity]
+"""Makes a quantity of a number of the table, given its name and its value."""
+
+
+def nameless(_name: str, value: float) -> Quantity:
+    """A number of the table, or a column of such numbers, that no formula mentions."""
+    return Quantity(value)
+
+
 NOTHING = Quantity(0.0)
 HALF = Quantity(0.5)
 NO_VECTOR: Quantities = (NOTHING, NOTHING, NOTHING)
@@ -120,7 +133,7 @@ def length_of(quantity: Quantity, shorter: float = 0.0, *, least: float) -> Quan
     """The absolute value of a length less a number [m], and never less than `least`, whatever a person edits."""
     value = abs(quantity.value) - shorter
     if quantity.constant:
-        return Quantity(max(value, least))
+        return Quantity(greater_of(value, least))
     body, _, _ = quantity._parts()  # noqa: SLF001 - of the class above
     less = f" - {_decimal(shorter)}" if shorter else ""
     return Quantity(max(value, least), f"max(abs({body}){less}, {_decimal(least)})")
@@ -134,8 +147,11 @@ def greater(left: Quantity, right: Quantity) -> Quantity:
 
 def cos_sin_of(angle: Quantity, parameter: Quantity) -> tuple[Quantity, Quantity]:
     """Cosine and sine of an angle [rad] that is a parameter plus a constant."""
-    turns = quarter_turns(angle.value)
-    if turns is None:
+    if is_column(angle.value):
+        cosine, sine = exact_cos_sin(angle.value)
+        return Quantity(cosine), Quantity(sine)
+    turns, is_whole = nearest_quarter(angle.value)
+    if not is_whole:
         return _cosine(angle), _sine(angle)
     phase = parameter + Quantity(-parameter.value)
     return _turned(_cosine(phase), _sine(phase), turns)
@@ -148,7 +164,8 @@ def rpy_of(r: tuple[Quantity, ...]) -> Quantities:
     arctangent is taken with the phase out, so that its cosine and sine are exactly 0 and ±1.
     """
     r00, r01, r02, r10, r11, r12, r20, _, _ = r
-    turns = quarter_turns(math.atan2(r10.value + 0.0, r00.value + 0.0)) or 0
+    turns, is_whole = nearest_quarter(atan2(r10.value + 0.0, r00.value + 0.0))
+    turns = where(is_whole, turns, 0)
     cosine, sine = _turned(r00, r10, -turns)
     y = _atan2(sine, cosine)
     c, s = _turned(_cosine(y), _sine(y), turns)
@@ -177,24 +194,35 @@ def _formulas(vector: Quantities) -> tuple[str, str, str]:
     return (vector[0].formula, vector[1].formula, vector[2].formula)
 
 
-def _turned(cosine: Quantity, sine: Quantity, turns: int) -> tuple[Quantity, Quantity]:
+def _turned(cosine: Quantity, sine: Quantity, turns: Number) -> tuple[Quantity, Quantity]:
     """Cosine and sine of an angle after some quarter turns."""
-    return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[turns % 4]
+    quarters = ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))
+    if not is_column(turns):
+        return quarters[turns % 4]
+    cosines, sines = zip(*quarters, strict=True)
+    return _chosen(turns, cosines), _chosen(turns, sines)
+
+
+def _chosen(turns: Number, quarters: Sequence[Quantity]) -> Quantity:
+    """Of four quantities the one that belongs to a column of quarter turns, entry by entry."""
+    import numpy as np
+
+    return Quantity(np.choose((turns % 4).astype(int), [quantity.value for quantity in quarters]))
 
 
 def _cosine(angle: Quantity) -> Quantity:
-    value = math.cos(angle.value)
+    value = mapped(math.cos, angle.value)
     return Quantity(value) if angle.constant else Quantity(value, f"cos({angle.formula})")
 
 
 def _sine(angle: Quantity) -> Quantity:
-    value = math.sin(angle.value)
+    value = mapped(math.sin, angle.value)
     return Quantity(value) if angle.constant else Quantity(value, f"sin({angle.formula})")
 
 
 def _atan2(sine: Quantity, cosine: Quantity) -> Quantity:
     """The angle of a sine and a cosine; adding 0 makes 0 of a -0.0, which atan2 tells apart."""
-    value = math.atan2(sine.value + 0.0, cosine.value + 0.0)
+    value = atan2(sine.value + 0.0, cosine.value + 0.0)
     if sine.constant and cosine.constant:
         return Quantity(value)
     return Quantity(value, f"atan2({sine.formula} + 0, {cosine.formula} + 0)")

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics import joint_variables, row_transform
+from dh2urdf.kinematics import dh_transform_of, joint_variables
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import (
     HALF_PI,
@@ -25,7 +25,7 @@ from dh2urdf.rotations import (
     Z_AXIS,
     RigidTransform,
     Vec3,
-    cos_sin,
+    exact_cos_sin,
     multiply,
     rotate,
     rotation_from_rpy,
@@ -49,6 +49,7 @@ from dh2urdf_plugins.transforms.shapes import Segment, direction_rpy
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf_plugins.transforms.formulas import Symbol
 
 FLANGE_RPY: Vec3 = (0.0, -HALF_PI, -HALF_PI)
 """The flange in the last DH frame: x points out of the arm, as in ROS-Industrial."""
@@ -149,11 +150,11 @@ class Angles(NamedTuple):
     turn: tuple[Quantity, Quantity]
 
 
-def aligned_frames(manipulator: Manipulator) -> Frames:
+def aligned_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     """Link frames parallel to base_link at q = 0; the base transform is folded into the first joint."""
     modified = manipulator.convention is Convention.MODIFIED
     base, tool = settled(manipulator.base), settled(manipulator.tool)
-    lengths = _lengths(manipulator)
+    lengths = _lengths(manipulator, symbol)
     normals = _normals(manipulator, lengths)
     R = base.rotation
     here = constants(base.translation)  # where the chain has come to, in the frame of the last link
@@ -161,12 +162,12 @@ def aligned_frames(manipulator: Manipulator) -> Frames:
     front = Segment.between(ahead.at, ahead.along, normals[0], ahead.rpy)
     links = []
     for row, (a, delta), normal in zip(manipulator.rows, lengths, normals[1:], strict=True):
-        twist = rotation_x(*cos_sin(row.alpha))
+        twist = rotation_x(*exact_cos_sin(row.alpha))
         if modified:
             here = plus(here, times(a, constants(rotate(R, X_AXIS))))
             R = multiply(R, twist)
         joint, z = here, rotate(R, Z_AXIS)
-        R = multiply(R, rotation_z(*cos_sin(joint_variables(row)[0])))
+        R = multiply(R, rotation_z(*exact_cos_sin(joint_variables(row)[0])))
         rail = _line(joint, z)
         corner = times(delta, rail.along)
         normal_line = _line(corner, rotate(R, X_AXIS))
@@ -199,13 +200,13 @@ def aligned_frames(manipulator: Manipulator) -> Frames:
     )
 
 
-def standard_frames(manipulator: Manipulator) -> Frames:
+def standard_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     """Link i in DH frame i-1 of the standard convention, turned or moved by its joint."""
     place, axis = Pose(NO_VECTOR, NO_VECTOR), _Z  # of the next joint, and its axis there
     links = []
-    angles = [_angles(number, row) for number, row in enumerate(manipulator.rows, start=1)]
+    angles = [_angles(number, row, symbol) for number, row in enumerate(manipulator.rows, start=1)]
     for row, (a, delta), (alpha, theta, (ca, sa), (ct, st)) in zip(
-        manipulator.rows, _lengths(manipulator), angles, strict=True
+        manipulator.rows, _lengths(manipulator, symbol), angles, strict=True
     ):
         corner, along_x = (NOTHING, NOTHING, delta), (ct, st, NOTHING)
         end = (a * ct, a * st, delta)
@@ -219,7 +220,13 @@ def standard_frames(manipulator: Manipulator) -> Frames:
                 end=end,
                 offset=Segment.between(NO_VECTOR, _Z, delta, NO_VECTOR),
                 normal=Segment.between(corner, along_x, a, (NOTHING, Quantity(HALF_PI), theta)),
-                dh_frame=row_transform(Convention.STANDARD, row),
+                dh_frame=dh_transform_of(
+                    Convention.STANDARD,
+                    a=a.value,
+                    d=delta.value,
+                    twist=(ca.value, sa.value),
+                    turn=(ct.value, st.value),
+                ),
             )
         )
         # Rz(ϑ) Tz(δ) Tx(a) Rx(α): in fixed-axis angles that is roll α and yaw ϑ.
@@ -237,14 +244,14 @@ def standard_frames(manipulator: Manipulator) -> Frames:
     )
 
 
-def modified_frames(manipulator: Manipulator) -> Frames:
+def modified_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     """Link i in DH frame i of the modified convention."""
     tool = settled(manipulator.tool)
-    lengths = _lengths(manipulator)
+    lengths = _lengths(manipulator, symbol)
     normals = _normals(manipulator, lengths)
     links = []
     for number, (row, (a, delta), normal) in enumerate(zip(manipulator.rows, lengths, normals[1:], strict=True), 1):
-        alpha, _, (ca, sa), (ct, st) = _angles(number, row)
+        alpha, _, (ca, sa), (ct, st) = _angles(number, row, symbol)
         # Rx(α) Tx(a) Rz(ϑ) Tz(δ)
         pivot, along = (a, NOTHING, NOTHING), (NOTHING, -sa, ca)
         turn = (ct, -st, NOTHING, ca * st, ca * ct, -sa, sa * st, sa * ct, ca)
@@ -309,11 +316,11 @@ def _standard_tool(place: Pose, angles: Angles, tool: RigidTransform) -> Pose:
     return Pose(xyz, rpy)
 
 
-def _lengths(manipulator: Manipulator) -> list[Lengths]:
+def _lengths(manipulator: Manipulator, symbol: Symbol) -> list[Lengths]:
     """The lengths of every row, as quantities named after its number from 1."""
     lengths = []
     for number, row in enumerate(manipulator.rows, start=1):
-        a, d = Quantity.parameter(f"a_{number}", row.a), Quantity.parameter(f"d_{number}", row.d)
+        a, d = symbol(f"a_{number}", row.a), symbol(f"d_{number}", row.d)
         lengths.append(Lengths(a, d + Quantity(row.offset) if row.type is JointType.PRISMATIC else d))
     return lengths
 
@@ -324,9 +331,9 @@ def _normals(manipulator: Manipulator, lengths: list[Lengths]) -> list[Quantity]
     return [*a, NOTHING] if manipulator.convention is Convention.MODIFIED else [NOTHING, *a]
 
 
-def _angles(number: int, row: DHRow) -> Angles:
+def _angles(number: int, row: DHRow, symbol: Symbol) -> Angles:
     """α and ϑ of a row, as quantities named after its number from 1."""
-    alpha, theta = Quantity.parameter(f"alpha_{number}", row.alpha), Quantity.parameter(f"theta_{number}", row.theta)
+    alpha, theta = symbol(f"alpha_{number}", row.alpha), symbol(f"theta_{number}", row.theta)
     turned = theta + Quantity(row.offset) if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) else theta
     return Angles(alpha, turned, cos_sin_of(alpha, alpha), cos_sin_of(turned, theta))
 

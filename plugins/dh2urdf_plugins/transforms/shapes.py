@@ -8,14 +8,16 @@ itself is a carriage on it. A link with no segment gets a joint housing.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
+from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual
 from dh2urdf_plugins.transforms.formulas import HALF, NO_VECTOR, Quantities, Quantity, length_of, origin, plus, times
 
 if TYPE_CHECKING:
+    from dh2urdf.elementwise import Condition
     from dh2urdf.robot import Geometry
     from dh2urdf.rotations import Vec3
 
@@ -81,14 +83,19 @@ class Style:
         return SHORTEST * self.radius
 
     def draws(self, segment: Segment) -> bool:
-        """Whether a segment is long enough to be drawn."""
-        return abs(segment.length.value) > self.shortest
+        """Whether a segment is long enough to be drawn.
+
+        Raises:
+            DividedError: those of some of many robots are.
+        """
+        return agreed(abs(segment.length.value) > self.shortest)
 
 
 def default_radius(segments: list[float]) -> float:
     """The radius of an arm's links [m], given the lengths of its segments [m]."""
-    longest = max(segments, default=0.0)
-    return min(DEFAULT_RADIUS, longest / 10.0) if longest > SMALLEST else DEFAULT_RADIUS
+    longest = reduce(greater_of, segments, 0.0)
+    radius: float = where(longest > SMALLEST, smaller_of(DEFAULT_RADIUS, longest / 10.0), DEFAULT_RADIUS)
+    return radius
 
 
 def direction_rpy(direction: Vec3) -> Vec3:
@@ -97,9 +104,10 @@ def direction_rpy(direction: Vec3) -> Vec3:
     Rz(0)·Ry(pitch)·Rx(roll) turns z into (sin pitch cos roll, -sin roll, cos pitch cos roll).
     """
     x, y, z = direction
-    if z < 0.0 or (z == 0.0 and (x < 0.0 or (x == 0.0 and y > 0.0))):
-        x, y, z = -x, -y, -z
-    return (math.atan2(-y + 0.0, math.hypot(x, z)), math.atan2(x + 0.0, z + 0.0), 0.0)
+    is_reversed = (z < 0.0) | ((z == 0.0) & ((x < 0.0) | ((x == 0.0) & (y > 0.0))))
+    way = where(is_reversed, -1.0, 1.0)
+    x, y, z = way * x, way * y, way * z
+    return (atan2(-y + 0.0, hypot(x, z)), atan2(x + 0.0, z + 0.0), 0.0)
 
 
 def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
@@ -125,7 +133,8 @@ def caps(points: list[Quantities], style: Style) -> tuple[Visual, ...]:
 def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
     """The bodies of segments, one radius shorter at each end so that neighbours do not touch.
 
-    They are left out where nothing remains, and have no caps.
+    They are left out where nothing remains, and have no caps. Of many robots, what remains for some is there for all;
+    `remains` tells for which.
     """
     both_ends = 2.0 * style.radius
     return tuple(
@@ -134,8 +143,18 @@ def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
             origin=origin(segment.centre, segment.rpy),
         )
         for segment in segments
-        if abs(segment.length.value) - both_ends > style.shortest
+        if for_some(abs(segment.length.value) - both_ends > style.shortest)
     )
+
+
+def remains(body: Geometry) -> Condition:
+    """Whether a body is longer than the shortest of its radius: the others are nothing to touch."""
+    match body:
+        case Box(size=(width, _, length)):
+            return length > SHORTEST * (0.5 * width)
+        case Cylinder(radius=radius, length=length):
+            return length > SHORTEST * radius
+    return True
 
 
 def housing(at: Quantities, rpy: Quantities, style: Style) -> Visual:

@@ -1,4 +1,4 @@
-"""The cells of CSV rows by field, and what can be wrong with a row before any of them is read."""
+"""The cells of rows by field, and what can be wrong with a row before any of them is read."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate, is_
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.cells import SPACES, Cell
 from dh2urdf_plugins.readers.csv_comments import SPREADSHEET_ERROR
-from dh2urdf_plugins.readers.csv_header import DELIMITERS
 from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED, joint_type
 
 if TYPE_CHECKING:
-    from dh2urdf_plugins.readers.csv_header import Columns
-    from dh2urdf_plugins.readers.csv_lines import CsvLines
+    from collections.abc import Sequence
+
+    from dh2urdf_plugins.readers.headers import Columns
     from dh2urdf_plugins.readers.rows import RowReader
 
 _GROUPED = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")
@@ -24,14 +24,12 @@ _WITH_POINT = re.compile(r"[+-]?[0-9]*\.[0-9]+")
 _LONGEST_INDEX = 9
 
 
-class CsvCells:
+class TableCells:
     """Tells the cells of rows apart, and notes what is wrong with them as cells."""
 
-    def __init__(self, columns: Columns, lines: CsvLines) -> None:
-        """Takes the columns of the table and its lines, which know where a cell stands."""
+    def __init__(self, columns: Columns) -> None:
+        """Takes the columns of the table."""
         self.columns = columns
-        self.lines = lines
-        self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
         self.has_type = "type" in columns.fields
         self._comma: Cell | None = None
         self._point: Cell | None = None
@@ -42,32 +40,31 @@ class CsvCells:
         """Whether a number with a decimal comma has been seen."""
         return self._comma is not None
 
-    def read(self, texts: list[str], line: int, number: int, reader: RowReader) -> dict[str, Cell] | None:
+    def read(
+        self, texts: Sequence[str], marks: Sequence[Mark], mark: Mark, number: int, reader: RowReader
+    ) -> dict[str, Cell] | None:
         """The cells of a row by field, or None where they cannot be told apart.
 
         Args:
             texts: the cells as they stand in the file.
-            line: the line of the row.
+            marks: the place of each.
+            mark: the place of the row.
             number: the number of the row within its manipulator.
             reader: what takes the problems.
         """
         columns, joint = self.columns, f"joint_{number}"
-        if len(texts) < self.needed or any(map(str.strip, texts[len(columns.headers) :])):
-            reader.add(self._ragged(texts, line, number))
-            return None
         if number == 1 and self._are_units(texts):
-            reader.add(self._row_of_units(texts, line))
+            reader.add(self._row_of_units(texts, mark))
             return None
         if [text.strip(SPACES) for text in texts[: len(columns.headers)]] == columns.headers:
-            reader.add(self._header_again(line, number))
+            reader.add(self._header_again(mark, number))
             return None
-        starts = self.lines.starts(line, texts, columns.delimiter)
         cells = {}
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if name is None and index not in columns.unheld:
-                self._look_for_types(text, index, line, number, reader)
+                self._look_for_types(text, index, mark, number, reader)
                 continue
-            cell = Cell(text.strip(SPACES), Mark(file=self.lines.file, line=line, column=starts[index]))
+            cell = Cell(text.strip(SPACES), marks[index])
             if "\n" in cell.text:
                 reader.add(_several_lines(cell, name, joint))
                 return None
@@ -77,22 +74,11 @@ class CsvCells:
             if name in ("joint", "link") and SPREADSHEET_ERROR.match(cell.text):
                 reader.add(_spreadsheet_error(cell, name, joint))
             cells[name] = cell
-            if columns.delimiter != "," and FIELDS[name].dimension is not None:
+            if columns.decimal_comma and FIELDS[name].dimension is not None:
                 self._look_for_commas(cell, number)
         return cells
 
-    def _ragged(self, texts: list[str], line: int, number: int) -> Problem:
-        delimiter, headers = self.columns.delimiter, self.columns.headers
-        comma = delimiter == "," and len(texts) > len(headers)
-        return Problem(
-            message=f"row {number} has {len(texts)} cells, and the header has {len(headers)} columns",
-            mark=Mark(file=self.lines.file, line=line),
-            joint=f"joint_{number}",
-            accepted=f"one cell for each column, with a {DELIMITERS[delimiter]} between them",
-            suggestion="is there a decimal comma in it, or a comma in a text without quotes?" if comma else None,
-        )
-
-    def _are_units(self, texts: list[str]) -> bool:
+    def _are_units(self, texts: Sequence[str]) -> bool:
         """Whether what stands in the columns of geometry are units, and nothing else."""
         words = [
             text.strip(f"{SPACES}[]()")
@@ -101,27 +87,28 @@ class CsvCells:
         ]
         return all(map(is_unit, words))
 
-    def _row_of_units(self, texts: list[str], line: int) -> Problem:
+    def _row_of_units(self, texts: Sequence[str], mark: Mark) -> Problem:
         index = self.columns.fields.index("a")
         header, unit = self.columns.headers[index], texts[index].strip(f"{SPACES}[]()")
         return Problem(
             message="row 1 holds units, not a joint",
-            mark=Mark(file=self.lines.file, line=line),
+            mark=mark,
             joint="joint_1",
             field="a",
             found=texts[index].strip(SPACES),
             accepted=f"units in the headers, such as `{header} [{unit}]`",
         )
 
-    def _header_again(self, line: int, number: int) -> Problem:
+    def _header_again(self, mark: Mark, number: int) -> Problem:
+        line = self.columns.mark.line
         return Problem(
-            message=f"row {number} is the header of line {self.columns.line} again",
-            mark=Mark(file=self.lines.file, line=line),
+            message=f"row {number} is the header{f' of line {line}' if line else ''} again",
+            mark=mark,
             joint=f"joint_{number}",
             accepted="one header; tables of several manipulators have a column robot",
         )
 
-    def _look_for_types(self, text: str, index: int, line: int, number: int, reader: RowReader) -> None:
+    def _look_for_types(self, text: str, index: int, mark: Mark, number: int, reader: RowReader) -> None:
         """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
         word = text.strip(SPACES)
         if self.has_type or not word.isalpha():
@@ -134,7 +121,7 @@ class CsvCells:
             Problem(
                 message=f"{shown(word)} seems to be a type, and no field is called {shown(header)}: the joint would be "
                 "taken as revolute",
-                mark=Mark(file=self.lines.file, line=line),
+                mark=mark,
                 joint=f"joint_{number}",
                 field="type",
                 found=word,

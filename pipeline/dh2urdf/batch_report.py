@@ -1,0 +1,101 @@
+"""What became of a batch, as its worker tells it: its part of the manifest, and what a person should know at once."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import SCREENFUL
+from dh2urdf.source import Problem
+
+if TYPE_CHECKING:
+    from dh2urdf.outcome import Outcome
+
+TIMED = 1000
+"""Manipulators of a run whose durations are told one by one [1]; those of the others are added up."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchReport:
+    """What became of a batch.
+
+    Attributes:
+        first: number of its first manipulator in the run.
+        rows: its part of the manifest, a line of JSON for each.
+        statuses: how many are ok, kept from an earlier run, failed or skipped.
+        kinds: how many failed, by kind.
+        problems: what was noticed and what failed, a screenful of each.
+        severities: how many notices and errors there are.
+        tracebacks: where stages failed, a screenful.
+        was_read: whether there was a manipulator at all.
+        keeps_kinematics: whether the transform keeps T(q).
+        seconds: how long the steps took, added up [s].
+        timings: how long the steps of each took, of a run's first manipulators [s].
+    """
+
+    first: int
+    rows: bytes
+    statuses: Counter[str]
+    kinds: Counter[str]
+    problems: tuple[Problem, ...] = ()
+    severities: Counter[str] = field(default_factory=Counter)
+    tracebacks: tuple[str, ...] = ()
+    was_read: bool = True
+    seconds: dict[str, float] = field(default_factory=dict)
+    timings: tuple[dict[str, Any], ...] = ()
+
+    @property
+    def count(self) -> int:
+        """How many manipulators it is about."""
+        return sum(self.statuses.values())
+
+
+class Tally:
+    """Adds up what became of the manipulators of a batch."""
+
+    def __init__(self, first: int) -> None:
+        self._first = first
+        self.statuses: Counter[str] = Counter()
+        self._kinds: Counter[str] = Counter()
+        self._severities: Counter[str] = Counter()
+        self._problems: list[Problem] = []
+        self._tracebacks: list[str] = []
+        self._timings: list[dict[str, Any]] = []
+        self._was_read = False
+
+    def note(self, outcome: Outcome) -> None:
+        """Takes an outcome."""
+        self.statuses[outcome.status] += 1
+        if outcome.kind:
+            self._kinds[outcome.kind] += 1
+        findings = [finding for load in outcome.loads.values() for finding in load.findings]
+        for problem in (*outcome.notices, *findings, *outcome.errors):
+            self._severities[problem.severity] += 1
+            if self._severities[problem.severity] <= SCREENFUL:
+                self._problems.append(problem)
+        if outcome.traceback and len(self._tracebacks) < SCREENFUL:
+            self._tracebacks.append(outcome.traceback)
+        if self._first < TIMED and outcome.seconds:
+            self._timings.append({"name": outcome.name, **outcome.seconds})
+        self._was_read = self._was_read or outcome.was_read
+
+    def keep(self) -> None:
+        """Takes a manipulator that is kept from an earlier run."""
+        self.statuses["kept"] += 1
+        self._was_read = True
+
+    def report(self, rows: bytes, seconds: dict[str, float]) -> BatchReport:
+        """The report of the batch."""
+        return BatchReport(
+            first=self._first,
+            rows=rows,
+            statuses=self.statuses,
+            kinds=self._kinds,
+            problems=tuple(self._problems),
+            severities=self._severities,
+            tracebacks=tuple(self._tracebacks),
+            was_read=self._was_read,
+            seconds=dict(seconds),
+            timings=tuple(self._timings),
+        )

@@ -1,0 +1,148 @@
+"""What a run says while it works: a bar on a terminal, a line now and then in a log, and what is noticed and fails.
+
+Of notices and of errors a screenful is said and the rest counted: a run may hold a million manipulators.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import SCREENFUL
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from dh2urdf.batch_report import BatchReport
+    from dh2urdf.run import Note
+
+LINE_EVERY = 10.0
+"""Time between two lines in a log [s]."""
+
+
+@contextmanager
+def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
+    """Says on standard error how a run goes.
+
+    Args:
+        quiet: say only what fails.
+        debug: say where stages failed.
+    """
+    from rich.console import Console
+
+    console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+    if quiet:
+        shown: _Silent = _Silent(console, debug=debug)
+    elif sys.stderr.isatty():
+        shown = _Bar(console, debug=debug)
+    else:
+        shown = _Lines(console, debug=debug)
+    try:
+        yield shown.note
+    finally:
+        shown.close()
+
+
+class _Silent:
+    """Says what fails."""
+
+    severities: tuple[str, ...] = ("error",)
+
+    def __init__(self, console: Console, *, debug: bool) -> None:
+        self.console = console
+        self._debug = debug
+        self._said: Counter[str] = Counter()
+        self.made = 0
+        self.failed = 0
+
+    def note(self, report: BatchReport, total: int | None) -> None:
+        """Takes what became of a batch."""
+        self.made += report.count
+        self.failed += report.statuses["failed"]
+        told: Counter[str] = Counter()
+        for problem in report.problems:
+            told[problem.severity] += 1
+            if (
+                problem.severity in self.severities
+                and self._said[problem.severity] + told[problem.severity] <= SCREENFUL
+            ):
+                self.console.print(str(problem))
+        self._said += report.severities
+        for traceback in report.tracebacks if self._debug else ():
+            self.console.print(traceback)
+        self.show(total)
+
+    def show(self, total: int | None) -> None:
+        """Says how far the run has come."""
+
+    def close(self) -> None:
+        """Says how much was left unsaid."""
+        for severity in self.severities:
+            if (more := self._said[severity] - SCREENFUL) > 0:
+                self.console.print(
+                    f"and {more:,} more {severity}{'s' if more > 1 else ''}: the manifest has all of them"
+                )
+
+
+class _Lines(_Silent):
+    """Says a line now and then."""
+
+    severities = ("notice", "error")
+
+    def __init__(self, console: Console, *, debug: bool) -> None:
+        super().__init__(console, debug=debug)
+        self._started = self._said_last = time.monotonic()
+
+    def show(self, total: int | None) -> None:
+        now = time.monotonic()
+        if now - self._said_last < LINE_EVERY:
+            return
+        self._said_last = now
+        rate = self.made / (now - self._started)
+        of = f" of about {total:,}" if total else ""
+        rest = f", {_duration((total - self.made) / rate)} left" if total and rate else ""
+        self.console.print(f"{self.made:,}{of} manipulators, {self.failed:,} failed, {rate:,.0f}/s{rest}")
+
+
+class _Bar(_Silent):
+    """Shows a bar with the rate, the time that remains and the failures."""
+
+    severities = ("notice", "error")
+
+    def __init__(self, console: Console, *, debug: bool) -> None:
+        super().__init__(console, debug=debug)
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        columns = (
+            TextColumn("manipulators"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeRemainingColumn(elapsed_when_finished=True),
+            TextColumn("{task.fields[failed]}", style="red"),
+        )
+        self._bar: Progress = Progress(*columns, console=console, transient=True)
+        self._task = self._bar.add_task("", total=None, rate="", failed="")
+        self._started = time.monotonic()
+        self._bar.start()
+
+    def show(self, total: int | None) -> None:
+        rate = self.made / max(time.monotonic() - self._started, 1e-9)
+        failed = f"{self.failed:,} failed" if self.failed else ""
+        self._bar.update(self._task, completed=self.made, total=total, rate=f"{rate:,.0f}/s", failed=failed)
+
+    def close(self) -> None:
+        self._bar.stop()
+        super().close()
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

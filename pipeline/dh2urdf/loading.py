@@ -1,0 +1,60 @@
+"""Hands a written file to a simulator, and says what it should find there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.conversion import Call, Written, blaming
+from dh2urdf.isolation import load_in_child
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.proof import joint_vectors
+from dh2urdf.stages import Loader, LoadReport, LoadRequest
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from dh2urdf.robot import Robot
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.truth import Truth
+
+
+def load_written(
+    truth: Truth,
+    robot: Robot,
+    call: Call[Loader[Any]],
+    written: Sequence[Written],
+    *,
+    keeps_kinematics: bool,
+    picture: Path,
+) -> LoadReport:
+    """What a simulator says of the file that was written beside where the picture goes.
+
+    Where the transform does not keep the kinematics, the simulator is held against the robot, not against the tables.
+    """
+    loader = call.stage
+    names = {emitted.stage: emitted.files[0].name for emitted in written}
+    path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
+    poses = joint_vectors(truth, robot, loader.poses(call.options))
+    expected: dict[str, tuple[tuple[float, ...], ...]] = {}
+    for tip in truth.tips:
+        chain = KinematicChain.between(robot, truth.root, tip.link)
+        expected[tip.link] = tuple(
+            _elements(tip.pose(q) if keeps_kinematics else chain.forward_kinematics(tip.values(q))) for q in poses
+        )
+    request = LoadRequest(
+        path=path,
+        robot=robot,
+        poses=poses,
+        expected=expected,
+        mark=truth.mark,
+        picture=picture if loader.picture(call.options) else None,
+    )
+    with blaming("loader", loader.name):
+        return load_in_child(loader, request, call.options)
+
+
+def _elements(frame: RigidTransform) -> tuple[float, ...]:
+    """A rigid transform as the 16 elements of its homogeneous matrix, row by row."""
+    r, t = frame
+    return (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)

@@ -1,0 +1,163 @@
+"""What became of one manipulator, and its row in the manifest."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import orjson
+
+from dh2urdf.conversion import Written
+from dh2urdf.laws import Value
+from dh2urdf.source import Problem
+from dh2urdf.stages import LoadReport
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from dh2urdf.proof import Proof
+
+Row: TypeAlias = dict[str, Any]
+"""An object of the manifest."""
+Status: TypeAlias = Literal["ok", "failed", "skipped"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What became of one manipulator, cell or variant.
+
+    Attributes:
+        name: its name.
+        status: ok, failed, or skipped where the run only looked.
+        source: the file it comes from.
+        kind: of what kind its failure is, such as ``proof``.
+        drawn: what was drawn for it, by field and joint: ``a_2`` [SI].
+        was_read: whether there was a manipulator at all.
+        keeps_kinematics: whether its transform keeps T(q).
+        written: what each emitter made.
+        loads: what each simulator said, by the loader's name.
+        pictures: the pictures that simulators took, by their names.
+        notices: what a careful person would want to know.
+        errors: why it failed.
+        traceback: where a stage failed, for ``--debug``.
+        seconds: how long each step took [s].
+    """
+
+    name: str
+    status: Status
+    source: str
+    kind: str | None = None
+    drawn: dict[str, Value] = field(default_factory=dict)
+    was_read: bool = True
+    keeps_kinematics: bool = True
+    written: tuple[Written, ...] = ()
+    loads: dict[str, LoadReport] = field(default_factory=dict)
+    pictures: dict[str, bytes] = field(default_factory=dict)
+    notices: tuple[Problem, ...] = ()
+    errors: tuple[Problem, ...] = ()
+    traceback: str = ""
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def row(self, key: str, files: Sequence[Mapping[str, Any]]) -> Row:
+        """Its row in the manifest.
+
+        Args:
+            key: what its files depend on, as a hash.
+            files: where its files are.
+        """
+        return make_row(
+            name=self.name,
+            status=self.status,
+            kind=self.kind,
+            source=self.source,
+            key=key,
+            drawn=self.drawn,
+            keeps_kinematics=self.keeps_kinematics,
+            files=files,
+            proofs={written.stage: written.proof for written in self.written},
+            loaders={name: _load(report) for name, report in self.loads.items()},
+            notices=[problem.as_json() for problem in self.notices],
+            errors=[problem.as_json() for problem in self.errors],
+        )
+
+
+def make_row(
+    *,
+    name: str,
+    status: Status,
+    source: str,
+    key: str,
+    files: Sequence[Mapping[str, Any]],
+    proofs: Mapping[str, Proof | None],
+    drawn: Mapping[str, Value],
+    keeps_kinematics: bool,
+    kind: str | None = None,
+    loaders: Mapping[str, Any] | None = None,
+    notices: Sequence[Any] = (),
+    errors: Sequence[Any] = (),
+) -> Row:
+    """A row of the manifest: all that is known of a manipulator, and no duration."""
+    return {
+        "name": name,
+        "status": status,
+        "kind": kind,
+        "source": source,
+        "key": key,
+        "drawn": drawn,
+        "keeps_kinematics": keeps_kinematics,
+        "files": files,
+        "proof": {stage: proof and _proof(proof) for stage, proof in proofs.items()},
+        "loaders": loaders or {},
+        "notices": notices,
+        "errors": errors,
+    }
+
+
+def kind_of(error: Exception) -> str:
+    """Of what kind a failure is: the words of its class, such as ``time limit`` of `TimeLimitError`."""
+    words = re.findall("[A-Z][a-z0-9]*", type(error).__name__.removesuffix("Error"))
+    return " ".join(words).lower()
+
+
+def to_line(data: Any) -> bytes:  # noqa: ANN401 - plain data
+    """Plain data as one line of JSON."""
+    return _to_json(data, orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS)
+
+
+def to_text(data: Any) -> bytes:  # noqa: ANN401 - plain data
+    """Plain data as indented JSON with a newline at its end."""
+    return _to_json(data, orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS)
+
+
+def _to_json(data: Any, options: int) -> bytes:  # noqa: ANN401 - plain data
+    try:
+        return orjson.dumps(data, option=options)
+    except orjson.JSONEncodeError:
+        return orjson.dumps(_in_utf_8(data), option=options)
+
+
+def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data
+    """The same data, lone surrogates spelled out: the name of a file may hold bytes that are no UTF-8."""
+    if isinstance(value, str):
+        return value.encode("utf-8", "backslashreplace").decode("utf-8")
+    if isinstance(value, dict):
+        return {_in_utf_8(key): _in_utf_8(entry) for key, entry in value.items()}
+    return [_in_utf_8(entry) for entry in value] if isinstance(value, (list, tuple)) else value
+
+
+def _proof(proof: Proof) -> Row:
+    row: Row = {
+        "position_error": proof.position_error,
+        "angle_error": proof.angle_error,
+        "q": proof.q,
+        "tolerance": proof.tolerance,
+        "poses": proof.poses,
+    }
+    if len(proof.tips) > 1:  # a cell
+        row |= {"tip": proof.tip, "tips": proof.tips}
+    return row
+
+
+def _load(report: LoadReport) -> Row:
+    return {**asdict(report), "findings": [finding.as_json() for finding in report.findings]}

@@ -1,0 +1,161 @@
+"""URDF of many robots at once: the file of one of them as a template, filled in.
+
+There is no second emitter: the template is the tree that `urdf_tree` makes of the robot, with a slot wherever a number
+is a column. Cut at its slots, it is a row of texts, most of them the same in every file.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import repeat
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.elementwise import is_column
+from dh2urdf.errors import EmitterError
+from dh2urdf.number_text import format_columns, format_number
+from dh2urdf.source import Problem
+from dh2urdf_plugins.emitters.urdf_tree import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from dh2urdf.columns import Mask, RobotColumns
+
+LONGEST_NAME = 1000
+"""Characters of a robot's name [1]; a line with a longer one may be too long for readers."""
+
+_OPEN, _CLOSE = "\ue000", "\ue001"  # for private use: nothing means them, and XML takes them
+_SLOT = re.compile(f"{_OPEN}([a-z0-9]+){_CLOSE}")
+_NAME, _COMMENT = "name", "comment"
+_COLLISION = re.compile(r"\n {4}<collision>.*?</collision>", re.DOTALL)
+_ESCAPED = re.compile('[&<>"]')
+
+
+class ColumnNotation(Notation):
+    """Writes slots for columns.
+
+    Attributes:
+        columns: what belongs into the slots: the first column into slot 0.
+    """
+
+    def __init__(self) -> None:
+        self.columns: list[Any] = []
+
+    def text(self, text: str) -> str:
+        """A text that is the same in every file.
+
+        Raises:
+            EmitterError: it could be taken for a slot, or XML cannot hold one of its characters.
+        """
+        if _OPEN in text:
+            raise EmitterError(Problem(message="a name holds what marks a slot of the template", found=text))
+        return super().text(text)
+
+    def numbers(self, numbers: Iterable[float]) -> str:
+        """Numbers, and slots for columns of them."""
+        return " ".join([self._column(number) if is_column(number) else format_number(number) for number in numbers])
+
+    def _column(self, column: Any) -> str:  # noqa: ANN401 - an array
+        self.columns.append(column)
+        return _slot(str(len(self.columns) - 1))
+
+
+def filled_in(robots: RobotColumns) -> list[bytes | None]:
+    """The URDF of each of many robots; None for one that is not sure, or whose name or comment has to be escaped.
+
+    Raises:
+        EmitterError: the robot cannot be written, or one file is not another with other numbers.
+    """
+    told = zip(robots.sure.tolist(), robots.names, robots.comments, strict=True)
+    written = [
+        index
+        for index, (sure, name, comment) in enumerate(told)
+        if sure and is_plain_name(name) and is_plain_comment(comment)
+    ]
+    contents: list[bytes | None] = [None] * len(robots)
+    if written:
+        for index, content in zip(written, _contents(robots, written), strict=True):
+            contents[index] = content
+    return contents
+
+
+def is_plain_name(name: str) -> bool:
+    """Whether a name stands in an attribute as it is, on a line that no reader cuts."""
+    return len(name) <= LONGEST_NAME and name.isprintable() and not _ESCAPED.search(name)
+
+
+def is_plain_comment(comment: str) -> bool:
+    """Whether a text stands in a comment as it is."""
+    return 0 < len(comment) <= LONGEST_COMMENT and comment.isprintable() and "--" not in comment
+
+
+def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
+    """The files of some of many robots."""
+    notation = ColumnNotation()
+    content = serialise(urdf_tree(robots.robot, _slot(_NAME), notation), _COMMENT)
+    check_lines(content)
+    template = content.decode("utf-8").replace(_COMMENT, _slot(_COMMENT), 1)
+    texts: dict[str, list[str] | str] = {
+        _NAME: [robots.names[index] for index in written],
+        _COMMENT: [robots.comments[index] for index in written],
+    }
+    numbers = format_columns([column[written] for column in notation.columns])
+    texts.update((str(number), column) for number, column in enumerate(numbers))
+    parts: list[Iterable[str]] = []
+    gaps: list[tuple[slice, list[bool]]] = []
+    position = 0
+    for (start, end), present in _optional(robots, template):
+        parts += _parts(template[position:start], texts)
+        first = len(parts)
+        parts += _parts(template[start:end], texts)
+        gaps.append((slice(first, len(parts)), present[written].tolist()))
+        position = end
+    parts += _parts(template[position:], texts)
+    return [_joined(row, gaps, place).encode() for place, row in enumerate(zip(*parts, strict=False))]
+
+
+def _joined(row: tuple[str, ...], gaps: Sequence[tuple[slice, list[bool]]], place: int) -> str:
+    """The text of one file, without the parts that its robot lacks."""
+    absent = [part for part, present in gaps if not present[place]]
+    if not absent:
+        return "".join(row)
+    rest = list(row)
+    for part in reversed(absent):
+        del rest[part]
+    return "".join(rest)
+
+
+def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, int], Mask]]:
+    """Where in a template the shapes are that not all robots have, and which have them.
+
+    Raises:
+        EmitterError: a link has nothing else, so its element would be written in another form.
+    """
+    spans = (match.span() for match in _COLLISION.finditer(template))
+    for place, link in enumerate(robots.robot.links):
+        masks = [robots.present.get((place, number)) for number, _ in enumerate(link.collisions)]
+        if masks and not link.inertial and not link.visuals and all(mask is not None for mask in masks):
+            raise EmitterError(Problem(message="some of many robots have an empty link where others have shapes"))
+        for mask in masks:
+            span = next(spans)
+            if mask is not None:
+                yield span, mask
+
+
+def _parts(text: str, texts: Mapping[str, list[str] | str]) -> Iterator[Iterable[str]]:
+    """What stands in a piece of a template, for one robot after the other; what is the same for all in one part."""
+    same = ""
+    for index, piece in enumerate(_SLOT.split(text)):
+        column = texts[piece] if index % 2 else piece
+        if isinstance(column, str):
+            same += column
+        else:
+            yield repeat(same)
+            yield column
+            same = ""
+    yield repeat(same)
+
+
+def _slot(key: str) -> str:
+    """What stands in a template where files differ."""
+    return f"{_OPEN}{key}{_CLOSE}"

@@ -1,0 +1,317 @@
+"""The executor `dask`: workers of a Dask cluster, on this machine or on many.
+
+Dask gives the tasks of a worker that is gone to others. What is added here is the order of the results, a bound on what
+is handed over, and an answer where Dask waits for ever: nobody at the address, no workers, workers of another version.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import logging
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import warnings
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, Literal, cast
+
+from dh2urdf.errors import ExecutorError, MissingDependencyError
+from dh2urdf.source import Problem
+from dh2urdf.stages import Executor, Lost
+from dh2urdf_plugins.executors.local import processors
+from dh2urdf_plugins.executors.window import handed_over
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+AHEAD = 3
+"""Tasks per thread of the cluster that wait or are under way: the next one is there before the last result has left."""
+CONNECTING = 5.0
+"""How long a scheduler may take to answer [s]."""
+PATIENCE = 300.0
+"""How long a run waits for workers where there are none [s]: a queue may have to start others."""
+KILLS = 1
+"""Workers of an own cluster that may die at a task and it is still given to another one."""
+
+_SCRIPT = Path(__file__).with_name("dask_cluster.py")
+_LOOK = 1.0  # [s] between looks at the cluster while a result is waited for
+_UNTOLD = 5.0  # [s] without workers that nobody has to hear of: others are being started
+_LOGGER = logging.getLogger("dh2urdf")
+_INSTALLED = """{
+    "Python": "%d.%d" % __import__("sys").version_info[:2],
+    "distributed": __import__("distributed").__version__,
+    **{
+        point.dist.name: point.dist.version
+        for point in __import__("importlib.metadata").metadata.entry_points(group="dh2urdf")
+    },
+}"""
+"""What has to be the same everywhere, as an expression: a worker has to answer it without dh2urdf, too."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DaskOptions:
+    """Which cluster works."""
+
+    scheduler: str | None = field(
+        default=None,
+        metadata={"help": "address of a Dask scheduler, such as tcp://host:8786; none: a cluster on this machine"},
+    )
+    workers: Literal["auto"] | int = field(
+        default="auto",
+        metadata={"help": "processes of the cluster on this machine; auto takes one per processor"},
+    )
+
+    def __post_init__(self) -> None:
+        if self.workers != "auto" and self.workers < 1:
+            raise ValueError("workers is a number from 1 on, or auto")
+        if self.workers != "auto" and self.scheduler is not None:
+            raise ValueError("workers are those of the scheduler: their number is said where they are started")
+
+
+def require(_options: DaskOptions) -> None:
+    """Ask whether Dask's scheduler is there, without importing it.
+
+    Raises:
+        MissingDependencyError: it is not installed.
+    """
+    if importlib.util.find_spec("distributed") is None:
+        raise MissingDependencyError("executor 'dask'", "distributed", "dh2urdf[dask]")
+
+
+def map_on_dask(function: Callable[[Any], Any], tasks: Iterable[Any], options: DaskOptions) -> Iterator[Any]:
+    """Results of a function over tasks, in their order, from the workers of a Dask cluster.
+
+    Raises:
+        ExecutorError: no scheduler answers, no worker is there or comes back, or workers have other versions.
+    """
+    with ExitStack() as stack:
+        workers = processors() if options.workers == "auto" else options.workers
+        address = options.scheduler or stack.enter_context(_own_cluster(workers))
+        cluster = _Cluster(stack.enter_context(_client(address)), function)
+        for task, future in handed_over(tasks, cluster.hand_over, cluster.ahead):
+            yield cluster.result(task, future)
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Any]:
+    """A connection to a scheduler."""
+    import distributed
+
+    for name in ("distributed", "distributed.client", "tornado", "tornado.application"):  # each prints for itself
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    try:
+        distributed.comm.resolve_address(address)  # A client that met no address would never be closed.
+        with warnings.catch_warnings(action="ignore"):  # of other versions, which are refused below
+            client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise ExecutorError(
+            Problem(
+                message=f"no Dask scheduler answers at {address!r}: {error}",
+                field="scheduler",
+                accepted="the address that `dask scheduler` prints, such as tcp://host:8786",
+                suggestion="`dask scheduler` starts one, and `dask worker ADDRESS` a worker on every machine; without "
+                "`scheduler`, a cluster is started on this machine",
+            )
+        ) from error
+    try:
+        yield client
+    finally:
+        client.close(timeout=_LOOK)  # The scheduler drops what it still has to do for this client.
+
+
+@contextmanager
+def _own_cluster(workers: int) -> Iterator[str]:
+    """The address of a cluster on this machine that lives as long."""
+    with tempfile.TemporaryFile() as printed:
+        try:
+            process = subprocess.Popen(  # noqa: S603 - our own script
+                [sys.executable, "-P", str(_SCRIPT), str(workers)],
+                stdin=subprocess.PIPE,  # Its end is that of this process, whatever happens.
+                stdout=subprocess.PIPE,
+                stderr=printed,
+                env={
+                    **os.environ,
+                    "PYTHONPATH": os.pathsep.join(sys.path),
+                    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": f"{KILLS}",
+                },
+                start_new_session=True,
+            )
+        except OSError as error:
+            raise ExecutorError(f"no Dask cluster can be started on this machine: {error.strerror}") from error
+        with process:
+            try:
+                address = cast("IO[bytes]", process.stdout).readline().decode().strip()
+                if not address:
+                    printed.seek(0)
+                    last = printed.read().decode("utf-8", "replace").rstrip().rpartition("\n")[2]
+                    raise ExecutorError(f"no Dask cluster can be started on this machine: {last}")
+                yield address
+            finally:
+                if hasattr(os, "killpg"):
+                    with suppress(ProcessLookupError, PermissionError):  # gone, or (macOS) a zombie
+                        os.killpg(process.pid, signal.SIGKILL)  # Asked kindly, workers would finish their tasks first.
+                process.kill()
+
+
+class _Cluster:
+    """What a run asks of the workers."""
+
+    def __init__(self, client: Any, function: Callable[[Any], Any]) -> None:  # noqa: ANN401 - Dask has no types
+        self._client = client
+        self._function = function
+        self._under_way: set[Any] = set()
+        self._threads = 0
+        self._looked = 0.0
+        self._look_for_workers()
+        self._refuse_other_versions()
+
+    def ahead(self) -> int:
+        """How many tasks the workers should have, as many workers as there are by now."""
+        if time.monotonic() - self._looked > _LOOK:
+            self._look()
+        return AHEAD * max(1, self._threads)
+
+    def hand_over(self, task: Any) -> tuple[Any, Any]:  # noqa: ANN401 - a task is the caller's
+        """A task and Dask's promise of its result."""
+        future = self._client.submit(_do, self._function, _installed(), task, pure=False)
+        self._under_way.add(future)
+        return task, future
+
+    def result(self, task: Any, future: Any) -> Any:  # noqa: ANN401 - a task and its result are the caller's
+        """The result of a task; of one that no worker survives, that it is lost."""
+        from distributed import KilledWorker
+
+        try:
+            return self._result(future)
+        except KilledWorker:
+            # Dask suspects all that a worker had to do when it died. Alone, it is known which of them it was.
+            for other in self._under_way:
+                self._wait(other)
+        try:
+            return self._result(self.hand_over(task)[1])
+        except KilledWorker as error:
+            return Lost(
+                reason=f"{error.allowed_failures + 1} Dask workers died at it, the last at {error.last_worker.address}"
+            )
+
+    def _result(self, future: Any) -> Any:  # noqa: ANN401 - the result of the caller's function
+        import asyncio
+        import concurrent.futures
+
+        self._wait(future)
+        self._under_way.discard(future)
+        # Its worker may be gone by now, and others have to make the result again: this waits, too.
+        gathering = self._client.gather([future], asynchronous=True)
+        gathered = asyncio.run_coroutine_threadsafe(gathering, self._client.loop.asyncio_loop)
+        try:
+            while concurrent.futures.wait([gathered], timeout=_LOOK).not_done:
+                self._look_for_workers()
+            (result,) = gathered.result()
+        except (OSError, asyncio.CancelledError, concurrent.futures.CancelledError) as error:
+            if future.status == "error":  # It is what the function raised.
+                raise
+            raise _gone() from error
+        finally:
+            gathered.cancel()
+        return result
+
+    def _wait(self, future: Any) -> None:  # noqa: ANN401 - Dask has no types
+        """Waits until a task is done, as long as there is somebody to do it."""
+        while True:
+            try:
+                future.exception(timeout=_LOOK)
+            except TimeoutError:
+                self._look_for_workers()
+            else:
+                return
+
+    def _look(self) -> None:
+        try:
+            self._threads = sum(self._client.nthreads().values())
+        except OSError as error:
+            raise _gone() from error
+        self._looked = time.monotonic()
+
+    def _look_for_workers(self) -> None:
+        """Counts the workers' threads; where there are none, waits until some are there."""
+        self._look()
+        began, told = time.monotonic(), False
+        while not self._threads:
+            if not told and time.monotonic() > began + _UNTOLD:
+                _LOGGER.warning("no Dask worker is there; waiting for one, up to %g s", PATIENCE)
+                told = True
+            if time.monotonic() > began + PATIENCE:
+                raise ExecutorError(
+                    Problem(
+                        message=f"no Dask worker came within {PATIENCE:g} s",
+                        suggestion=f"`dask worker {self._client.scheduler.address}` starts one; the same run with "
+                        "`--resume` goes on where this one ended",
+                    )
+                )
+            time.sleep(_LOOK / 10)
+            self._look()
+
+    def _refuse_other_versions(self) -> None:
+        found = self._client.run(eval, _INSTALLED)
+        if problems := [problem for where in sorted(found) for problem in _others(where, _installed(), found[where])]:
+            raise ExecutorError(problems)
+
+
+def _gone() -> ExecutorError:
+    return ExecutorError(
+        Problem(
+            message="the Dask scheduler is gone",
+            suggestion="start it and its workers, and the same run with `--resume`: it goes on where this one ended",
+        )
+    )
+
+
+@cache
+def _installed() -> dict[str, str]:
+    """What has to be the same everywhere: the versions of Python, Dask, dh2urdf and all plugins."""
+    return dict(eval(_INSTALLED))  # noqa: S307 - the text stands above
+
+
+def _others(address: str, ours: dict[str, str], theirs: dict[str, str]) -> Iterator[Problem]:
+    """What a worker has not, or in another version."""
+    for name, version in ours.items():
+        if theirs.get(name) != version:
+            has = f"has {name} {theirs[name]}, not {version} as the run has" if name in theirs else f"has no {name}"
+            yield Problem(
+                message=f"the Dask worker at {address} {has}",
+                suggestion=f"install {name} {version} where `dask worker` is started",
+            )
+
+
+_ONE_AT_A_TIME = threading.Lock()
+"""A worker may have several threads; stages need not bear others beside them."""
+
+
+def _do(function: Callable[[Any], Any], ours: dict[str, str], task: Any) -> Any:  # noqa: ANN401 - the caller's
+    """A task, in a worker; one that came late has been asked for its versions by nobody yet.
+
+    Raises:
+        ExecutorError: the worker has other versions than the run.
+    """
+    if ours != _installed():
+        from distributed import get_worker
+
+        raise ExecutorError(_others(get_worker().address, ours, _installed()))
+    with _ONE_AT_A_TIME:
+        return function(task)
+
+
+EXECUTOR = Executor(
+    name="dask",
+    summary="workers of a Dask cluster, on this machine or on many",
+    options=DaskOptions,
+    map=map_on_dask,
+    require=require,
+)

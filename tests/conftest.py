@@ -5,9 +5,13 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import subprocess
 import sys
-from dataclasses import asdict
+import threading
+import urllib.request
+from dataclasses import asdict, fields, is_dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -18,10 +22,11 @@ from lxml import etree
 
 from dh2urdf.cli import _status
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY, RigidTransform
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Sequence
+    from collections.abc import Callable, Generator, Iterator, Sequence
 
 R = TypeVar("R", pytest.TestReport, pytest.CollectReport)
 
@@ -139,6 +144,45 @@ def _rigid(matrix: list[list[float]] | None) -> RigidTransform:
     return RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z))
 
 
+@pytest.fixture(scope="session")
+def with_numbers() -> Callable[[Any, Callable[[float], Any]], Any]:
+    """A record with something else in place of each of its floats, the colours of materials excepted."""
+
+    def changed(value: Any, change: Callable[[float], Any]) -> Any:
+        if isinstance(value, float):
+            return change(value)
+        if type(value) is tuple:
+            return tuple(changed(item, change) for item in value)
+        if is_dataclass(value) and not isinstance(value, Material):
+            return replace(
+                value, **{field.name: changed(getattr(value, field.name), change) for field in fields(value)}
+            )  # type: ignore[type-var]
+        return value
+
+    return changed
+
+
+@pytest.fixture(scope="session")
+def side_by_side(with_numbers: Callable[[Any, Callable[[float], Any]], Any]) -> Callable[[Sequence[Any]], Any]:
+    """Records that differ in numbers only, as one with columns where they do."""
+
+    def together(records: Sequence[Any]) -> Any:
+        numbers: list[list[float]] = []
+        for record in records:
+            own: list[float] = []
+            with_numbers(record, lambda number, own=own: own.append(number))  # type: ignore[misc]
+            numbers.append(own)
+        columns = iter(
+            [
+                column[0] if len(set(map(repr, column))) == 1 else np.array(column)
+                for column in zip(*numbers, strict=True)
+            ]
+        )
+        return with_numbers(records[0], lambda _: next(columns))
+
+    return together
+
+
 @pytest.fixture
 def dh2urdf(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the project's command in the test's folder.
@@ -162,6 +206,45 @@ def dh2urdf(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
         return result
 
     return run
+
+
+# --- An object store: a real server in a process of its own ----------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def s3_server() -> Iterator[str]:
+    """The address of a server of S3 on this machine; the environment leads every client of S3 to it."""
+    pytest.importorskip("s3fs")
+    pytest.importorskip("moto.server")
+    command = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", "0"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as server:
+        assert server.stderr is not None
+        try:
+            address = next(found[0] for line in server.stderr if (found := re.search(r"http://127\.0\.0\.1:\d+", line)))
+            threading.Thread(target=server.stderr.read, daemon=True).start()  # What nobody reads would fill the pipe.
+            with pytest.MonkeyPatch.context() as environment:
+                environment.setenv("AWS_ENDPOINT_URL", address)
+                environment.setenv("AWS_ACCESS_KEY_ID", "key")
+                environment.setenv("AWS_SECRET_ACCESS_KEY", "secret")
+                environment.setenv("AWS_DEFAULT_REGION", "us-east-1")
+                yield address
+        finally:
+            server.kill()
+
+
+@pytest.fixture
+def bucket(s3_server: str) -> str:
+    """The address of a new bucket in an object store: ``s3://name``."""
+    name = f"bucket-{os.urandom(6).hex()}"
+    with urllib.request.urlopen(urllib.request.Request(f"{s3_server}/{name}", method="PUT")):  # noqa: S310
+        return f"s3://{name}"
+
+
+@pytest.fixture(scope="session")
+def reports() -> frozenset[str]:
+    """The files that tell of a run, beside those of its manipulators."""
+    table = ["manifest.parquet"] if find_spec("pyarrow") else []
+    return frozenset(["manifest.jsonl", "index.json", "report.json", "timing.json", *table])
 
 
 class Answer(NamedTuple):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from subprocess import CompletedProcess
 
 CONFIGS = Path(__file__).parents[1] / "configs"
-FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "report.json", "timing.json"}
+FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png"}
 COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
 
 
@@ -55,9 +55,9 @@ def manipulator(output: Path) -> dict[str, Any]:
     return dict(entry)
 
 
-def test_all_files_are_there_and_nothing_else(output: Path) -> None:
-    """URDF, macro, top file, picture, report and timing; no temporary file."""
-    assert {path.name for path in output.iterdir()} == FILES
+def test_all_files_are_there_and_nothing_else(output: Path, reports: frozenset[str]) -> None:
+    """URDF, macro, top file, picture, and what tells of the run; no temporary file, no journal."""
+    assert {path.name for path in output.iterdir()} == FILES | reports
 
 
 def test_the_summary_tells_the_errors(checkout: Path) -> None:
@@ -76,8 +76,8 @@ def test_the_summary_tells_the_errors(checkout: Path) -> None:
     assert float(urdf) < 1e-12
     assert float(xacro) < 1e-12
     assert 1e-9 < float(pybullet) < 1e-6
-    assert set(files.split(", ")) == FILES - {"report.json", "timing.json"}
-    assert "1 ok\n" in printed
+    assert set(files.split(", ")) == FILES
+    assert "1 made\n" in printed
     assert printed.endswith("written to build/ur5\n")
     assert "\x1b" not in printed
 
@@ -85,8 +85,8 @@ def test_the_summary_tells_the_errors(checkout: Path) -> None:
 def test_the_report_has_its_full_form(output: Path) -> None:
     """Schema, version, exit status, and per manipulator all that the interface promises."""
     report = json.loads((output / "report.json").read_bytes())
-    assert set(report) == {"schema", "version", "exit_status", "manipulators"}
-    assert report["exit_status"] == 0
+    assert set(report) == {"schema", "version", "exit_status", "manipulators", "left_out"}
+    assert (report["exit_status"], report["left_out"]) == (0, 0)
     (entry,) = report["manipulators"]
     assert {"name", "status", "source", "files", "proof", "loaders", "notices", "errors"} <= set(entry)
     assert (entry["name"], entry["status"], entry["source"]) == ("ur5", "ok", "configs/tables/ur5.csv")
@@ -165,23 +165,35 @@ def test_the_picture_shows_an_arm(output: Path, manipulator: dict[str, Any]) -> 
     assert 0.02 < colourful.mean() < 0.8
 
 
-def test_again_it_is_the_same_bytes(checkout: Path, output: Path) -> None:
+def test_again_it_is_the_same_bytes(checkout: Path, output: Path, reports: frozenset[str]) -> None:
     """A second run into the same folder changes timing.json at most, and not a byte of anything else."""
     first = {path.name: path.read_bytes() for path in output.iterdir()}
     run_in(checkout)
     second = {path.name: path.read_bytes() for path in output.iterdir()}
-    assert set(second) == FILES
+    assert set(second) == FILES | reports
     del first["timing.json"], second["timing.json"]
     assert first == second
 
 
 def test_durations_are_in_timing(output: Path) -> None:
-    """timing.json has the whole duration and that of each step, in seconds."""
+    """timing.json has the whole duration, that of each step, and the rate; the steps of the manipulator too [s]."""
     timing = json.loads((output / "timing.json").read_bytes())
+    assert set(timing) == {"total", "per_second", "steps", "manipulators"}
     (entry,) = timing["manipulators"]
     assert entry.pop("name") == "ur5"
-    assert set(entry) == {"transform", "write", "load pybullet"}
-    assert 0 < sum(entry.values()) < timing["total"]
+    assert set(entry) == {"transform", "emit", "load pybullet"}
+    assert entry.items() <= timing["steps"].items()
+    assert set(timing["steps"]) == {*entry, "draw", "write"}
+    assert 0 < sum(entry.values()) < sum(timing["steps"].values()) < timing["total"]
+    assert timing["per_second"] == pytest.approx(1 / timing["total"])
+
+
+def test_the_manifest_says_the_same(output: Path, manipulator: dict[str, Any]) -> None:
+    """One row for the one manipulator, with all that the report has of it; the index has nothing to tell."""
+    (row,) = (output / "manifest.jsonl").read_bytes().splitlines()
+    assert json.loads(row) == manipulator
+    index = json.loads((output / "index.json").read_bytes())
+    assert index == {"manipulators": 1, "ok": 1, "failed": 0, "failures": {}}
 
 
 @pytest.mark.parametrize(("module", "package"), [("pybullet", "pybullet"), ("PIL", "pillow")])

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 MAIN = "from dh2urdf.cli import main; main()"
-INTERRUPTED = "dh2urdf: interrupted; nothing half-written is left\n"
+INTERRUPTED = "dh2urdf: interrupted; nothing half-written is left; `--resume` goes on from there\n"
 ROWS = ((0, 1.5707963267948966, 0.2), (0.4, 0, 0.1), (0.3, 0.5, 0))
 URDF = "a,alpha,d\n0,pi/2,0.2\n0.4,0,0.1\n"
 HOSTILE = (
@@ -90,7 +90,9 @@ def is_whole(path: Path) -> bool:
 # --- Names ------------------------------------------------------------------------------------------------------------
 
 
-def test_whatever_manipulators_are_called_their_files_stay_in_the_folder(dh2urdf: Any, tmp_path: Path) -> None:
+def test_whatever_manipulators_are_called_their_files_stay_in_the_folder(
+    dh2urdf: Any, tmp_path: Path, reports: frozenset[str]
+) -> None:
     """Paths, devices, hidden files, shell words, markup: each name has files of its own, directly in the folder."""
     (tmp_path / "arms.csv").write_text(table(HOSTILE), "utf-8")
     run_file(tmp_path)
@@ -99,7 +101,7 @@ def test_whatever_manipulators_are_called_their_files_stay_in_the_folder(dh2urdf
     found = list((tmp_path / "out").iterdir())
     assert all(path.is_file() and not path.is_symlink() for path in found)
     names = [unicodedata.normalize("NFC", path.name).casefold() for path in found]
-    assert len(set(names)) == len(names) == 3 * len(HOSTILE) + len(["report.json", "timing.json"])
+    assert len(set(names)) == len(names) == 3 * len(HOSTILE) + len(reports)
     assert not any(name.startswith((".", "-")) for name in names)
     assert all(len(path.name.encode()) <= 255 for path in found)
 
@@ -138,7 +140,9 @@ def test_a_robot_that_is_refused_keeps_the_older_file(dh2urdf: Any, tmp_path: Pa
     assert files(tmp_path) == before
 
 
-def test_in_a_run_the_bad_ones_keep_their_older_files(dh2urdf: Any, tmp_path: Path) -> None:
+def test_in_a_run_the_bad_ones_keep_their_older_files(
+    dh2urdf: Any, tmp_path: Path, reports: frozenset[str]
+) -> None:
     """Of many manipulators the good ones get new files, and those of a bad one stay as an earlier run left them."""
     (tmp_path / "arms.csv").write_text(table(["one", "two", "three"]))
     run_file(tmp_path)
@@ -149,7 +153,7 @@ def test_in_a_run_the_bad_ones_keep_their_older_files(dh2urdf: Any, tmp_path: Pa
     )
     dh2urdf("run", "run.yaml", status=1)
     after = files(tmp_path / "out")
-    changed = {name for name in before if before[name] != after[name]} - {"report.json", "timing.json"}
+    changed = {name for name in before if before[name] != after[name]} - reports
     assert set(after) == set(before)
     assert changed == {f"{name}{end}" for name in ("one", "three") for end in (".urdf", "_macro.xacro")}
 
@@ -285,6 +289,13 @@ def started_run(folder: Path) -> subprocess.Popen[str]:
     )
 
 
+def made(out: Path) -> list[Path]:
+    """The files that an interrupted run has left, besides its journal, from which another one goes on."""
+    working = out / ".dh2urdf"
+    assert not working.exists() or [path.name for path in working.iterdir()] == ["journal"]
+    return [path for path in out.iterdir() if path != working]
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("to_all", [True, False], ids=["to all processes", "to the command alone"])
 @pytest.mark.parametrize("workers", [1, 2])
@@ -308,7 +319,7 @@ def test_an_interrupted_run_says_so_and_leaves_whole_files_alone(
         printed, said = process.communicate(timeout=60)
     assert (process.returncode, printed, said) == (130, "", INTERRUPTED)
     assert [path.name for path in (tmp_path / "tmp").iterdir()] == []
-    left = list(out.iterdir())
+    left = made(out)
     assert written <= len(left) < ARMS
     assert all(path.suffix == ".urdf" and is_whole(path) for path in left)
 
@@ -331,7 +342,7 @@ def test_an_interrupted_run_keeps_what_an_earlier_one_wrote(tmp_path: Path) -> N
     new = [path for path in contents if path.read_bytes() != old]
     assert 20 < len(new) < ARMS
     assert all(is_whole(path) for path in new)
-    assert len(list(out.iterdir())) == ARMS
+    assert len(made(out)) == ARMS
 
 
 def test_a_run_that_was_interrupted_can_be_done_again(dh2urdf: Any, tmp_path: Path) -> None:

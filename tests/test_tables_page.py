@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from jsonschema import Draft202012Validator
+from pyarrow import parquet as pq
 
 from dh2urdf import errors, expressions, textfiles, yaml_composer
 from dh2urdf.errors import TableError
@@ -29,6 +31,7 @@ from dh2urdf_plugins.readers import (
     csv_header,
     fields,
     names,
+    parquet,
     placements,
     row_cells,
     rows,
@@ -124,7 +127,7 @@ class Outcome:
     """What came of a table: its manipulators, or what was said against it."""
 
     def __init__(self, path: Path, options: dict[str, str]) -> None:
-        reader = csv.READER if path.suffix in csv.READER.suffixes else yaml.READER
+        reader = next(each.READER for each in (csv, parquet, yaml) if path.suffix in each.READER.suffixes)
         self.arms: list[Manipulator] = []
         self.errors: list[str] = []
         try:
@@ -300,8 +303,12 @@ def test_no_block_and_no_table_goes_untested() -> None:
     """All fences are blocks that are known, and all tables but that of reasons have a test of their own."""
     found = list(BLOCK.finditer(TEXT))
     assert TEXT.count("```") == 2 * len(found)
-    assert [block["form"] for block in found if block["form"] not in ("csv", "yaml", "json")] == ["text", "sh"]
-    assert len(EXAMPLES) == len(found) - 2, "two examples have one name"
+    assert [block["form"] for block in found if block["form"] not in ("csv", "yaml", "json")] == [
+        "text",
+        "sh",
+        "python",
+    ]
+    assert len(EXAMPLES) == len(found) - 3, "two examples have one name"
     assert TEXT.count("<!-- example") == len(EXAMPLES)
     assert TEXT.count("<!-- table") == len(TABLES)
     assert len(re.findall(r"^\|[-|]+\|$", TEXT, re.MULTILINE)) == len(TABLES) + 1
@@ -316,6 +323,39 @@ def test_accepted_yaml_is_valid_by_the_schema() -> None:
     assert len(shown) > 3
     for example in shown:
         assert [error.message for error in validator.iter_errors(pyyaml.safe_load(example.body))] == []
+
+
+def test_the_parquet_file_is_the_table_above_it(
+    read: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The one block of Python writes a file with the manipulators of the CSV example."""
+    monkeypatch.chdir(tmp_path)
+    (script,) = (block["body"] for block in BLOCK.finditer(TEXT) if block["form"] == "python")
+    exec(script, {})  # noqa: S102 - a block of the page
+    assert list(parquet.read(tmp_path / "arms.parquet", TableOptions())) == read(EXAMPLES["many"].body).arms
+
+
+@pytest.mark.parametrize(("cells", "meaning"), of_tables("parquet"))
+def test_cells_of_parquet_are_read_as_the_page_says(cells: str, meaning: str, tmp_path: Path) -> None:
+    """Each kind of cell in a column that shows what becomes of it."""
+    tried: dict[str, tuple[str, list[Any], Any]] = {
+        "whole numbers, floats, decimals": ("a", pa.array([0.1], pa.float32()), 0.10000000149011612),
+        "text, also dictionary-encoded": ("alpha", pa.array(["pi/2"]).dictionary_encode(), QUARTER),
+        "whole numbers in a column of words": ("type", [1.0, None], P),
+        "truth values": ("flip", [True], -1),
+        "null": ("a", [None], "a is empty"),
+        "NaN": ("mass", [math.nan], "'nan'"),
+        "moments, lists, bytes": ("d", [b"0.5"], "holds binary"),
+    }
+    name, column, expected = tried[cells]
+    columns = {"a": [0.0] * len(column), "alpha": [0.0] * len(column), "d": [0.0] * len(column), name: column}
+    pq.write_table(pa.table(columns), tmp_path / "arm.parquet")
+    found = Outcome(tmp_path / "arm.parquet", {"convention": "standard"})
+    if "refused" in meaning:
+        assert any(str(expected) in error for error in found.errors)
+    else:
+        (arm,) = found.arms
+        assert getattr(arm.rows[0], {"flip": "sign"}.get(name, name)) == expected
 
 
 def test_the_command_is_the_table_with_its_base_and_tool(cli: Callable[..., Any], tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -116,8 +117,19 @@ def double_from_a_worker(number: float) -> float:
 
 def load(request: LoadRequest, _options: NoOptions) -> LoadReport:
     print("WARNING: a screw is loose")
-    if request.path.name == "refused.urdf":
-        raise LoaderError("I do not like it")
+    match request.path.name:
+        case "refused.urdf":
+            raise LoaderError("I do not like it")
+        case "refused_with_its_path.urdf":
+            print(f"WARNING: {request.path} is bad")
+            raise LoaderError(f"cannot load {request.path}")
+        case "noisy.urdf":
+            print(f"WARNING: {request.path} is odd")
+        case "crash.urdf":
+            sys.stdout.flush()
+            os.kill(os.getpid(), signal.SIGSEGV)
+        case "hang.urdf":
+            time.sleep(600)
     return LoadReport(simulator="toy", version="1", findings=(Problem(message="measured", severity="notice"),))
 
 
@@ -134,3 +146,4 @@ LOADER = Loader(
     picture=lambda _options: False,
     read_output=read_output,
 )
+HASTY = replace(LOADER, time_limit=lambda _options: 2.0)

@@ -45,7 +45,7 @@ def test_defaults(folder: Path) -> None:
     assert [call.stage for call in found.emitters] == ["urdf"]
     assert found.loaders == ()
     assert found.execution.stage == "local"
-    assert found.directory == folder / "build" / "run"
+    assert found.output == folder / "build" / "run"
     assert found.poses == 32
 
 
@@ -86,7 +86,7 @@ def test_every_section_is_read(folder: Path) -> None:
     ]
     assert found.execution.options is not None
     assert found.execution.options.plain() == {"workers": "auto"}
-    assert found.directory == Path("out")
+    assert found.output == Path("out")
     assert found.poses == 8
 
 
@@ -187,9 +187,9 @@ def test_a_pattern_without_a_match_is_an_error(folder: Path) -> None:
 def test_paths_are_relative_to_the_file_that_says_them(folder: Path) -> None:
     """The run file's paths start at its folder, those of the command line at the working directory."""
     found = config(folder, TABLE + "output: {directory: out}\n")
-    assert found.directory == folder / "out"
+    assert found.output == folder / "out"
     found = config(folder, TABLE, "output.directory=out", "inputs=here.csv")
-    assert found.directory == Path("out")
+    assert found.output == Path("out")
     assert found.inputs[0].paths == (Path("here.csv"),)
 
 
@@ -202,10 +202,10 @@ def test_absolute_paths_stay(folder: Path) -> None:
 
 def test_two_dots_are_resolved_unless_a_link_stands_before_them(folder: Path) -> None:
     """`work/../out` reads as `out`; behind a link, the two dots mean where the link leads."""
-    assert config(folder, TABLE + "output: {directory: ../out}\n").directory == Path("out")
+    assert config(folder, TABLE + "output: {directory: ../out}\n").output == Path("out")
     (folder / "far" / "away").mkdir(parents=True)
     (folder / "link").symlink_to("far/away")
-    assert config(folder, TABLE + "output: {directory: link/../out}\n").directory == folder / "link" / ".." / "out"
+    assert config(folder, TABLE + "output: {directory: link/../out}\n").output == folder / "link" / ".." / "out"
 
 
 @pytest.mark.parametrize(
@@ -312,7 +312,7 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         "inputs:\n  - {path: tables/nope.csv}\n  - {pth: x}\n"
         "transfrom: alpha-swap\n"
         "emitters:\n  - {stage: urdf, profile: portable}\n  - {options: {}}\n  - 3\n  - [x]\n"
-        "output: build\n"
+        "output: [build]\n"
         "proof: {poses: 0}\n"
     )
     lines = {problem.mark.line for problem in config(folder, text).problems if problem.mark}
@@ -337,9 +337,9 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         (TABLE + "transform: [x]\n", "field 'transform': this cannot be a list of 1"),
         (TABLE + "emitters: [{stage: urdf, profile: x}]\n", "the options of a stage stand under `options:`"),
         (TABLE + "output: {directory: [x]}\n", "field 'output.directory': this cannot be a list of 1"),
-        (TABLE + "output: x\n", "field 'output': this cannot be the text 'x'\n    accepted: a mapping of directory"),
-        (TABLE + "proof: {poses: true}\n", "the number of poses cannot be the truth value true"),
-        (TABLE + "proof: {poses: 1.5}\n", "the number of poses cannot be the number 1.5"),
+        (TABLE + "output: [x]\n", "field 'output': this cannot be a list of 1\n    accepted: a mapping of directory, layout"),
+        (TABLE + "proof: {poses: true}\n", "field 'proof.poses': poses cannot be the truth value true"),
+        (TABLE + "proof: {poses: 1.5}\n", "field 'proof.poses': poses cannot be the number 1.5"),
         (TABLE + "emitter: urdf\n", "did you mean 'emitters'?"),
         (TABLE + "variatons: []\n", "did you mean 'variations'?"),
     ],

@@ -3,13 +3,12 @@ from __future__ import annotations
 import math
 import pickle
 from dataclasses import dataclass, replace
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.conversion import Call, Recipe, Written, make_robot, read_items, write_robot
+from dh2urdf.conversion import Call, Recipe, Sample, Written, emit_robot, make_robot, read_items, write_robot
 from dh2urdf.errors import (
     EmitterError,
     MissingDependencyError,
@@ -233,7 +232,7 @@ class TestMakeRobot:
 
 class TestWriteRobot:
     def test_the_files_are_in_place_with_their_facts(self, tmp_path: Path) -> None:
-        """Every file is written, with its emitter, size and hash; the folder holds nothing else."""
+        """Every file is written, and known with its emitter and its content; the folder holds nothing else."""
         text = EmittedFile(name="arm.txt", content=b"turn\n")
         by_hand = emitting("text", lambda *_: [text, EmittedFile(name="arm.more", content=b"")], read_back=None)
         first, second = write(emitting(), by_hand, to=tmp_path / "out")
@@ -241,7 +240,7 @@ class TestWriteRobot:
         assert [file.name for file in second.files] == ["arm.txt", "arm.more"]
         for file in (*first.files, *second.files):
             content = (tmp_path / "out" / file.name).read_bytes()
-            assert (file.size, file.sha256) == (len(content), sha256(content).hexdigest())
+            assert file.content == content
         assert {path.name for path in (tmp_path / "out").iterdir()} == {"arm.pickle", "arm.txt", "arm.more"}
 
     def test_what_is_written_is_proved(self, tmp_path: Path) -> None:
@@ -256,14 +255,32 @@ class TestWriteRobot:
         (written,) = write(emitting(read_back=None), to=tmp_path)
         assert written.proof is None
 
-    @pytest.mark.parametrize("wanted", [True, False])
-    def test_a_costly_proof_can_be_left_out(self, tmp_path: Path, wanted: bool) -> None:  # noqa: FBT001
-        """A long run leaves the slow proofs out, and those only."""
-        cheap, costly = write(
-            emitting(), emitting("slow", suffix=".slow", costly=True), to=tmp_path, prove_costly=wanted
-        )
-        assert cheap.proof is not None
-        assert (costly.proof is not None) is wanted
+    @pytest.mark.parametrize(
+        ("asked", "proofs"),
+        [
+            ({}, [True, True]),
+            ({"sampled": False}, [True, False]),
+            ({"proved": False}, [False, False]),
+            ({"proved": False, "sampled": False}, [False, False]),
+        ],
+        ids=["by default", "not in the sample", "not proved", "neither"],
+    )
+    def test_proofs_can_be_left_out(self, tmp_path: Path, asked: dict[str, bool], proofs: list[bool]) -> None:
+        """A long run leaves the slow proofs to a sample, and those only; or all of them; the files are written."""
+        emitters = (emitting(), emitting("slow", suffix=".slow", costly=True))
+        recipe = Recipe(transform=transforming(lambda *_: robot()), emitters=emitters, poses=4)
+        written = emit_robot(Truth.of(TABLE), robot(), recipe, folder=tmp_path, stem="arm", **asked)
+        assert [each.proof is not None for each in written] == proofs
+        assert {path.name for path in tmp_path.iterdir()} == {"arm.pickle", "arm.slow"}
+
+    def test_a_file_that_is_not_proved_may_be_another_arm(self, tmp_path: Path) -> None:
+        """Nobody looks: what a run does not prove it does not claim either."""
+        recipe = Recipe(transform=transforming(lambda *_: robot()), emitters=(emitting(),), poses=4)
+        longer = robot(length=0.6)
+        (written,) = emit_robot(Truth.of(TABLE), longer, recipe, folder=tmp_path, stem="arm", proved=False)
+        assert written.proof is None
+        with pytest.raises(ProofError):
+            emit_robot(Truth.of(TABLE), longer, recipe, folder=tmp_path, stem="arm")
 
     def test_the_first_main_file_can_be_named(self, tmp_path: Path) -> None:
         """A person may name the main file; the files beside it keep their names."""
@@ -370,3 +387,17 @@ def test_a_transform_that_does_not_keep_the_kinematics_is_measured_and_passes(tm
     assert not written.proof.holds
     assert written.proof.position_error == pytest.approx(0.2)
     assert (tmp_path / "arm.pickle").is_file()
+
+
+@pytest.mark.parametrize(
+    ("sample", "members"),
+    [
+        (Sample(), range(20)),
+        (Sample(first=3, every=5), [0, 1, 2, 5, 10, 15]),
+        (Sample(every=7), [0, 7, 14]),
+        (Sample(first=20, every=1000), range(20)),
+    ],
+)
+def test_a_sample_is_the_first_ones_and_every_so_many_th(sample: Sample, members: Sequence[int]) -> None:
+    """By the numbers in the run, whatever the batches: a resumed run looks at the same ones."""
+    assert [index for index in range(20) if index in sample] == list(members)

@@ -10,8 +10,10 @@ from dh2urdf.errors import (
     SCREENFUL,
     BrokenPluginError,
     ConfigError,
+    CrashError,
     Dh2UrdfError,
     EmitterError,
+    ExecutorError,
     InputError,
     LoaderError,
     ManipulatorError,
@@ -23,6 +25,7 @@ from dh2urdf.errors import (
     StageConflictError,
     StageError,
     TableError,
+    TimeLimitError,
     TransformError,
     UnknownStageError,
 )
@@ -30,11 +33,12 @@ from dh2urdf.source import Mark, Problem
 
 PROBLEM = Problem(message="m", mark=Mark(file="a.csv", line=1), joint="j")
 EVERY_ERROR = [
-    *(kind([PROBLEM]) for kind in (InputError, ConfigError, TableError, OutputError)),
+    *(kind([PROBLEM]) for kind in (InputError, ConfigError, TableError, OutputError, ExecutorError)),
     *(
         kind([PROBLEM])
         for kind in (ManipulatorError, TransformError, RobotError, EmitterError, ProofError, LoaderError)
     ),
+    *(kind([PROBLEM]) for kind in (CrashError, TimeLimitError)),
     UnknownStageError("emitter", "urfd", ["urdf", "xacro"]),
     StageError("emitter 'urdf'", "KeyError: 'x'", "Traceback …"),
     BrokenPluginError("lab = lab.plugin", "lab 1.0", "OSError: gone", "Traceback …"),

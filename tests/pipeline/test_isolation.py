@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import LoaderError, MissingDependencyError
+from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, TimeLimitError
 from dh2urdf.isolation import KEPT_OUTPUT, ChildFailure, load_in_child, run_in_child
 from dh2urdf.robot import Robot
 from dh2urdf.stages import LoadRequest, NoOptions
@@ -109,21 +109,31 @@ def test_huge_output_keeps_beginning_and_end(functions: ModuleType) -> None:
 )
 def test_crash_names_the_signal(functions: ModuleType, number: int, name: str) -> None:
     """A child that dies of a signal is an error that names the signal."""
-    with pytest.raises(LoaderError) as caught:
+    with pytest.raises(CrashError) as caught:
         run_in_child(functions.kill_myself, number, timeout=LONG)
     assert caught.value.problems[0].message == f"the simulator crashed ({name})"
 
 
+def test_messages_name_whom_the_caller_names(functions: ModuleType) -> None:
+    """What is run in a child is not always a simulator."""
+    with pytest.raises(CrashError, match=r"^error: the emitter 'odd' crashed \(aborted\)"):
+        run_in_child(functions.kill_myself, signal.SIGABRT, timeout=LONG, who="the emitter 'odd'")
+    with pytest.raises(CrashError, match=r"^error: the emitter 'odd' left the interpreter"):
+        run_in_child(functions.leave, "SystemExit", timeout=LONG, who="the emitter 'odd'")
+    with pytest.raises(LoaderError, match=r"^error: the emitter 'odd' raised UnpicklableError"):
+        run_in_child(functions.raise_unpicklable, timeout=LONG, who="the emitter 'odd'")
+
+
 def test_crash_tells_the_last_words(functions: ModuleType) -> None:
     """What C printed just before a crash, without a newline or flush, is in the message."""
-    with pytest.raises(LoaderError, match="it printed last: 'the last thing that was said'"):
+    with pytest.raises(CrashError, match="it printed last: 'the last thing that was said'"):
         run_in_child(functions.print_in_c_and_crash, timeout=LONG)
 
 
 @pytest.mark.parametrize("how", ["SystemExit", "os._exit"])
 def test_leaving_is_an_error(functions: ModuleType, how: str) -> None:
     """A function that leaves the interpreter ends the child only, and the error has the exit status."""
-    with pytest.raises(LoaderError, match=r"left the .*exit status 3"):
+    with pytest.raises(CrashError, match=r"left the .*exit status 3"):
         run_in_child(functions.leave, how, timeout=LONG)
 
 
@@ -166,7 +176,7 @@ def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:
 
 def test_function_must_be_importable() -> None:
     """A function without a name in a module is refused before a child starts."""
-    with pytest.raises(LoaderError, match="cannot be sent to a child process"):
+    with pytest.raises(CrashError, match="cannot be sent to a child process"):
         run_in_child(lambda: None, timeout=LONG)
 
 
@@ -176,14 +186,14 @@ def test_module_missing_in_the_child_is_named(tmp_path: Path, monkeypatch: pytes
     with monkeypatch.context() as path:
         path.syspath_prepend(tmp_path)
         import fleeting  # type: ignore[import-not-found]
-    with pytest.raises(LoaderError, match=r"cannot import fleeting\.function: ModuleNotFoundError"):
+    with pytest.raises(CrashError, match=r"cannot import fleeting\.function: ModuleNotFoundError"):
         run_in_child(fleeting.function, timeout=LONG)
 
 
 def test_time_limit_ends_the_whole_group(functions: ModuleType, tmp_path: Path) -> None:
     """A child that hangs is killed at the limit, together with what it started itself."""
     pids = tmp_path / "pids"
-    with pytest.raises(LoaderError, match="did not finish within 3 s"):
+    with pytest.raises(TimeLimitError, match="did not finish within 3 s"):
         run_in_child(functions.hang, str(pids), timeout=3)
     assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
 
@@ -262,3 +272,32 @@ def test_refusal_is_completed_with_the_output(functions: ModuleType, request_for
     with pytest.raises(LoaderError) as caught:
         load_in_child(functions.LOADER, request_for("refused.urdf"), NoOptions())
     assert [problem.message for problem in caught.value.problems] == ["I do not like it", "WARNING: a screw is loose"]
+
+
+def test_a_crash_names_the_loader(functions: ModuleType, request_for: Any) -> None:
+    """A simulator that crashes is told by its loader's name, and what it printed before is read as ever."""
+    with pytest.raises(CrashError) as caught:
+        load_in_child(functions.LOADER, request_for("crash.urdf"), NoOptions())
+    crash, finding = (problem.message for problem in caught.value.problems)
+    assert crash.startswith("the loader 'toy' crashed (segmentation fault)")
+    assert finding == "WARNING: a screw is loose"
+    assert not isinstance(caught.value, TimeLimitError)
+
+
+def test_a_loader_that_hangs_is_over_its_time_limit(functions: ModuleType, request_for: Any) -> None:
+    """The limit is the loader's own, and the error is of its own kind."""
+    with pytest.raises(TimeLimitError, match=r"^error: the loader 'toy' did not finish within 2 s"):
+        load_in_child(functions.HASTY, request_for("hang.urdf"), NoOptions())
+
+
+@pytest.mark.parametrize("name", ["noisy.urdf", "refused_with_its_path.urdf"])
+def test_the_folder_of_the_file_is_not_told(functions: ModuleType, request_for: Any, name: str) -> None:
+    """It is a temporary one of another name in every run; the file's own name is told."""
+    try:
+        report = load_in_child(functions.LOADER, request_for(name), NoOptions())
+        told = [report.output, *(finding.message for finding in report.findings)]
+        assert f"WARNING: {name} is odd" in told
+    except LoaderError as error:
+        told = [problem.message for problem in error.problems]
+        assert told == [f"cannot load {name}", "WARNING: a screw is loose", f"WARNING: {name} is bad"]
+    assert not any(str(request_for(name).path.parent) in text for text in told)

@@ -1,17 +1,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from dh2urdf.columns import replaced
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import (
     compound,
     inertia_problem,
+    is_sound,
     placed,
     principal_moments,
     rotated,
@@ -23,6 +25,8 @@ from dh2urdf.robot import Box, Cylinder, Geometry, Inertial, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
 sizes = st.floats(0.01, 3)
@@ -172,3 +176,35 @@ def test_a_flat_plate_is_a_body() -> None:
     assert inertia_problem(Inertia(ixx=0.1, iyy=0.2, izz=0.30000000000000004)) is None
     plate = rotated(Inertia(ixx=0.1, iyy=0.2, izz=0.3), rotation_from_rpy((0.3, 0.4, 0.5)))
     assert inertia_problem(plate) is None
+
+
+class TestColumns:
+    @given(st.lists(st.tuples(sizes, sizes, sizes, vectors, angles), min_size=2, max_size=5))
+    def test_of_bodies_are_what_each_body_is(
+        self, side_by_side: Callable[[list[Any]], Any], numbers: list[tuple[Any, ...]]
+    ) -> None:
+        """Solids, placed, put together, turned and scaled side by side, to the last bit."""
+
+        def body(shapes: tuple[Geometry, ...], frame: RigidTransform) -> Inertial:
+            parts = [placed(solid(shape, 2700.0), frame) for shape in shapes]
+            whole = compound([*parts, solid(shapes[0], 1000.0)])
+            return Inertial(mass=whole.mass, com=whole.com, inertia=scaled(whole.inertia, 0.3))
+
+        shapes = [(Box(size=(a, b, c)), Cylinder(radius=a, length=b), Sphere(radius=c)) for a, b, c, _, _ in numbers]
+        frames = [RigidTransform.from_xyz_rpy(xyz, (0.0, angle, 0.0)) for *_, xyz, angle in numbers]
+        rotations = side_by_side([tuple(frame.rotation) for frame in frames])
+        translations = side_by_side([frame.translation for frame in frames])
+        together = body(side_by_side(shapes), RigidTransform(rotations, translations))
+        for index, each in enumerate(zip(shapes, frames, strict=True)):
+            assert replaced(together, lambda column, index=index: column[index]) == body(*each)  # type: ignore[misc]
+
+    @given(st.lists(st.tuples(sizes, sizes, sizes, angles, angles, angles), min_size=1, max_size=5))
+    def test_of_tensors_are_sound_where_each_is(self, numbers: list[tuple[float, ...]]) -> None:
+        """And what is sound breaks no rule."""
+        names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        single = [Inertia(**dict(zip(names, each, strict=True))) for each in numbers]
+        columns = Inertia(**dict(zip(names, map(np.array, zip(*numbers, strict=True)), strict=True)))
+        with np.errstate(all="ignore"):
+            sound = is_sound(columns).tolist()
+        assert sound == [is_sound(inertia) for inertia in single]
+        assert not any(inertia_problem(inertia) for inertia, good in zip(single, sound, strict=True) if good)

@@ -3,11 +3,12 @@ from __future__ import annotations
 import json
 import re
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dh2urdf.number_text import format_number, format_numbers
+from dh2urdf.number_text import format_columns, format_number, format_numbers
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 XSD_DOUBLE = re.compile(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]+)?")
@@ -69,3 +70,26 @@ def test_what_is_not_finite_is_refused(number: float) -> None:
     """A robot description has no word for it."""
     with pytest.raises(ValueError, match=f"{number} is not a finite number"):
         format_numbers([0.5, number])
+
+
+@given(st.lists(st.lists(finite | st.sampled_from([0.0, -0.0, 1.0, 10.0, 1e16]), min_size=3, max_size=3), max_size=6))
+def test_columns_are_formatted_as_their_numbers_are(columns: list[list[float]]) -> None:
+    """Many columns in one call give the same texts; one text stands for a column of equal numbers."""
+    for column, texts in zip(columns, format_columns([np.array(column) for column in columns]), strict=True):
+        expected = format_numbers(column)
+        assert ([texts] * 3 if isinstance(texts, str) else texts) == expected
+        assert isinstance(texts, str) is (len(set(column)) == 1)
+
+
+def test_equal_columns_share_their_texts() -> None:
+    """A number that stands in a file twice is formatted once."""
+    first, second, other = format_columns([np.array([0.5, 1.5]), np.array([0.5, 1.5]), np.array([0.5, 2.0])])
+    assert first is second
+    assert other == ["0.5", "2"]
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf")])
+def test_a_column_that_is_not_finite_is_refused(number: float) -> None:
+    """As a number is."""
+    with pytest.raises(ValueError, match=f"{number} is not a finite number"):
+        format_columns([np.array([0.5, 1.0]), np.array([0.5, number])])

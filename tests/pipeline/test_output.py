@@ -17,6 +17,7 @@ from dh2urdf.output import (
     reporting_os_errors,
     safe_stem,
     staging,
+    write_all,
     write_files,
     write_whole,
 )
@@ -124,6 +125,11 @@ class TestStems:
         stems = Stems()
         given_out = [stems.claim(name)[0] for name in ("arm", "arm-2", "arm", "arm", "ARM-2")]
         assert given_out == ["arm", "arm-2", "arm-3", "arm-4", "ARM-2-2"]
+
+    def test_stems_may_have_a_rule_of_their_own(self) -> None:
+        """Where stems are made otherwise, as for shards, they are kept apart as well."""
+        stems = Stems(lambda name: safe_stem(name).replace(".", "_"))
+        assert [stems.claim(name)[0] for name in ("a.1", "a_1", "b")] == ["a_1", "a_1-2", "b"]
 
     @given(st.lists(any_text, max_size=20))
     def test_no_two_manipulators_share_a_stem(self, names: list[str]) -> None:
@@ -279,6 +285,16 @@ class TestWriteWhole:
         assert str(caught.value) == f"error: cannot write '{path}': {os.strerror(errno.ENOSPC)}"
         assert tree(tmp_path) == {"report.json": b"old"}
         assert len(list(tmp_path.iterdir())) == 1
+
+
+class TestWriteAll:
+    def test_a_system_that_takes_some_at_a_time(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """What one call does not take, the next ones do, and no byte is written twice."""
+        write = os.write
+        monkeypatch.setattr(os, "write", lambda descriptor, content: write(descriptor, content[:7]))
+        with (tmp_path / "file").open("wb", buffering=0) as file:
+            write_all(file.fileno(), bytes(range(250)))
+        assert (tmp_path / "file").read_bytes() == bytes(range(250))
 
 
 class TestReportingOsErrors:

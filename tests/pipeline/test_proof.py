@@ -9,7 +9,7 @@ import pytest
 
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.proof import LARGEST_SAMPLE, TOLERANCE, Proof, joint_vectors, proof_vectors, prove
+from dh2urdf.proof import LARGEST_SAMPLE, TOLERANCE, Proof, fractions, joint_vectors, proof_vectors, prove
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.truth import Truth
 
@@ -116,10 +116,14 @@ class TestJointVectors:
         there = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
         assert there.strip() == str(here)
 
-    def test_each_manipulator_has_its_own(self) -> None:
-        """Two arms of one build are not tried at the same vectors only."""
-        other = replace(TABLE, name="other")
-        assert joint_vectors(Truth.of(other), written(), 3)[1:] != joint_vectors(TRUTH, written(), 3)[1:]
+    def test_arms_of_as_many_joints_have_the_same(self) -> None:
+        """The vectors are fractions of the limits that depend on the number of joints alone."""
+        assert joint_vectors(Truth.of(replace(TABLE, name="other")), written(), 9) == joint_vectors(TRUTH, written(), 9)
+        wider = replace(joint("turn"), limits=Limits(lower=-2.0, upper=4.0))
+        turns = [q[0] for q in joint_vectors(TRUTH, written(), 9)]
+        assert [q[0] for q in joint_vectors(TRUTH, written(turn=wider), 9)] == [2 * turn for turn in turns]
+        ones = [u for (u,) in fractions(1, 8)]
+        assert ones != [u for u, _ in fractions(2, 8)]
 
     def test_a_proof_also_tries_zero_and_both_ends(self) -> None:
         """A proof tries zero, also where the limits do not allow it, the lower ends and the upper ends."""
@@ -197,6 +201,10 @@ class TestProve:
         """Position and angle both have to be within 1e-9; what is not a number is not proved."""
         proof = Proof(position_error=position, angle_error=angle, q=(), tolerance=1e-9, poses=1)
         assert proof.holds is holds
+
+    def test_an_infinite_error_is_never_within_the_tolerance(self) -> None:
+        """An arm whose lengths add up to infinity, and whose tolerance is that, is not proved."""
+        assert not Proof(position_error=math.inf, angle_error=0.0, q=(), tolerance=math.inf, poses=1).holds
 
     def test_a_description_that_is_not_a_number_is_not_proved(self) -> None:
         """A description with NaN in it, which compares with nothing, does not pass for a good one."""

@@ -2,9 +2,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import (
@@ -22,10 +26,12 @@ from dh2urdf.robot import (
     Sphere,
     Visual,
 )
-from dh2urdf.robot_check import check_robot
+from dh2urdf.robot_check import check_robot, sure_columns
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from dh2urdf.source import Problem
 
 BODY = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
@@ -297,3 +303,83 @@ def test_a_parameter_is_one_finite_number(values: tuple[float, ...], says: str) 
     """The property of a macro."""
     parameters = tuple(Parameter(name="a_1", value=value, unit="m", joint="joint_1") for value in values)
     assert says in only(replace(GOOD, parameters=parameters)).message
+
+
+# Many robots at once.
+
+
+ROUND = Robot(
+    name="arm",
+    links=(
+        Link(name="base_link"),
+        Link(name="base_link_inertia", inertial=BODY, visuals=(Visual(geometry=Sphere(radius=0.5)),)),
+        Link(
+            name="link_1",
+            inertial=BODY,
+            visuals=(
+                Visual(geometry=Box(size=(1.0, 1.0, 1.0)), material=Material(name="m", rgba=(1.0, 1.0, 1.0, 1.0))),
+            ),
+            collisions=(Collision(geometry=Cylinder(radius=1.0, length=1.0)),),
+        ),
+        Link(name="link_2", inertial=BODY, visuals=(Visual(geometry=Mesh(filename="a.stl")),)),
+        Link(name="tool0"),
+    ),
+    joints=(
+        held("base_link", "base_link_inertia"),
+        joint("joint_1", "base_link_inertia", "link_1", damping=0.5, friction=0.5),
+        joint("joint_2", "link_1", "link_2", type=JointType.CONTINUOUS, limits=Limits(velocity=1.0, effort=1.0)),
+        held("link_2", "tool0"),
+    ),
+)
+NUMBERS_OF_ROUND = 107
+WRONG = [NAN, INF, -INF, 0.0, -0.0, -1.0, 1e-300, 1e300, 2.0, 1.0 + 1e-8]
+
+
+@given(st.data())
+def test_a_robot_with_a_fault_is_never_sure(
+    with_numbers: Callable[..., Any], side_by_side: Callable[..., Any], data: st.DataObject
+) -> None:
+    """Whichever number of a robot is wrong, columns of robots know it, and think no worse of its neighbours."""
+    wrong = {data.draw(st.integers(0, NUMBERS_OF_ROUND - 1)): data.draw(st.sampled_from(WRONG)) for _ in range(2)}
+    places = count()
+    other = with_numbers(ROUND, lambda number: wrong.get(next(places), number))
+    robots = [ROUND, other, ROUND]
+    data.draw(st.randoms()).shuffle(robots)
+    sure = sure_columns(side_by_side(robots), ["arm"] * 3).tolist()
+    for robot, is_sure in zip(robots, sure, strict=True):
+        assert not (is_sure and check_robot(robot))
+        assert is_sure or robot is other
+
+
+def test_every_number_may_be_wrong(with_numbers: Callable[..., Any]) -> None:
+    """The test above reaches all of them."""
+    found: list[float] = []
+    with_numbers(ROUND, found.append)
+    assert len(found) == NUMBERS_OF_ROUND
+
+
+def test_what_robots_have_alike_is_judged_by_one_of_them() -> None:
+    """Names, structure and common numbers are those of any of them."""
+    for faulty in (
+        with_link(name="joint_1"),
+        with_link(name="two words"),
+        with_joint(type=JointType.CONTINUOUS),
+        with_joint(limits=Limits(lower=0.0)),
+        replace(GOOD, links=GOOD.links[:-1]),
+    ):
+        assert check_robot(faulty)
+        columns = replace(
+            faulty, links=(*faulty.links[:1], replace(faulty.links[1], inertial=_heavy(1.0, 2.0)), *faulty.links[2:])
+        )
+        assert sure_columns(columns, ["a", "b"]).tolist() == [False, False]
+        assert sure_columns(faulty, ["a", "b"]).tolist() == [False, False]
+    assert sure_columns(GOOD, ["a", "b"]).tolist() == [True, True]
+
+
+def _heavy(*masses: float) -> Inertial:
+    return replace(BODY, mass=np.array(masses))
+
+
+def test_a_robot_without_a_name_is_not_sure() -> None:
+    """Names differ from robot to robot as numbers do."""
+    assert sure_columns(GOOD, ["a", " ", ""]).tolist() == [True, False, False]

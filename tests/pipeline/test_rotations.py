@@ -16,6 +16,7 @@ from dh2urdf.rotations import (
     RigidTransform,
     add,
     cos_sin,
+    exact_cos_sin,
     multiply,
     norm,
     quarter_turns,
@@ -169,3 +170,42 @@ def test_rigid_transforms_multiply_like_their_matrices(xyz: Vec3, rpy: Vec3, oth
     np.testing.assert_allclose(matrix(both.rotation), turned(rpy) @ turned(other_rpy), atol=2 * EXACT)
     assert left @ IDENTITY == left
     np.testing.assert_allclose(matrix(rotation_from_rpy(left.rpy)), matrix(left.rotation), atol=EXACT)
+
+
+# Columns.
+
+
+many_angles = st.lists(
+    st.floats(-20.0, 20.0)
+    | st.sampled_from([k * HALF_PI for k in range(-9, 10)])
+    | st.sampled_from([1.5708, 3.14, -0.0]),
+    min_size=3,
+    max_size=9,
+)
+
+
+@given(many_angles)
+def test_the_cosines_and_sines_of_a_column_are_those_of_its_angles(angles: list[float]) -> None:
+    """To the last bit: a robot is the same alone and beside others."""
+    cosines, sines = exact_cos_sin(np.array(angles))
+    assert list(zip(cosines.tolist(), sines.tolist(), strict=True)) == [cos_sin(angle) for angle in angles]
+
+
+@given(many_angles, many_angles, st.sampled_from([0.0, HALF_PI, 0.3]))
+def test_the_rotations_of_a_column_are_those_of_its_angles(rolls: list[float], yaws: list[float], pitch: float) -> None:
+    """There and back, to the last bit, some of the angles the same for all."""
+    columns = zip(rolls, yaws, strict=False)
+    single = [rotation_from_rpy((roll, pitch, yaw)) for roll, yaw in columns]
+    size = len(single)
+    together = rotation_from_rpy((np.array(rolls[:size]), pitch, np.array(yaws[:size])))  # type: ignore[arg-type]
+    assert list(zip(*(np.broadcast_to(element, size).tolist() for element in together), strict=True)) == single
+    back = rpy_from_rotation(together)
+    expected = [rpy_from_rotation(rotation) for rotation in single]
+    assert list(zip(*(np.broadcast_to(angle, size).tolist() for angle in back), strict=True)) == expected
+
+
+@given(st.lists(st.tuples(*[st.floats(-1e3, 1e3)] * 3), min_size=1, max_size=5))
+def test_the_lengths_of_a_column_are_those_of_its_vectors(vectors: list[Vec3]) -> None:
+    """To the last bit."""
+    x, y, z = (np.array(column) for column in zip(*vectors, strict=True))
+    assert norm((x, y, z)).tolist() == [norm(vector) for vector in vectors]  # type: ignore[attr-defined, arg-type]

@@ -1,27 +1,33 @@
 from __future__ import annotations
 
+import json
 import pickle
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf import run
+from dh2urdf.batches import Expected, batches
 from dh2urdf.config import load_config
-from dh2urdf.conversion import Call
+from dh2urdf.conversion import Call, Sample
 from dh2urdf.errors import ConfigError, MissingDependencyError, OutputError, TableError, TransformError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.outcome import Row, to_text
 from dh2urdf.registry import KINDS, Catalog, Plugin, load
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
-from dh2urdf.run import Outcome, execute, make_plan
+from dh2urdf.run import execute, make_plan
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from dh2urdf import run
+    from dh2urdf.batch_report import BatchReport
 
 # The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
 # names, a line each, and what a name begins with says what becomes of it.
@@ -152,12 +158,25 @@ class Lab:
         )
         return make_plan(load_config(self.folder / "run.yaml"), self.catalog)
 
-    def run(self, names: str, more: str = "", **how: Any) -> list[Outcome]:
-        """A run over a table of names."""
-        return execute(self.plan(f"inputs: names.list\n{more}", names=names.replace(" ", "\n")), **how)
+    def run(self, names: str, more: str = "", **how: Any) -> list[Row]:
+        """The rows of a run over a table of names."""
+        return rows(self.plan(f"inputs: names.list\n{more}", names=names.replace(" ", "\n")), **how)
 
     def written(self) -> set[str]:
-        return {path.name for path in self.output.iterdir()} if self.output.exists() else set()
+        """The files of its manipulators."""
+        return {path.name for path in self.output.iterdir()} - REPORTS if self.output.exists() else set()
+
+
+REPORTS = {"manifest.jsonl", "manifest.parquet", "report.json", "index.json", "timing.json"}
+
+
+def rows(plan: run.Plan, **how: Any) -> list[Row]:
+    """The rows of a run, which are in its manifest and, of a short one, in its report."""
+    _, report = execute(plan, **how)
+    if not how.get("dry_run"):
+        with plan.store.open("manifest.jsonl") as manifest:
+            assert [json.loads(line) for line in manifest] == json.loads(to_text(report["manipulators"]))
+    return json.loads(to_text(report["manipulators"]))  # type: ignore[no-any-return]
 
 
 @pytest.fixture
@@ -190,8 +209,8 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Lab:
     return Lab(tmp_path, tuple(loaders))
 
 
-def messages(problems: tuple[Problem, ...]) -> list[str]:
-    return [problem.message for problem in problems]
+def messages(problems: Any) -> list[str]:
+    return [problem["message"] for problem in problems]
 
 
 class TestPlan:
@@ -203,7 +222,7 @@ class TestPlan:
         assert plan.recipe.transform.options == DrawOptions()
         assert [call.stage.name for call in plan.recipe.loaders] == ["paper"]
         assert plan.executor.name == "here"
-        assert plan.directory == lab.output
+        assert str(plan.store) == str(lab.output)
 
     def test_all_that_is_wrong_is_said_at_once(self, lab: Lab) -> None:
         """Unknown stages, wrong options, a file that nobody reads and a loader without a file come together, by line."""
@@ -238,90 +257,98 @@ class TestExecute:
     def test_outcomes_come_in_the_order_of_the_inputs(self, lab: Lab) -> None:
         """One outcome per manipulator, with its source, and its files in the output folder."""
         plan = lab.plan("inputs: [a.list, b.list]", a="two\none", b="three")
-        outcomes = execute(plan)
-        assert [(outcome.name, outcome.status) for outcome in outcomes] == [
+        outcomes = rows(plan)
+        assert [(outcome["name"], outcome["status"]) for outcome in outcomes] == [
             ("two", "ok"),
             ("one", "ok"),
             ("three", "ok"),
         ]
-        assert [Path(outcome.source).name for outcome in outcomes] == ["a.list", "a.list", "b.list"]
+        assert [Path(outcome["source"]).name for outcome in outcomes] == ["a.list", "a.list", "b.list"]
         assert lab.written() == {"two.pickle", "one.pickle", "three.pickle"}
-        (written,) = outcomes[0].written
-        assert written.proof is not None
-        assert written.proof.position_error < 1e-15
-        assert set(outcomes[0].seconds) == {"transform", "write"}
+        assert outcomes[0]["proof"]["pickle"]["position_error"] < 1e-15
+        timing = json.loads((lab.output / "timing.json").read_bytes())
+        assert [set(entry) for entry in timing["manipulators"]] == [{"name", "transform", "emit"}] * 3
 
     def test_a_bad_manipulator_fails_alone(self, lab: Lab) -> None:
         """What cannot be read, and what the transform refuses, fail with their reasons and places; others are written."""
         outcomes = lab.run("arm bad1 stiff leg")
-        assert [outcome.status for outcome in outcomes] == ["ok", "failed", "failed", "ok"]
+        assert [outcome["status"] for outcome in outcomes] == ["ok", "failed", "failed", "ok"]
+        told = [
+            (row["kind"], *map(row["errors"][0].get, ("file", "line", "joint", "message"))) for row in outcomes[1:3]
+        ]
         source = str(lab.folder / "names.list")
-        assert str(outcomes[1].errors[0]) == f"{source}:2: error: bad1 is bad"
-        assert str(outcomes[2].errors[0]) == f"{source}:3: error: joint 'turn': it does not bend"
-        assert outcomes[2].errors[0].robot == "stiff"
+        assert told == [
+            ("table", source, 2, None, "bad1 is bad"),
+            ("transform", source, 3, "turn", "it does not bend"),
+        ]
         assert lab.written() == {"arm.pickle", "leg.pickle"}
 
     def test_nothing_readable_is_one_error(self, lab: Lab) -> None:
         """Where no manipulator can be read, the run is an error with all problems, and nobody is told twice."""
-        noted: list[Outcome] = []
+        noted: list[BatchReport] = []
         with pytest.raises(TableError) as caught:
-            lab.run("bad1 bad2", note=noted.append)
-        assert messages(caught.value.problems) == ["bad1 is bad", "bad2 is bad"]
+            lab.run("bad1 bad2", note=lambda report, _: noted.append(report))
+        assert [problem.message for problem in caught.value.problems] == ["bad1 is bad", "bad2 is bad"]
         assert noted == []
         assert lab.written() == set()
 
-    def test_every_outcome_is_noted_in_order(self, lab: Lab) -> None:
-        """Also those that failed before the first that could be read."""
-        noted: list[Outcome] = []
-        assert lab.run("bad1 bad2 arm bad3", note=noted.append) == noted
-        assert [outcome.name for outcome in noted] == ["bad1", "bad2", "arm", "bad3"]
+    def test_every_batch_is_noted_in_order(self, lab: Lab) -> None:
+        """Also those that failed before the first that could be read; and how many there will be, by the lines read."""
+        noted: list[tuple[BatchReport, int | None]] = []
+        lab.run("bad1 bad2 arm bad3", note=lambda *told: noted.append(told))
+        names = [json.loads(row)["name"] for report, _ in noted for row in report.rows.splitlines()]
+        assert names == ["bad1", "bad2", "arm", "bad3"]
+        assert [report.first for report, _ in noted] == sorted(report.first for report, _ in noted)
+        assert noted[-1][1] in {3, 4}
 
     def test_an_empty_input_is_an_error_of_its_own(self, lab: Lab) -> None:
         """A table without a manipulator does not pass in silence, and does not stop the others."""
-        empty, arm = execute(lab.plan("inputs: [empty.list, arm.list]", empty="", arm="arm"))
-        assert (empty.name, empty.status) == ("empty", "failed")
-        assert str(empty.errors[0]) == f"{lab.folder / 'empty.list'}: error: there is no manipulator in it"
-        assert arm.status == "ok"
+        empty, arm = rows(lab.plan("inputs: [empty.list, arm.list]", empty="", arm="arm"))
+        assert (empty["name"], empty["status"]) == ("empty", "failed")
+        assert messages(empty["errors"]) == ["there is no manipulator in it"]
+        assert empty["errors"][0]["file"] == str(lab.folder / "empty.list")
+        assert arm["status"] == "ok"
 
     def test_a_reader_that_breaks_ends_its_own_input(self, lab: Lab) -> None:
         """Manipulators before the crash and other inputs are written; the crash is told with file, stage, traceback."""
-        first, crash, last = execute(lab.plan("inputs: [a.list, b.list]", a="arm\ncrash\nleg", b="hand"))
-        assert (first.name, last.name) == ("arm", "hand")
-        assert crash.status == "failed"
-        (problem,) = crash.errors
-        assert str(problem).startswith(
-            f"{lab.folder / 'a.list'}: error: reader 'list' failed: ZeroDivisionError: no such number"
-        )
-        assert 'raise ZeroDivisionError("no such number")' in crash.traceback
+        noted: list[BatchReport] = []
+        plan = lab.plan("inputs: [a.list, b.list]", a="arm\ncrash\nleg", b="hand")
+        first, crash, last = rows(plan, note=lambda report, _: noted.append(report))
+        assert (first["name"], last["name"]) == ("arm", "hand")
+        assert crash["status"] == "failed"
+        (problem,) = crash["errors"]
+        assert problem["message"].startswith("reader 'list' failed: ZeroDivisionError: no such number")
+        assert problem["file"] == str(lab.folder / "a.list")
+        tracebacks = [text for report in noted for text in report.tracebacks]
+        assert ['raise ZeroDivisionError("no such number")' in text for text in tracebacks] == [True]
 
     def test_notices_of_reader_and_transform_are_kept(self, lab: Lab) -> None:
         """What reader and transform want a person to know, in this order."""
         (outcome,) = lab.run("odd")
-        assert messages(outcome.notices) == ["read with care", "drawn with care"]
+        assert messages(outcome["notices"]) == ["read with care", "drawn with care"]
 
     def test_a_file_that_is_another_arm_fails(self, lab: Lab) -> None:
         """A transform that says it keeps the kinematics, and does not, fails in the proof; nothing is written."""
         plan = lab.plan("inputs: arm.list", arm="arm")
         longer = replace(plan.recipe.transform, options=DrawOptions(length=0.6))
-        (outcome,) = execute(replace(plan, recipe=replace(plan.recipe, transform=longer)))
-        assert outcome.status == "failed"
-        assert "is not the arm of the table: tool0 is off by 0.1 m" in outcome.errors[0].message
+        (outcome,) = rows(replace(plan, recipe=replace(plan.recipe, transform=longer)))
+        assert outcome["status"] == "failed"
+        assert "is not the arm of the table: tool0 is off by 0.1 m" in outcome["errors"][0]["message"]
         assert lab.written() == set()
 
     def test_a_difference_that_was_announced_fails_nothing(self, lab: Lab) -> None:
         """A transform that does not keep the kinematics is reported with its error."""
         plan = lab.plan("inputs: arm.list", arm="arm")
         other = replace(plan.recipe.transform, options=DrawOptions(length=0.6, keeps=False))
-        (outcome,) = execute(replace(plan, recipe=replace(plan.recipe, transform=other)))
-        assert (outcome.status, outcome.keeps_kinematics) == ("ok", False)
-        assert outcome.written[0].proof is not None
-        assert outcome.written[0].proof.position_error == pytest.approx(0.1)
+        (outcome,) = rows(replace(plan, recipe=replace(plan.recipe, transform=other)))
+        assert (outcome["status"], outcome["keeps_kinematics"]) == ("ok", False)
+        assert outcome["proof"]["pickle"]["position_error"] == pytest.approx(0.1)
 
     def test_a_dry_run_writes_nothing_and_finds_what_a_run_finds(self, lab: Lab) -> None:
         """Everything is read and transformed; what fails fails, what would be written is skipped."""
         outcomes = lab.run("odd stiff bad1", dry_run=True)
-        assert [outcome.status for outcome in outcomes] == ["skipped", "failed", "failed"]
-        assert messages(outcomes[0].notices) == ["read with care", "drawn with care"]
+        assert [outcome["status"] for outcome in outcomes] == ["skipped", "failed", "failed"]
+        assert messages(outcomes[0]["notices"]) == ["read with care", "drawn with care"]
         assert lab.written() == set()
 
     def test_a_folder_that_cannot_be_written_to_ends_the_run(self, lab: Lab) -> None:
@@ -335,20 +362,19 @@ class TestNames:
     def test_two_manipulators_of_one_name_do_not_overwrite_each_other(self, lab: Lab) -> None:
         """The second gets a stem of its own, and a notice with it; upper and lower case make no other name."""
         outcomes = lab.run("arm arm ARM")
-        assert [outcome.written[0].files[0].name for outcome in outcomes] == [
-            *("arm.pickle", "arm-2.pickle", "ARM-3.pickle")
+        files = [outcome["files"][0]["path"] for outcome in outcomes]
+        assert files == ["arm.pickle", "arm-2.pickle", "ARM-3.pickle"]
+        assert outcomes[0]["notices"] == []
+        assert messages(outcomes[1]["notices"]) == [
+            "its files are named 'arm-2': 'arm' belongs to another manipulator of this run"
         ]
-        assert outcomes[0].notices == ()
-        assert messages(outcomes[1].notices) == [
-            "its files are named 'arm-2': 'arm' belongs to the manipulator 'arm' of this run"
-        ]
-        assert [read_back(path).name for path in sorted(lab.output.iterdir())] == ["ARM", "arm", "arm"]
+        assert [read_back(lab.output / name).name for name in sorted(lab.written())] == ["ARM", "arm", "arm"]
 
     def test_a_name_stays_in_the_output_folder(self, lab: Lab) -> None:
         """A name that is a path becomes a plain file name; the robot keeps it as it is."""
         (outcome,) = lab.run("../../etc/passwd")
         assert lab.written() == {"etc_passwd.pickle"}
-        assert outcome.name == "../../etc/passwd"
+        assert outcome["name"] == "../../etc/passwd"
         assert read_back(lab.output / "etc_passwd.pickle").name == "../../etc/passwd"
 
 
@@ -356,11 +382,12 @@ class TestLoaders:
     def test_the_report_of_each_is_in_the_outcome(self, lab: Lab) -> None:
         """By the loader's name, with what the simulator printed, how long it took, and a picture of its own name."""
         (outcome,) = lab.run("arm", "loaders: [paper, cardboard]")
-        assert set(outcome.loads) == {"paper", "cardboard"}
-        assert [report.picture for report in outcome.loads.values()] == ["arm.png", "arm.cardboard.png"]
-        assert outcome.loads["paper"].output == "loading arm.pickle\n"
-        assert outcome.loads["paper"].poses == 3
-        assert set(outcome.seconds) == {"transform", "write", "load paper", "load cardboard"}
+        assert set(outcome["loaders"]) == {"paper", "cardboard"}
+        assert [report["picture"] for report in outcome["loaders"].values()] == ["arm.png", "arm.cardboard.png"]
+        assert outcome["loaders"]["paper"]["output"] == "loading arm.pickle\n"
+        assert outcome["loaders"]["paper"]["poses"] == 3
+        (timing,) = json.loads((lab.output / "timing.json").read_bytes())["manipulators"]
+        assert set(timing) == {"name", "transform", "emit", "load paper", "load cardboard"}
         assert lab.written() == {"arm.pickle", "arm.png", "arm.cardboard.png"}
 
     @pytest.mark.parametrize(("keeps", "expected"), [(True, 0.5), (False, 0.6)])
@@ -369,35 +396,37 @@ class TestLoaders:
         plan = lab.plan("inputs: arm.list\nloaders: paper", arm="arm")
         options = DrawOptions(length=expected, keeps=keeps)
         recipe = replace(plan.recipe, transform=replace(plan.recipe.transform, options=options))
-        (outcome,) = execute(replace(plan, recipe=recipe))
-        assert outcome.loads["paper"].position_error == expected
+        (outcome,) = rows(replace(plan, recipe=recipe))
+        assert outcome["loaders"]["paper"]["position_error"] == expected
 
     def test_one_that_refuses_fails_its_manipulator_alone(self, lab: Lab) -> None:
         """The files stay for a person to look at; other manipulators go on."""
         heavy, arm = lab.run("heavy arm", "loaders: paper")
-        assert (heavy.status, arm.status) == ("failed", "ok")
-        assert messages(heavy.errors) == ["too heavy to hold"]
+        assert (heavy["status"], arm["status"]) == ("failed", "ok")
+        assert messages(heavy["errors"]) == ["too heavy to hold"]
         assert lab.written() == {"heavy.pickle", "arm.pickle", "arm.png"}
 
 
 class TestLongRuns:
-    def test_slow_proofs_are_a_sample(self, lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Beyond the first hundred, a format whose proof is slow is proved in every fiftieth manipulator."""
-        assert (run.ALL_PROVED, run.SAMPLE) == (100, 50)
-        monkeypatch.setattr(run, "ALL_PROVED", 3)
-        monkeypatch.setattr(run, "SAMPLE", 5)
-        outcomes = lab.run(" ".join(f"arm{number}" for number in range(12)))
-        proved = [number for number, outcome in enumerate(outcomes) if outcome.written[0].proof]
+    def test_what_is_slow_is_a_sample(self, lab: Lab) -> None:
+        """Beyond the first hundred, a slow proof is made, and a simulator asked, for every fiftieth manipulator."""
+        assert lab.plan("inputs: a.list", a="arm").recipe.sample == Sample(first=100, every=50)
+        names = " ".join(f"arm{number}" for number in range(12))
+        outcomes = lab.run(names, "loaders: paper\nsample: {first: 3, every: 5}")
+        proved = [number for number, outcome in enumerate(outcomes) if outcome["proof"]["pickle"]]
         assert proved == [0, 1, 2, 5, 10]
+        assert [number for number, outcome in enumerate(outcomes) if outcome["loaders"]] == proved
 
-    def test_tasks_are_taken_as_they_are_needed(self, lab: Lab) -> None:
+    def test_the_proof_can_be_a_sample(self, lab: Lab) -> None:
+        """How many are proved is a setting; all of them are by default."""
+        outcomes = lab.run("a b c d e", "proof: {every: 2}")
+        assert [bool(outcome["proof"]["pickle"]) for outcome in outcomes] == [True, False, True, False, True]
+
+    def test_batches_are_taken_as_they_are_needed(self, lab: Lab) -> None:
         """A table of a million is not read before the first manipulator is made."""
-        taken = []
-        for task in run.tasks(lab.plan("inputs: a.list", a="arm\nleg\ncrash")):
-            taken.append(task.item.name)
-            if len(taken) == 2:
-                break
-        assert taken == ["arm", "leg"]
+        plan = lab.plan("inputs: a.list", a="arm\nleg\ncrash")
+        taken = [batch.names for batch in islice(batches(plan, Expected(plan)), 2)]
+        assert taken == [("arm",), ("leg",)]
 
 
 class TestCallsInOtherProcesses:

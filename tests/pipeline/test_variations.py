@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections import Counter
 from dataclasses import replace
-from itertools import product
+from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,13 +18,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dh2urdf.batches import Expected, batches
 from dh2urdf.config import load_config
 from dh2urdf.errors import ConfigError, ManipulatorError
 from dh2urdf.kinematics import as_matrices, forward_kinematics
 from dh2urdf.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform, Value
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.registry import load
-from dh2urdf.run import make_plan, tasks
+from dh2urdf.run import make_plan
 from dh2urdf.sampling import Sampling
 from dh2urdf.source import Mark
 from dh2urdf.variation_binding import bind
@@ -474,18 +475,20 @@ def test_a_variant_gives_way_to_an_input_of_its_name(cli: Callable[..., Answer],
 
 
 def test_nothing_grows_with_the_count(tmp_path: Path) -> None:
-    """The tasks of a billion variants come one by one, each small enough to be sent to a worker."""
+    """The batches of a billion variants come one by one, each small enough to be sent to a worker."""
     (tmp_path / "arm.csv").write_text(TABLE)
     (tmp_path / "run.yaml").write_text(
         "inputs: arm.csv\nvariations: {of: arm, count: 1000000000, sampling: latin-hypercube,"
         " vary: [{joints: all, field: mass, uniform: [1, 2]}]}\n"
     )
-    stream = tasks(make_plan(load_config(tmp_path / "run.yaml"), load()))
-    for _ in range(100):
-        next(stream)
-    task = next(stream)
-    assert (task.stem, task.index) == ("arm_0000000100", 100)
-    assert len(pickle.dumps(task)) < 10_000
+    plan = make_plan(load_config(tmp_path / "run.yaml"), load())
+    expected, made = Expected(plan), 0
+    for batch in islice(batches(plan, expected), 20):
+        assert batch.first == made
+        made += len(batch)
+        assert len(pickle.dumps(batch)) < 10_000 + 100 * len(batch)
+    assert batch.names[-1] == batch.stems[-1] == f"arm_{made - 1:010d}"
+    assert expected.total == 1_000_000_001
 
 
 @given(st.integers(0, 2**64 - 1), st.integers(1, 50))

@@ -1,15 +1,15 @@
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.cli.summary import MOST_ROWS, print_summary
-from dh2urdf.conversion import Written, WrittenFile
+from dh2urdf.cli.summary import MANY, MOST_ROWS, print_summary
+from dh2urdf.conversion import Written
+from dh2urdf.outcome import Outcome
 from dh2urdf.proof import Proof
-from dh2urdf.run import Outcome
-from dh2urdf.stages import LoadReport
+from dh2urdf.run import Result
+from dh2urdf.stages import EmittedFile, LoadReport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def wrote(stage: str, error: float | None) -> Written:
     proof = None if error is None else Proof(position_error=error, angle_error=0, q=(), tolerance=1e-9, poses=1)
-    return Written(stage=stage, files=(WrittenFile(name=f"arm.{stage}", stage=stage, size=1, sha256=""),), proof=proof)
+    return Written(stage=stage, files=(EmittedFile(name=f"arm.{stage}", content=b""),), proof=proof)
 
 
 def outcome(name: str = "arm", status: Any = "ok", **fields: Any) -> Outcome:
@@ -26,10 +26,21 @@ def outcome(name: str = "arm", status: Any = "ok", **fields: Any) -> Outcome:
 
 @pytest.fixture
 def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
-    """The lines of a summary."""
+    """The lines of a summary: of a run of these outcomes and, where its report has no row of them, of some others."""
 
-    def call(*outcomes: Outcome, dry_run: bool = False) -> list[str]:
-        print_summary(outcomes, Path("build/out"), dry_run=dry_run)
+    def call(
+        *outcomes: Outcome, dry_run: bool = False, seconds: float = 1.0, kinds: dict[str, int] | None = None, **others: int
+    ) -> list[str]:
+        result = Result(keeps_kinematics=all(each.keeps_kinematics for each in outcomes))
+        result.seconds["total"] = seconds
+        result.statuses.update(each.status for each in outcomes)
+        result.statuses.update(others)
+        result.kinds.update(kinds or {})
+        rows = [
+            each.row("", [{"path": file.name} for written in each.written for file in written.files])
+            for each in outcomes
+        ]
+        print_summary(result, {"manipulators": rows}, "build/out", dry_run=dry_run)
         return capsys.readouterr().out.splitlines()
 
     return call
@@ -54,7 +65,7 @@ def test_a_column_per_emitter_and_loader(printed: Callable[..., list[str]]) -> N
     assert columns(lines) == ["manipulator", "status", "urdf", "dae", "txt", "paper", "holds still", "files"]
     assert cells(lines) == [["arm", "ok", "1.5e-16", "–", "0", "3.3e-08", "yes", "arm.urdf, arm.dae, arm.txt, arm.png"]]
     assert lines[0] == "largest distance of tool0 from the DH product, in metres:"
-    assert lines[-2:] == ["1 ok", "written to build/out"]
+    assert lines[-2:] == ["1 made", "written to build/out"]
 
 
 @pytest.mark.parametrize(
@@ -70,17 +81,30 @@ def test_failures_come_first(printed: Callable[..., list[str]]) -> None:
     """Whoever looks at the top sees what is wrong; the counts are at the end."""
     lines = printed(outcome("a", written=(wrote("urdf", 0.0),)), outcome("b", "failed"), outcome("c", "failed"))
     assert [row[:3] for row in cells(lines)] == [["b", "failed", "–"], ["c", "failed", "–"], ["a", "ok", "0"]]
-    assert "1 ok, 2 failed" in lines
+    assert "1 made, 2 failed" in lines
+
+
+def test_failures_are_counted_by_kind(printed: Callable[..., list[str]]) -> None:
+    """The commonest kind first; what an earlier run had finished counts by itself."""
+    lines = printed(outcome(), kept=1200, failed=5, kinds={"table": 2, "time limit": 3})
+    assert "1 made, 1,200 unchanged, 5 failed (time limit: 3, table: 2); 1,206 per second" in lines
 
 
 def test_a_long_run_is_cut(printed: Callable[..., list[str]]) -> None:
-    """A screenful of rows, the failures among them, and the number of the others."""
-    outcomes = [outcome(f"arm{i}") for i in range(MOST_ROWS + 59)]
-    lines = printed(*outcomes, outcome("bad", "failed"))
+    """A screenful of rows, the failures among them, and the number of the others, in the report or not."""
+    outcomes = [outcome(f"arm{i}") for i in range(MOST_ROWS + 9)]
+    lines = printed(*outcomes, outcome("bad", "failed"), ok=1_000_000, seconds=1000.0)
     assert cells(lines)[0][0] == "bad"
     assert len(cells(lines)) == MOST_ROWS
-    assert "and 60 more manipulators" in lines
-    assert f"{MOST_ROWS + 59} ok, 1 failed" in lines
+    assert "and 1,000,010 more manipulators" in lines
+    assert "1,000,049 made, 1 failed; 1,000 per second" in lines
+
+
+def test_a_short_run_has_no_rate(printed: Callable[..., list[str]]) -> None:
+    """The start of the program would be most of it."""
+    outcomes = [outcome(f"arm{i}") for i in range(MANY)]
+    assert f"{MANY - 1} made" in printed(*outcomes[1:])
+    assert f"{MANY} made; 200 per second" in printed(*outcomes, seconds=0.5)
 
 
 def test_a_dry_run_says_so(printed: Callable[..., list[str]]) -> None:

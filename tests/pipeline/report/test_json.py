@@ -1,168 +1,156 @@
 from __future__ import annotations
 
+import io
 import json
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections import Counter
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from dh2urdf import __version__
-from dh2urdf.conversion import Written, WrittenFile
+from dh2urdf.batch_report import BatchReport
 from dh2urdf.errors import OutputError
-from dh2urdf.proof import Proof
-from dh2urdf.report.json import SCHEMA, exit_status, run_report, timing, to_text, write_reports
-from dh2urdf.run import Outcome
-from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import LoadReport
+from dh2urdf.outcome import make_row, to_line, to_text
+from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
+from dh2urdf.run import Result
+from dh2urdf.stores import open_store
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
-PROOF = Proof(position_error=1e-16, angle_error=2e-16, q=(0.5, -1.0), tolerance=1e-9, poses=35)
-ARM = Outcome(
-    name="arm",
-    status="ok",
-    source="arm.csv",
-    written=(
-        Written(
-            stage="urdf",
-            files=(WrittenFile(name="arm.urdf", stage="urdf", size=7, sha256="ab"),),
-            proof=PROOF,
-        ),
-        Written(
-            stage="text",
-            files=(
-                WrittenFile(name="arm.txt", stage="text", size=3, sha256="cd"),
-                WrittenFile(name="arm_more.txt", stage="text", size=4, sha256="ef"),
-            ),
-            proof=None,
-        ),
-    ),
-    loads={
-        "paper": LoadReport(
-            simulator="Paper",
-            version="1",
-            mass=2.5,
-            findings=(Problem(message="it is flat", severity="notice", joint="turn"),),
-        )
-    },
-    notices=(Problem(message="an ignored column", severity="notice", mark=Mark(file="arm.csv", line=1, column=9)),),
-    seconds={"transform": 0.25, "write": 0.5},
-)
-BAD = Outcome(
-    name="bad",
-    status="failed",
-    source="arm.csv",
-    was_read=False,
-    errors=(
-        Problem(
-            message="'x' is no number",
-            mark=Mark(file="arm.csv", line=3, column=5),
-            joint="elbow",
-            field="alpha",
-            found="x",
-            accepted="a number",
-            suggestion="did you mean '0'?",
-        ),
-    ),
-)
+
+def row(name: str, status: Any = "ok", **facts: Any) -> dict[str, Any]:
+    plain = {"source": "arm.csv", "key": "00ff", "keeps_kinematics": True}
+    empty: dict[str, Any] = {"files": [], "proofs": {}, "drawn": {}, "notices": [], "errors": []}
+    return make_row(**{"name": name, "status": status, **plain, **empty, **facts})
+
+
+ARM = row("arm")
+BAD = row("bad", "failed", kind="table", errors=[{"message": "'x' is no number", "line": 3}])
+
+
+def manifest(rows: Iterable[dict[str, Any]]) -> io.BytesIO:
+    return io.BytesIO(b"".join(map(to_line, rows)))
+
+
+def result(*reports: BatchReport) -> Result:
+    found = Result()
+    for report in reports:
+        found.add(report)
+    return found
+
+
+def batch(**statuses: int) -> BatchReport:
+    return BatchReport(first=0, rows=b"", statuses=Counter(statuses), kinds=Counter())
 
 
 def test_a_run_has_schema_version_status_and_manipulators() -> None:
-    """The whole has the form that is promised, in the order of the run."""
-    report = run_report([ARM, BAD])
-    assert {key: report[key] for key in ("schema", "version", "exit_status")} == {
+    """The whole has the form that is promised, in the order of the run, and the rows are those of the manifest."""
+    report = run_report(manifest([ARM, BAD]), result(batch(ok=1, failed=1)))
+    assert report == {
         "schema": SCHEMA,
         "version": __version__,
         "exit_status": 1,
-    }
-    assert [entry["name"] for entry in report["manipulators"]] == ["arm", "bad"]
-
-
-def test_a_manipulator_has_files_proofs_loaders_and_notices() -> None:
-    """Every file with its emitter, size and hash; a proof per emitter, null where there is none; a report per loader."""
-    (entry,) = run_report([ARM])["manipulators"]
-    assert entry["files"] == [
-        {"path": "arm.urdf", "stage": "urdf", "bytes": 7, "sha256": "ab"},
-        {"path": "arm.txt", "stage": "text", "bytes": 3, "sha256": "cd"},
-        {"path": "arm_more.txt", "stage": "text", "bytes": 4, "sha256": "ef"},
-    ]
-    assert entry["proof"]["text"] is None
-    assert {key: entry["proof"]["urdf"][key] for key in ("position_error", "angle_error", "q")} == {
-        "position_error": 1e-16,
-        "angle_error": 2e-16,
-        "q": (0.5, -1.0),
-    }
-    assert entry["loaders"]["paper"]["mass"] == 2.5
-    assert entry["loaders"]["paper"]["findings"][0]["joint"] == "turn"
-    assert [(notice["line"], notice["message"]) for notice in entry["notices"]] == [(1, "an ignored column")]
-    assert entry["errors"] == []
-
-
-def test_an_error_has_its_place_and_its_words() -> None:
-    """File, line, column, joint, field, found, accepted and message; a suggestion is part of the message."""
-    (entry,) = run_report([BAD])["manipulators"]
-    assert entry["errors"] == [
-        {
-            "file": "arm.csv",
-            "line": 3,
-            "column": 5,
-            "joint": "elbow",
-            "field": "alpha",
-            "found": "x",
-            "accepted": "a number",
-            "message": "'x' is no number; did you mean '0'?",
-        }
-    ]
-    assert (entry["status"], entry["files"], entry["proof"], entry["loaders"]) == ("failed", [], {}, {})
-
-
-def test_durations_stand_in_timing_alone() -> None:
-    """The report of a run that took longer is the same; timing has the steps of each manipulator, and the whole."""
-    slower = replace(ARM, seconds={"transform": 1.0, "write": 2.0})
-    assert to_text(run_report([ARM])) == to_text(run_report([slower]))
-    assert timing([slower, BAD], 4.0) == {
-        "total": 4.0,
-        "manipulators": [{"name": "arm", "transform": 1.0, "write": 2.0}, {"name": "bad"}],
+        "manipulators": [ARM, BAD],
+        "left_out": 0,
     }
 
 
-@pytest.mark.parametrize(("statuses", "status"), [(["ok", "ok"], 0), (["ok", "failed"], 1), (["skipped"], 0)])
-def test_the_exit_status(statuses: list[str], status: int) -> None:
-    """1 as soon as one manipulator failed; one that a dry run skipped has not."""
-    assert exit_status([replace(ARM, status=word) for word in statuses]) == status  # type: ignore[arg-type]
+def test_the_report_of_a_long_run_is_cut() -> None:
+    """It has the first thousand rows and says how many are left out: the manifest has all of them."""
+    rows = manifest([row(f"arm{number}") for number in range(REPORTED + 7)])
+    rows.seek(500)  # wherever its writer left it
+    report = run_report(rows, result(batch(ok=REPORTED + 7)))
+    assert [entry["name"] for entry in report["manipulators"]] == [f"arm{number}" for number in range(REPORTED)]
+    assert report["left_out"] == 7
 
 
-def test_the_text_is_indented_json_with_a_line_end() -> None:
-    """A person reads it, and so does any JSON parser."""
-    text = to_text(run_report([ARM]))
-    assert text.endswith(b"}\n")
-    assert b'\n      "name": "arm"' in text
-    assert json.loads(text)["manipulators"][0]["proof"]["urdf"]["q"] == [0.5, -1.0]
+@pytest.mark.parametrize(
+    ("statuses", "status"),
+    [({"ok": 2}, 0), ({"ok": 1, "failed": 1}, 1), ({"skipped": 1}, 0), ({"kept": 2}, 0), ({"kept": 9, "failed": 1}, 1)],
+)
+def test_the_exit_status(statuses: dict[str, int], status: int) -> None:
+    """1 as soon as one manipulator failed; one that a dry run skipped, or that is kept, has not."""
+    assert result(batch(**statuses)).exit_status == status
+    assert result(batch(ok=1), batch(**statuses)).exit_status == status
 
 
-def test_names_that_are_no_unicode_are_spelled_out() -> None:
-    """The name of a file may hold bytes that are no UTF-8: they do not keep the report from being written."""
-    odd = replace(ARM, name="arm\udcff", source="a\udcff.csv")
-    assert json.loads(to_text(run_report([odd])))["manipulators"][0]["name"] == "arm\\udcff"
+def test_durations_are_added_up() -> None:
+    """Those of the steps over all batches; those of single manipulators as far as they are told; a rate of all."""
+    found = result(
+        BatchReport(
+            first=0,
+            rows=b"",
+            statuses=Counter(ok=2),
+            kinds=Counter(),
+            seconds={"transform": 1.0, "write": 0.5},
+            timings=({"name": "a", "transform": 0.4}, {"name": "b", "transform": 0.6}),
+        ),
+        BatchReport(
+            first=2, rows=b"", statuses=Counter(failed=1), kinds=Counter(table=1), seconds={"write": 1.0, "emit": 2.0}
+        ),
+    )
+    found.seconds["total"] = 1.5
+    assert timing(found) == {
+        "total": 1.5,
+        "per_second": 2.0,
+        "steps": {"transform": 1.0, "write": 1.5, "emit": 2.0},
+        "manipulators": [{"name": "a", "transform": 0.4}, {"name": "b", "transform": 0.6}],
+    }
+    assert (found.statuses, found.kinds) == (Counter(ok=2, failed=1), Counter(table=1))
 
 
-def test_what_is_no_number_is_null() -> None:
-    """JSON has no infinity."""
-    broken = replace(ARM, written=(replace(ARM.written[0], proof=replace(PROOF, position_error=float("inf"))),))
-    assert json.loads(to_text(run_report([broken])))["manipulators"][0]["proof"]["urdf"]["position_error"] is None
+def test_a_run_without_a_duration_has_no_rate() -> None:
+    """Nothing is divided by zero."""
+    assert timing(result(batch(ok=1)))["per_second"] is None
 
 
-def test_both_files_are_written_whole(tmp_path: Path) -> None:
-    """report.json and timing.json, and no temporary file."""
-    write_reports(tmp_path / "out", [ARM], 1.5)
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"report.json", "timing.json"}
-    assert json.loads((tmp_path / "out" / "timing.json").read_bytes())["total"] == 1.5
-    assert (tmp_path / "out" / "report.json").read_bytes() == to_text(run_report([ARM]))
+def test_all_files_are_written_whole(tmp_path: Path) -> None:
+    """report.json, index.json and, with pyarrow, the manifest as a table; no temporary file."""
+    pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    store, rows = open_store(tmp_path / "out"), manifest([ARM, BAD])
+    found = result(batch(ok=1, failed=1))
+    report = write_reports(store, rows, found)
+    found.seconds["total"] = 2.0
+    write_timing(store, found)
+    out = tmp_path / "out"
+    written = {path.name for path in out.iterdir()} - {".dh2urdf"}
+    assert written == {"report.json", "index.json", "manifest.parquet", "timing.json"}
+    assert [path for path in (out / ".dh2urdf").rglob("*") if path.is_file()] == []
+    assert (out / "report.json").read_bytes() == to_text(report) == to_text(run_report(rows, found))
+    index = json.loads((out / "index.json").read_bytes())
+    assert (index["manipulators"], index["failures"]["table"]["names"]) == (2, ["bad"])
+    assert parquet.read_table(out / "manifest.parquet")["name"].to_pylist() == ["arm", "bad"]
+    assert json.loads((out / "timing.json").read_bytes())["per_second"] == 1.0
+
+
+def test_without_pyarrow_there_is_no_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is an extra, and nobody is told of what is not installed."""
+    monkeypatch.setattr("dh2urdf.report.json.can_write_parquet", lambda: False)
+    write_reports(open_store(tmp_path), manifest([ARM]), result(batch(ok=1)))
+    assert {path.name for path in tmp_path.iterdir()} - {".dh2urdf"} == {"report.json", "index.json"}
 
 
 def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     """It is told in one line."""
     (tmp_path / "out").write_text("")
+    store = open_store(tmp_path / "out")
     with pytest.raises(OutputError, match=r"cannot write '.*out"):
-        write_reports(tmp_path / "out", [ARM], 1.5)
+        write_reports(store, manifest([ARM]), result(batch(ok=1)))
+    with pytest.raises(OutputError, match=r"cannot write '.*out"):
+        write_timing(store, result(batch(ok=1)))
+
+
+def test_a_table_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What pyarrow meets on a full disk is told with the name of the file in the output."""
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("dh2urdf.report.json.can_write_parquet", lambda: True)
+    monkeypatch.setattr("dh2urdf.report.json.write_parquet", full)
+    with pytest.raises(OutputError, match=r"cannot write '.*/manifest\.parquet': No space left on device"):
+        write_reports(open_store(tmp_path), manifest([ARM]), result(batch(ok=1)))

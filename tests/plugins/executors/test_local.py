@@ -1,27 +1,35 @@
 from __future__ import annotations
 
+import errno
 import math
-import multiprocessing
 import operator
 import os
+import pickle
+import re
 import signal
 import subprocess
 import sys
+import traceback
 from functools import partial
 from itertools import count, islice
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import ManipulatorError
+from dh2urdf.errors import ConfigError, Dh2UrdfError, ExecutorError
+from dh2urdf.stages import Lost
 from dh2urdf_plugins.executors.local import EXECUTOR, LocalOptions, map_locally
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterable, Iterator
+    from pathlib import Path
+    from types import ModuleType
 
 # The work is done by functions of the standard library: a worker has to import what it is to call.
 call = operator.methodcaller("__call__")
 one_by = partial(operator.floordiv, 1)
+
+TWO = LocalOptions(workers=2)
 
 
 class Counted:
@@ -37,7 +45,7 @@ class Counted:
             yield number
 
 
-@pytest.fixture(params=[1, 2], ids=["in this process", "in a pool"])
+@pytest.fixture(params=[1, 2], ids=["in this process", "in others"])
 def options(request: pytest.FixtureRequest) -> LocalOptions:
     return LocalOptions(workers=request.param)
 
@@ -63,49 +71,181 @@ class TestResults:
         assert [next(results), next(results)] == [1, 1]
         with pytest.raises(ZeroDivisionError):
             next(results)
-        assert multiprocessing.active_children() == []
 
-    def test_an_error_of_the_tasks_themselves_is_theirs(self, options: LocalOptions) -> None:
-        """A reader that fails while tasks are taken ends the run with its own error."""
+    def test_an_error_of_the_tasks_themselves_comes_in_its_place(self, options: LocalOptions) -> None:
+        """A reader that fails ends the run with its own error, after the results of all that it read."""
 
         def tasks() -> Iterator[int]:
             yield from range(5)
             raise LookupError("no more rows")
 
+        results = map_locally(operator.neg, tasks(), options)
+        assert list(islice(results, 5)) == [0, -1, -2, -3, -4]
         with pytest.raises(LookupError, match="no more rows"):
-            list(map_locally(operator.neg, tasks(), options))
-        assert multiprocessing.active_children() == []
+            next(results)
 
 
 class TestProcesses:
     def test_several_workers_are_processes_of_their_own(self) -> None:
         """With several workers nothing is done in the process that asks."""
-        workers = set(map_locally(call, [os.getpid] * 50, LocalOptions(workers=2)))
+        workers = set(map_locally(call, [os.getpid] * 50, TWO))
         assert os.getpid() not in workers
         assert 1 <= len(workers) <= 2
 
     def test_one_worker_is_this_process(self) -> None:
-        """With one worker everything is done here: no pool to start, and a debugger sees it."""
+        """With one worker everything is done here: no process to start, and a debugger sees it."""
         assert set(map_locally(call, [os.getpid] * 5, LocalOptions(workers=1))) == {os.getpid()}
 
-    def test_one_task_needs_no_pool(self) -> None:
+    def test_one_task_needs_no_other_process(self) -> None:
         """One manipulator is made here, whatever number of workers is asked for."""
         assert list(map_locally(call, [os.getpid], LocalOptions(workers=8))) == [os.getpid()]
 
-    def test_none_is_left_when_the_results_are_not_wanted_any_more(self) -> None:
+    def test_none_is_left_when_all_is_done(self, functions: ModuleType, is_running: Callable[[int], bool]) -> None:
+        """At the end of a run its workers are gone, and have been waited for."""
+        workers = set(map_locally(functions.pid, range(20), TWO))
+        assert not any(map(is_running, workers))
+
+    def test_none_is_left_when_the_results_are_not_wanted_any_more(
+        self, functions: ModuleType, is_running: Callable[[int], bool]
+    ) -> None:
         """Where the run ends early, so do its processes."""
-        results = map_locally(operator.neg, count(), LocalOptions(workers=2))
-        next(results)
+        results = map_locally(functions.pid, count(), TWO)
+        workers = set(islice(results, 20))
         results.close()  # type: ignore[attr-defined]
-        assert multiprocessing.active_children() == []
+        assert not any(map(is_running, workers))
 
-    def test_one_that_is_killed_is_told_in_a_sentence(self) -> None:
-        """Where the system ends a worker, for want of memory or at a person's wish, the run does not call it a fault."""
-        with pytest.raises(ManipulatorError, match="a worker process was ended from outside: killed, or out of memory"):
-            list(map_locally(call, [partial(signal.raise_signal, signal.SIGKILL)] * 3, LocalOptions(workers=2)))
-        assert multiprocessing.active_children() == []
+    def test_what_a_worker_prints_does_not_reach_the_terminal(
+        self, functions: ModuleType, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        """A progress bar stays whole, however much a stage prints."""
+        texts = ["WARNING: a screw is loose\n" * 10_000] * 4
+        assert list(map_locally(functions.print_much, texts, TWO)) == [len(text) for text in texts]
+        assert capfd.readouterr() == ("", "")
 
-    @pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")
+
+class TestErrors:
+    @pytest.mark.parametrize("how", ["config", "stage"])
+    def test_travel_as_they_are(self, functions: ModuleType, options: LocalOptions, how: str) -> None:
+        """An error of a worker is the one that would have come here, with all that it says."""
+        with pytest.raises(Dh2UrdfError) as expected:
+            functions.fail(how)
+        with pytest.raises(type(expected.value)) as found:
+            list(map_locally(functions.fail, [how, how], options))
+        assert str(found.value) == str(expected.value)
+        assert {**vars(found.value)} == {**vars(expected.value)}
+
+    def test_keep_their_traceback(self, functions: ModuleType) -> None:
+        """`--debug` shows where in the worker it was."""
+        with pytest.raises(ConfigError) as found:
+            list(map_locally(functions.fail, ["config"] * 2, TWO))
+        assert "in fail\n" in "".join(traceback.format_exception(found.value))
+
+    def test_that_cannot_travel_are_told(self, functions: ModuleType) -> None:
+        """An exception or a result that pickle does not take does not cost the worker."""
+        with pytest.raises(RuntimeError, match=r"^UnpicklableError: cannot travel$"):
+            list(map_locally(functions.fail, ["otherwise"] * 2, TWO))
+        with pytest.raises((pickle.PicklingError, AttributeError), match="return_unpicklable"):
+            list(map_locally(functions.return_unpicklable, [1, 2], TWO))
+        with pytest.raises((pickle.PicklingError, AttributeError, TypeError)):
+            list(map_locally(functions.double, [1, lambda: None], TWO))
+
+    def test_an_interpreter_that_is_left_is_left_here(self, functions: ModuleType, options: LocalOptions) -> None:
+        """`sys.exit` in a stage does what it does without workers."""
+        with pytest.raises(SystemExit) as found:
+            list(map_locally(functions.fail, ["leave"] * 2, options))
+        assert found.value.code == 3
+
+    def test_a_function_that_workers_cannot_import(self, functions: ModuleType) -> None:
+        """What stands in a script needs no second process, and the message says so."""
+        with pytest.raises(
+            ExecutorError, match=r"cannot take the work over: ImportError: no module named 'lab'\n.*--workers 1"
+        ):
+            list(map_locally(functions.Unusable(), [1, 2], TWO))
+
+    def test_workers_that_die_before_they_begin(self, functions: ModuleType) -> None:
+        """Where no worker can begin, the tasks are not to blame: the run ends."""
+        with pytest.raises(ExecutorError, match="worker processes cannot begin: the worker left with exit status 5"):
+            list(map_locally(functions.Deadly(), range(100), TWO))
+
+    def test_a_system_that_gives_no_process(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A full table of processes is said in a sentence."""
+
+        def refuse(*_words: Any, **_more: Any) -> None:
+            raise BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable")
+
+        monkeypatch.setattr(subprocess, "Popen", refuse)
+        with pytest.raises(ExecutorError, match=r"cannot be started: Resource temporarily unavailable\n.*--workers 1"):
+            list(map_locally(operator.neg, range(5), TWO))
+
+
+class TestDeaths:
+    @pytest.mark.parametrize(
+        ("death", "reason"),
+        [
+            ("SIGKILL", r"^the worker was killed \(SIGKILL\), from outside or for want of memory$"),
+            ("SIGTERM", r"^the worker was killed \(SIGTERM\), from outside or for want of memory$"),
+            ("SIGABRT", r"^the worker crashed \(SIGABRT, aborted\); it printed last: 'Fatal Python error: Aborted .* in double_or_die"),
+            ("segmentation fault", r"^the worker crashed \(SIGSEGV, segmentation fault\); .*Fatal Python error: Seg.* in string_at"),
+            ("leave", r"^the worker left with exit status 3; it printed last: 'I am leaving'$"),
+            ("hang", r"^the worker left with exit status 1; it printed last: 'Timeout \(0:00:00.500000\)! .* in double_or_die"),
+            ("fork and die", r"^the worker was killed \(SIGKILL\)"),
+            ("answer wrongly", r"^the worker was killed \(SIGKILL\)"),
+        ],
+    )  # fmt: skip
+    def test_a_task_that_kills_every_worker_is_lost_alone(self, functions: ModuleType, death: str, reason: str) -> None:
+        """Its place says how the worker ended; every other task has its result, in order."""
+        tasks = [*range(10), death, *range(10, 20)]
+        results = list(map_locally(functions.double_or_die, tasks, TWO))
+        lost = results.pop(10)
+        assert results == [2 * number for number in range(20)]
+        assert isinstance(lost, Lost)
+        assert re.search(reason, lost.reason), lost.reason
+
+    def test_many_lost_tasks_cost_no_other(self, functions: ModuleType) -> None:
+        """Each of them costs its own workers, wherever they stand."""
+        tasks = ["leave" if number % 3 == 0 else number for number in range(30)]
+        results = list(map_locally(functions.double_or_die, tasks, LocalOptions(workers=3)))
+        assert [isinstance(result, Lost) for result in results] == [number % 3 == 0 for number in range(30)]
+        assert [result for result in results if not isinstance(result, Lost)] == [2 * n for n in range(30) if n % 3]
+
+    def test_a_worker_that_dies_once_costs_nothing(self, functions: ModuleType, tmp_path: Path) -> None:
+        """Its task is given to another one: nobody hears of it."""
+        tasks = [(tmp_path / f"{number % 5}", number) for number in range(20)]
+        assert list(map_locally(functions.die_once, tasks, TWO)) == list(range(20))
+
+    def test_workers_that_are_killed_from_outside(self, functions: ModuleType, tmp_path: Path) -> None:
+        """Whenever it happens, at work or idle, every task has its one result; only what was under way is done twice."""
+        killed = 0
+        for number, result in enumerate(map_locally(partial(functions.double_slowly_in, tmp_path), range(40), TWO)):
+            assert result == 2 * number
+            if number in {5, 20}:
+                last = max(tmp_path.iterdir(), key=lambda path: int(path.name))
+                os.kill(int(last.read_text().split()[-1]), signal.SIGKILL)
+                killed += 1
+        done = [len((tmp_path / f"{number}").read_text().splitlines()) for number in range(40)]
+        assert killed == 2
+        assert 40 <= sum(done) <= 40 + killed
+
+    def test_a_task_is_not_blamed_for_the_words_of_another(self, functions: ModuleType) -> None:
+        """The reason repeats what was printed since the task began."""
+        results = map_locally(functions.double_or_die, [1, 2, "SIGKILL", 3], TWO)
+        assert not any("printed" in str(result) for result in results)
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")
+class TestInterrupts:
+    HANGING = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "from worker_functions import *\n"
+        "from dh2urdf_plugins.executors.local import LocalOptions, map_locally\n"
+        "tasks = [Path(sys.argv[1]) / str(number) for number in range(6)]\n"
+        "try:\n"
+        "    list(map_locally({}, tasks, LocalOptions(workers=2)))\n"
+        "except KeyboardInterrupt:\n"
+        "    print('interrupted')\n"
+    )
+
     @pytest.mark.parametrize("results", [1, 30], ids=["while workers start", "while workers wait"])
     def test_an_interrupt_is_told_once(self, results: int) -> None:
         """Ctrl-C reaches every process of the terminal; the workers end without a word, the run tells it once."""
@@ -122,13 +262,7 @@ class TestProcesses:
             "except KeyboardInterrupt:\n"
             "    print('interrupted')\n"
         )
-        with subprocess.Popen(
-            [sys.executable, "-c", script],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-        ) as process:
+        with started(script) as process:
             assert process.stdout
             for _ in range(results):
                 assert process.stdout.readline() == "done\n"
@@ -136,6 +270,59 @@ class TestProcesses:
             printed, errors = process.communicate(timeout=60)
         assert printed.splitlines()[-1] == "interrupted"
         assert errors == ""
+
+    @pytest.mark.usefixtures("functions")
+    def test_an_interrupted_task_takes_away_what_it_was_writing(
+        self, tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool]
+    ) -> None:
+        """Ctrl-C ends a task in its middle, with all that it started, and leaves nothing half-written."""
+        with started(self.HANGING.format("hang_half_written"), tmp_path) as process:
+            assert soon(lambda: len(list(tmp_path.glob("*.pids"))) == 2)
+            os.killpg(process.pid, signal.SIGINT)
+            assert process.communicate(timeout=60) == ("interrupted\n", "")
+        assert [path.suffix for path in tmp_path.iterdir()] == [".pids"] * 2
+        assert soon(lambda: not any(map(is_running, pids(tmp_path.glob("*.pids")))))
+
+    @pytest.mark.usefixtures("functions")
+    def test_a_task_that_does_not_listen_is_ended(
+        self, tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool]
+    ) -> None:
+        """A worker that cannot be asked to end is killed: no run waits for it."""
+        with started(self.HANGING.format("ignore_termination"), tmp_path) as process:
+            assert soon(lambda: len(pids(tmp_path.iterdir())) == 2)
+            os.killpg(process.pid, signal.SIGINT)
+            assert process.communicate(timeout=60) == ("interrupted\n", "")
+        assert not any(map(is_running, pids(tmp_path.iterdir())))
+
+    @pytest.mark.usefixtures("functions")
+    def test_workers_leave_with_a_run_that_is_killed(
+        self, tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool]
+    ) -> None:
+        """SIGKILL gives a run no chance to end its workers: they see that it is gone, in the middle of a task too."""
+        with started(self.HANGING.format("hang_half_written"), tmp_path) as process:
+            assert soon(lambda: len(list(tmp_path.glob("*.pids"))) == 2)
+            left = pids(tmp_path.glob("*.pids"))
+            assert all(map(is_running, left))
+            process.kill()
+            process.wait()
+            assert soon(lambda: not any(map(is_running, left)))
+            assert process.communicate(timeout=60) == ("", "")
+
+
+def started(script: str, *words: Any) -> subprocess.Popen[str]:
+    """A script in a process group of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-c", script, *map(str, words)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def pids(paths: Iterable[Path]) -> list[int]:
+    """The process ids that files hold."""
+    return [int(word) for path in paths for word in path.read_text().split()]
 
 
 class TestOptions:

@@ -1,0 +1,223 @@
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.batch_report import BatchReport
+from dh2urdf.cli.progress import progress
+from dh2urdf.errors import SCREENFUL
+from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer
+
+MANY = SCREENFUL + 7
+ARMS = "# convention: standard\nrobot,a,alpha,d\n" + "".join(
+    f"arm{number},{'x' if number == 3 else 0.4},{1.5708 if number == 5 else 0},0.1\n" for number in range(40)
+)
+
+
+def problem(message: str, severity: Any = "error") -> Problem:
+    return Problem(message=message, severity=severity, mark=Mark(file="arms.csv", line=3))
+
+
+def batch(*problems: Problem, traceback: str = "", **statuses: int) -> BatchReport:
+    return BatchReport(
+        first=0,
+        rows=b"",
+        statuses=Counter(statuses),
+        kinds=Counter(),
+        problems=problems,
+        severities=Counter(each.severity for each in problems),
+        tracebacks=(traceback,) if traceback else (),
+    )
+
+
+@pytest.fixture
+def said(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
+    """The lines on standard error of a run of some batches, which a log takes."""
+
+    def call(*batches: BatchReport, total: int | None = None, quiet: bool = False, debug: bool = False) -> list[str]:
+        with progress(quiet=quiet, debug=debug) as note:
+            for each in batches:
+                note(each, total)
+        printed = capsys.readouterr()
+        assert printed.out == ""
+        return printed.err.splitlines()
+
+    return call
+
+
+class TestInALog:
+    def test_a_short_run_says_nothing(self, said: Callable[..., list[str]]) -> None:
+        """Of a run that takes less than the time between two lines there is nothing to tell."""
+        assert said(batch(ok=3), batch(ok=5), total=8) == []
+
+    def test_plain_lines(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
+        """How many are made, of how many, how many failed, how fast, and how long it will take."""
+        clock = iter([0.0, 2.0, 4.0])
+        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
+        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        assert said(batch(ok=1000), batch(ok=1990, kept=1000, failed=10), total=1_004_000) == [
+            "1,000 of about 1,004,000 manipulators, 0 failed, 500/s, 33:26 left",
+            "4,000 of about 1,004,000 manipulators, 10 failed, 1,000/s, 16:40 left",
+        ]
+
+    def test_hours(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
+        """A long time is told in hours."""
+        clock = iter([0.0, 10.0])
+        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
+        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        (line,) = said(batch(ok=100), total=100_000)
+        assert line.endswith(", 10/s, 2:46:30 left")
+
+    def test_what_nobody_knows_is_not_said(
+        self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Where the end cannot be seen, there is no time that remains."""
+        clock = iter([0.0, 1.0])
+        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
+        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        assert said(batch(ok=7)) == ["7 manipulators, 0 failed, 7/s"]
+
+    def test_a_line_now_and_then(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
+        """A log of a million manipulators is read by people."""
+        clock = iter([0.0, *(float(second) for second in range(1, 31))])
+        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
+        lines = said(*[batch(ok=10)] * 30)
+        assert [line.split()[0] for line in lines] == ["100", "200", "300"]
+
+
+class TestWhatIsNoticedAndFails:
+    def test_it_is_said_as_it_comes(self, said: Callable[..., list[str]]) -> None:
+        """With its place, whatever is in its message: it is no markup, and a long one is one line."""
+        long = "[red]" + "very " * 100 + "bad[/red]"
+        found = said(batch(problem("odd", "notice"), problem(long), failed=1), batch(problem("worse"), failed=1))
+        assert found == ["arms.csv:3: notice: odd", f"arms.csv:3: error: {long}", "arms.csv:3: error: worse"]
+
+    def test_a_screenful_of_each_is_said_and_the_rest_counted(self, said: Callable[..., list[str]]) -> None:
+        """Over all batches, however they are cut; what a batch itself left out is counted too."""
+        errors = [batch(problem(f"e{number}"), failed=1) for number in range(MANY)]
+        notices = BatchReport(
+            first=0,
+            rows=b"",
+            statuses=Counter(ok=3000),
+            kinds=Counter(),
+            problems=tuple(problem(f"n{number}", "notice") for number in range(SCREENFUL)),
+            severities=Counter(notice=3000),
+        )
+        found = said(*errors, notices)
+        assert [line.split()[-1] for line in found[:-2]] == [
+            *(f"e{number}" for number in range(SCREENFUL)),
+            *(f"n{number}" for number in range(SCREENFUL)),
+        ]
+        assert found[-2:] == [
+            "and 2,980 more notices: the manifest has all of them",
+            "and 7 more errors: the manifest has all of them",
+        ]
+
+    def test_one_more(self, said: Callable[..., list[str]]) -> None:
+        """One is no plural."""
+        found = said(batch(*(problem("e") for _ in range(SCREENFUL + 1)), failed=1))
+        assert found[-1] == "and 1 more error: the manifest has all of them"
+
+    def test_quiet_says_only_what_fails(
+        self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """No notice, no line."""
+        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        found = said(batch(problem("odd", "notice"), problem("bad"), ok=5, failed=1), quiet=True, total=9)
+        assert found == ["arms.csv:3: error: bad"]
+
+    @pytest.mark.parametrize("quiet", [True, False])
+    def test_tracebacks_are_for_debugging(self, said: Callable[..., list[str]], quiet: bool) -> None:  # noqa: FBT001
+        """--debug shows where a stage failed."""
+        failed = batch(problem("bad"), traceback="Traceback\n  line [1]", failed=1)
+        assert said(failed, quiet=quiet) == ["arms.csv:3: error: bad"]
+        assert said(failed, quiet=quiet, debug=True) == ["arms.csv:3: error: bad", "Traceback", "  line [1]"]
+
+
+# --- The command ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def arms(tmp_path: Path) -> Path:
+    (tmp_path / "arms.csv").write_text(ARMS)
+    (tmp_path / "arms.yaml").write_text("inputs: arms.csv\noutput: {directory: out}\n")
+    return tmp_path
+
+
+def test_quiet(cli: Callable[..., Answer], arms: Path) -> None:
+    """--quiet: what fails on standard error, nothing on standard output, and the files as ever."""
+    answer = cli("run", "arms.yaml", "--quiet", status=1)
+    assert answer.stdout == ""
+    assert answer.stderr.startswith("arms.csv:6:6: error: ")
+    assert answer.stderr.count(": error: ") == 1
+    assert "notice" not in answer.stderr
+    assert (arms / "out" / "arm39.urdf").is_file()
+
+
+def on_a_terminal(folder: Path, *words: str) -> tuple[int, str, str]:
+    """Exit status, standard output, and what the command shows on a terminal that is its standard error."""
+    pty = pytest.importorskip("pty")
+    terminal, its_end = pty.openpty()
+    # Each batch is shown, however fast it comes: the bar is drawn where the script asks for it too.
+    script = (
+        "from rich.progress import Progress\n"
+        "update = Progress.update\n"
+        "def drawn(self, *words, **fields):\n"
+        "    update(self, *words, **fields)\n"
+        "    self.refresh()\n"
+        "Progress.update = drawn\n"
+        "from dh2urdf.cli import main; main()\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script, *words],
+        cwd=folder,
+        env={**os.environ, "TERM": "xterm", "COLUMNS": "120"},
+        stdout=subprocess.PIPE,
+        stderr=its_end,
+    ) as process:
+        os.close(its_end)
+        shown = b""
+        while True:
+            try:
+                chunk = os.read(terminal, 1 << 16)
+            except OSError:  # the other end is closed
+                break
+            if not chunk:
+                break
+            shown += chunk
+        os.close(terminal)
+        printed = process.communicate()[0]
+    return process.returncode, printed.decode(), shown.decode()
+
+
+def test_a_bar_on_a_terminal(arms: Path) -> None:
+    """It shows how many are made of how many, the rate, the time that remains and the failures; and then it is gone."""
+    status, printed, shown = on_a_terminal(arms, "run", "arms.yaml", "--workers", "1")
+    assert status == 1
+    assert "39 made, 1 failed (table: 1)" in printed
+    plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown)
+    assert re.search(r"manipulators\s+\S+\s+16/\d+\s+[\d,]+/s\s+\d+:\d\d(:\d\d)?\s+1 failed", plain)
+    assert "arms.csv:6:6: error: " in plain
+    assert "arms.csv:8:8: notice: " in plain
+    assert shown.rstrip("\r\n").endswith("\x1b[2K") or not plain.splitlines()[-1].strip()
+
+
+def test_no_bar_where_it_is_quiet(arms: Path) -> None:
+    """On a terminal too, --quiet leaves errors only."""
+    status, printed, shown = on_a_terminal(arms, "run", "arms.yaml", "--quiet")
+    assert (status, printed) == (1, "")
+    assert shown.startswith("arms.csv:6:6: error: ")
+    assert "/s" not in shown
+    assert "\x1b" not in shown.replace("\x1b[0m", "")

@@ -1,0 +1,168 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.columns import RobotColumns, columns_of, in_columns, replaced
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
+from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from random import Random
+
+NUMBERS = st.one_of(st.sampled_from([0.0, 0.5, 1, -2]), st.floats(allow_nan=False, allow_infinity=False))
+
+
+def row(number: int = 1, **more: Any) -> DHRow:
+    known: dict[str, Any] = {"joint": f"joint_{number}", "link": f"link_{number}", "a": 0.0, "alpha": 0.0, "d": 0.0}
+    return DHRow(**(known | more))
+
+
+def table(*rows: DHRow, name: str = "arm", **more: Any) -> Manipulator:
+    return Manipulator(**({"name": name, "convention": Convention.STANDARD, "rows": rows or (row(),)} | more))
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> Manipulator:
+    """Manipulators of few structures and any numbers, so that some differ in numbers only."""
+
+    def maybe(value: Any) -> Any:
+        return value if draw(st.booleans()) else None
+
+    rows = []
+    for number in range(1, draw(st.integers(1, 2)) + 1):
+        a, b, c, d = (draw(NUMBERS) for _ in range(4))
+        rows.append(
+            row(
+                number,
+                type=draw(st.sampled_from([JointType.REVOLUTE, JointType.PRISMATIC])),
+                a=a,
+                alpha=b,
+                sign=draw(st.sampled_from([1, -1])),
+                limits=maybe(Limits(lower=c, upper=d)) or Limits(),
+                mass=maybe(a),
+                com=maybe((a, b, 0.0)),
+                inertia=maybe(Inertia(ixx=a, iyy=b, izz=c, iyz=d)),
+                friction=maybe(d),
+            )
+        )
+    more: dict[str, Any] = {
+        "base": RigidTransform.from_xyz_rpy((0.0, 0.0, draw(st.sampled_from([0.0, 1.0])))),
+        "geometry": LinkGeometry(shape=draw(st.sampled_from([None, "box"]))),
+        "mark": Mark(file="arms.csv", line=draw(st.integers(1, 99))),
+    }
+    return table(*rows, name=draw(st.text(max_size=3)), **more)
+
+
+class TestManipulatorsInColumns:
+    @given(st.lists(tables(), max_size=12))
+    def test_are_what_they_were(self, given_tables: list[Manipulator]) -> None:
+        """Every one of them is in one group, as it was, its place in the file included."""
+        groups = in_columns(given_tables)
+        assert sorted(place for places, _ in groups for place in places) == list(range(len(given_tables)))
+        for places, columns in groups:
+            assert len(columns) == len(places)
+            for index, place in enumerate(places):
+                assert columns.pick(index) == given_tables[place]
+                assert columns.pick(index).mark == given_tables[place].mark
+
+    @given(st.lists(NUMBERS, min_size=1, max_size=9), st.randoms())
+    def test_may_be_taken_in_any_order(self, numbers: list[float], random: Random) -> None:
+        """Some of them are columns again, with a float wherever they are alike."""
+        many = [table(row(a=number, mass=1.0), name=f"arm_{k}") for k, number in enumerate(numbers)]
+        ((_, columns),) = in_columns(many)
+        places = random.choices(range(len(many)), k=5)
+        taken = columns.take(places)
+        assert [taken.pick(k) for k in range(5)] == [many[place] for place in places]
+        assert bool(columns_of(taken)) is (len({numbers[place] for place in places}) > 1)
+
+    def test_are_floats_where_all_are_alike(self) -> None:
+        """Only what differs is an array."""
+        ((_, columns),) = in_columns([table(row(a=a, d=0.1, mass=2.0)) for a in (0.1, 0.2, 0.3)])
+        (only,) = columns.table.rows
+        assert only.a.tolist() == [0.1, 0.2, 0.3]  # type: ignore[attr-defined]
+        assert (only.d, only.mass, only.radius, only.sign) == (0.1, 2.0, None, 1)
+
+    def test_differ_in_numbers_only(self) -> None:
+        """Names, types, signs, what is said at all, frames, shapes and notices keep tables apart."""
+        different = [
+            table(row()),
+            table(row(joint="other")),
+            table(row(link="other")),
+            table(row(type=JointType.PRISMATIC)),
+            table(row(sign=-1)),
+            table(row(mass=1.0)),
+            table(row(com=(0.0, 0.0, 0.0))),
+            table(row(inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))),
+            table(row(limits=Limits(lower=0.0, upper=1.0))),
+            table(row(limits=Limits(velocity=1.0))),
+            table(row(), row(2)),
+            table(convention=Convention.MODIFIED),
+            table(base=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0))),
+            table(tool=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0))),
+            table(geometry=LinkGeometry(radius=0.1)),
+            table(base_geometry=LinkGeometry(radius=0.1)),
+            table(density=1.0),
+            table(base_mass=1.0),
+            table(notices=(Problem(message="something to say", severity="notice"),)),
+        ]
+        assert [places for places, _ in in_columns(different)] == [[k] for k in range(len(different))]
+
+
+class TestRobotsInColumns:
+    shapes = tuple(Collision(geometry=Sphere(radius=radius)) for radius in (0.1, 0.2, 0.3))
+
+    def robots(self, **more: Any) -> RobotColumns:
+        robot = Robot(
+            name="a",
+            links=(
+                Link(name="base"),
+                Link(name="link_1", inertial=Inertial(mass=np.array([1.0, 2.0])), collisions=self.shapes),  # type: ignore[arg-type]
+            ),
+            joints=(
+                Joint(
+                    name="joint_1",
+                    type=JointType.FIXED,
+                    parent="base",
+                    child="link_1",
+                    origin=Origin(xyz=(0.0, np.array([0.5, 0.25]), 1.0)),  # type: ignore[arg-type]
+                ),
+            ),
+        )
+        known: dict[str, Any] = {"names": ("a", "b"), "comments": ("one", "two"), "sure": np.array([True, True])}
+        return RobotColumns(robot=robot, **(known | more))
+
+    def test_are_picked_with_their_own_numbers(self) -> None:
+        """A picked robot is one as any other, of Python's own floats."""
+        picked = self.robots().pick(1)
+        assert (picked.name, picked.comment) == ("b", "two")
+        assert picked.joints[0].origin == Origin(xyz=(0.0, 0.25, 1.0))
+        assert picked.links[1] == Link(name="link_1", inertial=Inertial(mass=2.0), collisions=self.shapes)
+        assert {type(number) for number in picked.joints[0].origin.xyz} == {float}
+
+    def test_are_picked_without_what_they_lack(self) -> None:
+        """A collision shape is there for those that have it."""
+        robots = self.robots(present={(1, 1): np.array([False, True])})
+        assert robots.pick(0).links[1].collisions == (self.shapes[0], self.shapes[2])
+        assert robots.pick(1).links[1].collisions == self.shapes
+
+
+@given(st.lists(st.floats(), min_size=1, max_size=4))
+def test_a_record_without_columns_is_itself(numbers: Sequence[float]) -> None:
+    """Nothing is copied that need not be, and nothing but columns is touched."""
+    record = table(
+        row(a=numbers[0], com=(0.0, numbers[-1], math.inf)), tool=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0))
+    )
+    assert replaced(record, lambda _: 0.0) is record
+    assert columns_of(record) == []
+    with_column = replace(record, rows=(replace(record.rows[0], d=np.array([1.0, 2.0])),))
+    assert [column.tolist() for column in columns_of(with_column)] == [[1.0, 2.0]]
+    assert replaced(with_column, lambda _: 0.0).tool is record.tool

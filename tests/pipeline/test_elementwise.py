@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.elementwise import (
+    DividedError,
+    agreed,
+    atan2,
+    for_some,
+    greater_of,
+    hypot,
+    is_column,
+    mapped,
+    smaller_of,
+    where,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+PAIRS = st.lists(st.tuples(FINITE, FINITE), min_size=1, max_size=6)
+
+
+@pytest.mark.parametrize(
+    ("function", "of_floats"),
+    [
+        (hypot, math.hypot),
+        (atan2, math.atan2),
+        (greater_of, max),
+        (smaller_of, min),
+        (lambda x, y: where(x < y, x, -y), lambda x, y: x if x < y else -y),
+    ],
+    ids=["hypot", "atan2", "greater_of", "smaller_of", "where"],
+)
+@given(PAIRS)
+def test_columns_give_what_their_entries_give(
+    function: Callable[..., Any], of_floats: Callable[..., float], pairs: list[tuple[float, float]]
+) -> None:
+    """To the last bit, for two columns, and for a column and a float."""
+    x, y = (np.array(column) for column in zip(*pairs, strict=True))
+    assert function(x, y).tolist() == [of_floats(a, b) for a, b in pairs]
+    assert function(x, pairs[0][1]).tolist() == [of_floats(a, pairs[0][1]) for a, _ in pairs]
+    assert function(pairs[0][0], y).tolist() == [of_floats(pairs[0][0], b) for _, b in pairs]
+
+
+@given(FINITE, FINITE)
+def test_floats_stay_floats(x: float, y: float) -> None:
+    """One robot is made of Python's own numbers."""
+    for value in (hypot(x, y), atan2(x, y), greater_of(x, y), smaller_of(x, y), where(x < y, x, y), mapped(abs, x)):
+        assert type(value) is float
+
+
+def test_a_scalar_of_numpy_is_no_column() -> None:
+    """Whoever computes a table with numpy may hand its numbers over."""
+    assert not is_column(np.float64(1.0))
+    assert not is_column(1)
+    assert is_column(np.array([1.0]))
+    assert hypot(np.float64(3.0), 4.0) == 5.0
+
+
+def test_members_agree_or_are_divided() -> None:
+    """A condition that holds for some only divides them; what holds for some is asked for by name."""
+    assert agreed(condition=True)
+    assert not agreed(condition=False)
+    assert agreed(np.array([True, True])) is True
+    assert agreed(np.array([False, False])) is False
+    with pytest.raises(DividedError) as divided:
+        agreed(np.array([True, False]))
+    assert divided.value.condition.tolist() == [True, False]
+    assert for_some(np.array([True, False])) is True
+    assert for_some(np.array([False, False])) is False
+    assert for_some(condition=True)

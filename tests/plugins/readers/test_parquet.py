@@ -1,0 +1,523 @@
+from __future__ import annotations
+
+import csv as python_csv
+import io
+import pickle
+import sys
+from contextlib import suppress
+from dataclasses import replace
+from decimal import Decimal
+from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import pyarrow as pa
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyarrow import parquet as pq
+
+from dh2urdf.errors import MissingDependencyError, TableError
+from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.registry import load
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers import csv, parquet
+from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from conftest import ReferenceRobot
+
+Items = list[Manipulator | Rejected]
+Column = list[Any]
+STANDARD = TableOptions(convention="standard")
+RADIANS = {"a": [0.5], "alpha": [0.0], "d": [0.25]}
+
+
+def table_of(columns: dict[str, Any], **statements: str) -> Any:
+    metadata = {f"dh2urdf.{key}": text for key, text in statements.items()}
+    return pa.table(columns).replace_schema_metadata(metadata)
+
+
+@pytest.fixture
+def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Items]:
+    """Reads a table that is given as columns; the file is called `arm.parquet`, in the test's folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def read_table(columns: dict[str, Any], options: TableOptions = STANDARD, **statements: str) -> Items:
+        pq.write_table(table_of(columns, **statements), "arm.parquet")
+        return list(parquet.read(Path("arm.parquet"), options))
+
+    return read_table
+
+
+@pytest.fixture
+def read_one(read: Callable[..., Items]) -> Callable[..., Manipulator]:
+    """Reads a table of one manipulator, which must be accepted."""
+
+    def read_table(columns: dict[str, Any], **statements: str) -> Manipulator:
+        (arm,) = read(columns, **statements)
+        assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+        return arm
+
+    return read_table
+
+
+@pytest.fixture
+def refusal(read: Callable[..., Items]) -> Callable[..., str]:
+    """What is said of a table that is refused, as a whole or one manipulator of it."""
+
+    def read_table(columns: dict[str, Any], **statements: str) -> str:
+        try:
+            items = read(columns, **statements)
+        except TableError as error:
+            return str(error)
+        return "\n".join(str(problem) for item in items if isinstance(item, Rejected) for problem in item.problems)
+
+    return read_table
+
+
+# --- The same table as CSV --------------------------------------------------------------------------------------------
+
+
+def columns_of(text: str, *, numbers: bool) -> tuple[dict[str, Column], dict[str, str]]:
+    """The columns of a CSV table, and what its comment lines say; columns of numbers alone as doubles, if asked for."""
+    lines = text.splitlines()
+    comments = [line[1:].partition(":") for line in lines if line.startswith("#")]
+    header, *rows = python_csv.reader(line for line in lines if not line.startswith("#"))
+    columns: dict[str, Column] = dict(zip(header, map(list, zip(*rows, strict=True)), strict=True))
+    for name, cells in columns.items():
+        if numbers and name not in ("joint", "link"):
+            with suppress(ValueError):
+                columns[name] = [float(cell) if cell else None for cell in cells]
+    return columns, {key.strip(): value.strip() for key, _, value in comments}
+
+
+@pytest.mark.parametrize("units", [("m", "rad"), ("mm", "deg")], ids=" ".join)
+@pytest.mark.parametrize("numbers", [True, False], ids=["numbers", "texts"])
+def test_a_published_robot_is_the_same_arm_as_from_csv(
+    reference_robot: ReferenceRobot,
+    as_table: Callable[..., str],
+    tmp_path: Path,
+    units: tuple[str, str],
+    numbers: bool,  # noqa: FBT001 - a parameter
+) -> None:
+    """To the last bit and with the same notices, whether the columns hold numbers or texts."""
+    text = as_table(reference_robot.manipulator, "csv", units=units)
+    (tmp_path / "arm.csv").write_text(text, "utf-8")
+    columns, statements = columns_of(text, numbers=numbers)
+    pq.write_table(table_of(columns, **statements), tmp_path / "arm.parquet")
+    (expected,) = csv.read(tmp_path / "arm.csv", TableOptions())
+    (arm,) = parquet.read(tmp_path / "arm.parquet", TableOptions())
+    assert isinstance(expected, Manipulator)
+    assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+    assert arm == expected
+    assert [notice.message for notice in arm.notices] == [notice.message for notice in expected.notices]
+
+
+def text_of(value: float | str | None) -> str:
+    return "" if value is None else value if isinstance(value, str) else repr(value).removesuffix(".0")
+
+
+plain = st.floats(-1.5, 1.5) | st.sampled_from([0.0, -0.0, 1.5707963267948966, 1.0, 1e-7, 90.0])
+odd = plain | st.none() | st.sampled_from([float("nan"), float("inf"), 400.0, 1.57, 1e300])
+expressions = st.sampled_from(["pi/2", "-90deg", "0.1 + 0.02", "", "x", "1,5", "50 mm", "nan", "1_0", "q1", "-0"])
+HEADERS = {
+    "a": ("a", "a [mm]"),
+    "alpha": ("alpha", "alpha [deg]"),
+    "d": ("d", "d [cm]"),
+    "theta": ("theta", "theta [deg]"),
+    "offset": ("offset", "offset [deg]"),
+    "mass": ("mass",),
+    "velocity": ("velocity", "velocity [deg/s]"),
+}
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> dict[str, Column]:
+    """Some manipulators, in columns of numbers, of numbers with gaps, and of texts."""
+    sizes = draw(st.lists(st.integers(1, 4), min_size=1, max_size=4))
+    count = sum(sizes)
+    names = ["a", "alpha", "d", *draw(st.lists(st.sampled_from(["theta", "offset", "mass", "velocity"]), unique=True))]
+    columns: dict[str, Column] = {"robot": [f"r{robot}" for robot, size in enumerate(sizes) for _ in range(size)]}
+    if draw(st.booleans()):
+        columns["type"] = draw(st.lists(st.sampled_from(["R", "P", "fixed"]), min_size=count, max_size=count))
+    for name in names:
+        cells = draw(st.sampled_from([plain, plain, plain, odd, expressions, st.integers(-3, 3)]))
+        columns[draw(st.sampled_from(HEADERS[name]))] = draw(st.lists(cells, min_size=count, max_size=count))
+    return columns
+
+
+def everything(items: Iterable[Manipulator | Rejected]) -> list[Any]:
+    """The manipulators and what is said of them, without its places."""
+    found: list[Any] = []
+    for item in items:
+        problems = item.notices if isinstance(item, Manipulator) else item.problems
+        what = item if isinstance(item, Manipulator) else item.name
+        found.append((what, sorted(repr(replace(problem, mark=None)) for problem in problems)))
+    return found
+
+
+def lines_of(items: Iterable[Manipulator | Rejected]) -> list[int | None]:
+    marks = [row.mark for item in items if isinstance(item, Manipulator) for row in item.rows]
+    return [mark.line for mark in marks if mark]
+
+
+@given(tables())
+@settings(max_examples=300, deadline=None)
+def test_numbers_are_read_as_their_texts_are(columns: dict[str, Column]) -> None:
+    """Every manipulator, notice and error is that of the CSV file with the same numbers, on the fast way and without it."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "arm.csv"
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = python_csv.writer(file)
+            writer.writerows([list(columns), *(map(text_of, row) for row in zip(*columns.values(), strict=True))])
+        expected = list(csv.read(path, STANDARD))
+        pq.write_table(pa.table(columns), path.with_suffix(".parquet"))
+        fast = list(parquet.read(path.with_suffix(".parquet"), STANDARD))
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(PlainRows, "read", lambda *_arguments: None)
+            careful = list(parquet.read(path.with_suffix(".parquet"), STANDARD))
+    assert lines_of(fast) == lines_of(careful)
+    assert everything(fast) == everything(careful) == everything(expected)
+
+
+def test_plain_tables_go_the_fast_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numbers in foreign units, gaps in the limits and words of few kinds are no reason to go slowly."""
+    count = 6 * 500
+    columns = {
+        "robot": [k // 6 for k in range(count)],
+        "i": [k % 6 + 1 for k in range(count)],
+        "type": pa.array(["revolute"] * count).dictionary_encode(),
+        "a [mm]": [k / 7 for k in range(count)],
+        "alpha [deg]": [90] * count,
+        "d": [0.25] * count,
+        "theta": ["pi/2", "0"] * (count // 2),
+        "lower": [-1.5 if k % 6 else None for k in range(count)],
+        "upper": [1.5 if k % 6 else None for k in range(count)],
+    }
+    pq.write_table(pa.table(columns), tmp_path / "arms.parquet")
+    fast = PlainRows.read
+    refused: list[int] = []
+
+    def counted(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
+        result = fast(self, rows, lines, sizes)
+        refused.extend([] if result else sizes)
+        return result
+
+    monkeypatch.setattr(PlainRows, "read", counted)
+    arms = list(parquet.read(tmp_path / "arms.parquet", TableOptions(convention="standard", length_unit="mm")))
+    assert ([arm.name for arm in arms], refused) == ([str(robot) for robot in range(500)], [])
+
+
+# --- Columns ----------------------------------------------------------------------------------------------------------
+
+
+def test_columns_are_called_as_in_csv(read_one: Callable[..., Manipulator]) -> None:
+    """Names of the field, units and all, in any order; a column that no field knows is left out with a notice."""
+    arm = read_one({"remark": ["x"], "d/mm": [50], "Twist Angle (deg)": [90.0], "Link_Length": [0.5], "kind": ["P"]})
+    (row,) = arm.rows
+    assert (row.type, row.a, row.alpha, row.d) == (JointType.PRISMATIC, 0.5, 1.5707963267948966, 0.05)
+    assert [notice.message.split(":")[0] for notice in arm.notices] == [
+        "the column 'remark' is left out",
+        "a has no unit and is read in m, while another length is in mm",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("cells", "kind", "number"),
+    [
+        ([3], pa.int8(), 3.0),
+        ([2**63], pa.uint64(), 2.0**63),
+        ([0.1], pa.float32(), 0.10000000149011612),
+        ([Decimal("0.10")], pa.decimal128(10, 2), 0.1),
+        (["0.1"], pa.large_string(), 0.1),
+        (["1/10"], pa.dictionary(pa.int8(), pa.string()), 0.1),
+    ],
+    ids=str,
+)
+def test_numbers_of_all_kinds(read_one: Callable[..., Manipulator], cells: Column, kind: Any, number: float) -> None:
+    """Whole numbers, short floats to their last bit, decimals, and texts of all codings."""
+    arm = read_one({**RADIANS, "effort": pa.array(cells, kind)})
+    assert arm.rows[0].limits.effort == number
+
+
+def test_words_may_be_numbers(read: Callable[..., Items]) -> None:
+    """A whole number is a name, also in a column of floats that gaps have made one; truth values are words."""
+    columns = {
+        "robot": [7.0, 7.0, 8.5],
+        "joint": [1, 2, 3],
+        "type": [0, 1, 0],
+        "flip": [True, False, None],
+        **{name: cells * 3 for name, cells in RADIANS.items()},
+    }
+    first, second = read(columns)
+    assert isinstance(first, Manipulator)
+    assert (first.name, second.name) == ("7", "8.5")
+    assert [(row.joint, row.type.value, row.sign) for row in first.rows] == [
+        ("1", "revolute", -1),
+        ("2", "prismatic", 1),
+    ]
+
+
+def test_names_keep_their_text(read_one: Callable[..., Manipulator]) -> None:
+    """007 is no 7, in a column of texts."""
+    arm = read_one({**RADIANS, "joint": ["007"], "link": ["1e3"]}, name="no")
+    assert (arm.name, arm.rows[0].joint, arm.rows[0].link) == ("no", "007", "1e3")
+
+
+def test_an_empty_cell_is_null(read_one: Callable[..., Manipulator]) -> None:
+    """What need not be said may be null in one row and a number in another."""
+    columns = {name: cells * 2 for name, cells in RADIANS.items()}
+    arm = read_one({**columns, "mass": [None, 2.5], "lower": [None, -1], "upper": [None, 1], "radius": [None, None]})
+    assert [(row.mass, row.limits.lower, row.radius) for row in arm.rows] == [(None, None, None), (2.5, -1.0, None)]
+
+
+# --- What is said of all rows -----------------------------------------------------------------------------------------
+
+
+def test_metadata_say_what_columns_cannot(tmp_path: Path) -> None:
+    """Each comment line of a CSV table has a key, and other people's keys are left alone."""
+    statements = {
+        "name": "gantry",
+        "convention": "Craig",
+        "units": "{length: mm, angle: deg}",
+        "base": "{xyz: [0, 0, 300], rpy: [0, 0, 90]}",
+        "tool": "{xyz: [0, 0, 10]}",
+        "defaults": "{geometry: {shape: box, radius: 40}, density: 1000}",
+    }
+    table = table_of({"a": [100], "alpha": [90], "d": [50.5]}, **statements)
+    pq.write_table(table.replace_schema_metadata({**table.schema.metadata, "pandas": "{}"}), tmp_path / "arm.parquet")
+    (arm,) = parquet.read(tmp_path / "arm.parquet", TableOptions())
+    assert isinstance(arm, Manipulator)
+    assert (arm.name, arm.convention, arm.rows[0].a, arm.rows[0].d) == ("gantry", Convention.MODIFIED, 0.1, 0.0505)
+    assert (arm.base.translation, arm.base.rotation[:3]) == ((0.0, 0.0, 0.3), (0.0, -1.0, 0.0))
+    assert arm.tool.translation == (0.0, 0.0, 0.01)
+    assert (arm.geometry.shape, arm.geometry.radius, arm.density) == ("box", 0.04, 1000.0)
+
+
+def test_options_say_what_the_table_does_not(read: Callable[..., Items]) -> None:
+    """Convention, units, base and tool, as for every table."""
+    options = TableOptions(convention="mdh", length_unit="mm", angle_unit="deg", base="{xyz: [0, 0, 300]}")
+    (arm,) = read({"a": [100], "alpha": [90], "d": [50.5]}, options)
+    assert isinstance(arm, Manipulator)
+    assert (arm.convention, arm.rows[0].a, arm.base.translation) == (Convention.MODIFIED, 0.1, (0.0, 0.0, 0.3))
+
+
+def test_every_manipulator_may_have_its_convention(read: Callable[..., Items]) -> None:
+    """A column says it for each."""
+    columns = {name: cells * 2 for name, cells in RADIANS.items()}
+    arms = read({"robot": ["A", "B"], "convention": ["dh", "craig"], **columns}, TableOptions())
+    assert [arm.convention for arm in arms if isinstance(arm, Manipulator)] == ["standard", "modified"]
+
+
+# --- Refusals ---------------------------------------------------------------------------------------------------------
+
+TWO = {"joint": ["j1", "j2"], "a": [0.5, 0.25], "alpha": [0.0, 0.0], "d": [0.0, 0.5]}
+FIELD = "arm.parquet, row 2: error: joint 'j2', field "
+NOTHING = "    accepted: a number, 0 included: nothing is filled in for geometry"
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({"a": [0.5, None]}, f"{FIELD}'a': a is empty\n{NOTHING}"),
+        ({"alpha": ["pi/2", None]}, f"{FIELD}'alpha': alpha is empty\n{NOTHING}"),
+        ({"a": [0.5, float("nan")]}, f"{FIELD}'a': 'nan' "),
+        ({"mass": [0.5, float("nan")]}, f"{FIELD}'mass': 'nan' "),
+        ({"d": [0.5, float("-inf")]}, f"{FIELD}'d': '-inf' "),
+        ({"alpha": [0, 90]}, f"{FIELD}'alpha': '90' is more than a full turn in rad"),
+        ({"d": ["0", "1,5"]}, f"{FIELD}'d': "),
+        ({"mass": [1, -2.5]}, f"{FIELD}'mass': '-2.5' is not positive"),
+        ({"type": ["R", "screw"]}, f"{FIELD}'type': 'screw' is no type of joint"),
+        ({"beta": [0.0, 0.5]}, "'beta' is the angle of Hayati's convention, which no column holds, and it is '0.5'"),
+        ({"moves": ["R", "prismatic"]}, "'prismatic' seems to be a type, and no field is called 'moves'"),
+        ({"joint": ["j1", "j1"]}, "the joint cannot be named 'j1': a joint of arm.parquet, row 1 has it already"),
+        ({"alpah": [0, 0], "joint": ["j1", "j2"]}, "no column is called 'alpah'"),
+        ({"a [lightyears]": [0, 0]}, "arm.parquet: error: "),
+        ({"a [mm]": [0, 0]}, "two columns are a: 'a' and 'a [mm]' (a duplicate)"),
+        ({"a": pa.array([1, 2], pa.timestamp("ms"))}, "field 'a': the column 'a' holds timestamp[ms]\n    accepted: numbers or text"),
+        ({"a": [[0.5], [0.25]]}, "field 'a': the column 'a' holds list<element: double>"),
+    ],
+)  # fmt: skip
+def test_a_message_names_the_row(refusal: Callable[..., str], columns: dict[str, Any], said: str) -> None:
+    """File, row, joint, field, what was found, what is accepted: with the row where a CSV file has a line."""
+    assert said in refusal({**TWO, **columns})
+
+
+def test_columns_of_one_name_are_refused(tmp_path: Path) -> None:
+    """Such columns cannot be told apart, whatever they are."""
+    arrays = [pa.array([0.5])] * 5
+    pq.write_table(pa.table(arrays, names=["a", "alpha", "d", "x", "x"]), tmp_path / "arm.parquet")
+    with pytest.raises(TableError, match="two columns are called 'x'"):
+        list(parquet.read(tmp_path / "arm.parquet", STANDARD))
+
+
+@pytest.mark.parametrize(
+    ("statements", "said"),
+    [
+        ({"convetion": "dh"}, "the metadata say 'dh2urdf.convetion', which nothing is called\n"),
+        ({"convetion": "dh"}, "did you mean 'dh2urdf.convention'?"),
+        ({"convention": "modified"}, "'standard' means the standard convention, and arm.parquet, metadata dh2urdf.convention:1:1 says modified"),
+        ({"base": "{xyz: [0, 0}"}, "arm.parquet, metadata dh2urdf.base:1:"),
+        ({"tool": "{xyz: [0, 0, x]}"}, "arm.parquet, metadata dh2urdf.tool:1:14: error: "),
+        ({"convention": ""}, "field 'convention': the metadata 'dh2urdf.convention' are empty"),
+    ],
+)  # fmt: skip
+def test_what_metadata_cannot_say_is_refused(
+    refusal: Callable[..., str], statements: dict[str, str], said: str
+) -> None:
+    """The key is named, with line and column of its text."""
+    assert said in refusal(RADIANS, **statements)
+
+
+def test_a_table_that_does_not_say_its_convention_is_refused(read: Callable[..., Items]) -> None:
+    """It is never guessed."""
+    (arm,) = read(RADIANS, TableOptions())
+    assert isinstance(arm, Rejected)
+    assert "does not say which Denavit-Hartenberg convention" in str(arm.problems[0])
+
+
+def test_a_table_without_rows_is_refused(refusal: Callable[..., str]) -> None:
+    """Columns alone are no arm."""
+    nothing = pa.array([], pa.float64())
+    assert "there are no joints" in refusal({"a": nothing, "alpha": nothing, "d": nothing})
+
+
+# --- Many manipulators ------------------------------------------------------------------------------------------------
+
+
+def robots(names: list[str | None], **columns: Column) -> dict[str, Column]:
+    count = len(names)
+    return {"robot": names, "a": [0.1] * count, "alpha": [0.0] * count, "d": [0.0] * count, **columns}
+
+
+def test_a_bad_manipulator_fails_alone(read: Callable[..., Items]) -> None:
+    """The others of the file are read, before and behind it."""
+    arms = read(robots(["A", "B", "B", "C"], d=[0.1, None, 0.1, 0.1]))
+    assert [(type(arm), arm.name) for arm in arms] == [(Manipulator, "A"), (Rejected, "B"), (Manipulator, "C")]
+    assert [arm.mark and arm.mark.line for arm in arms] == [1, 2, 4]
+
+
+@pytest.mark.parametrize("gap", [1, 20_000])
+def test_a_manipulator_whose_rows_return_is_refused(read: Callable[..., Items], gap: int) -> None:
+    """Two halves of an arm are never two arms; far behind, at least the second half is refused."""
+    arms = read(robots(["A", *(f"B{number}" for number in range(gap)), "A"]))
+    assert isinstance(arms[-1], Rejected)
+    assert "rows of 'A' stand in several places" in str(arms[-1].problems[0])
+    assert isinstance(arms[0], Rejected) is (gap == 1)
+    assert len(arms) == gap + 2
+
+
+def test_a_row_that_does_not_say_whose_it_is_is_refused(refusal: Callable[..., str]) -> None:
+    """A null in the column of robots is no name."""
+    assert "arm.parquet, row 2: error: " in refusal(robots(["A", None, "B"]))
+
+
+def test_a_manipulator_may_be_longer_than_a_batch(read_one: Callable[..., Manipulator]) -> None:
+    """5,000 joints are read, with the row of each."""
+    arm = read_one({"a": [0.001] * 5000, "alpha": [0.0] * 5000, "d": [0.0] * 5000})
+    assert [row.mark.line for row in arm.rows if row.mark] == list(range(1, 5001))
+
+
+def test_a_row_keeps_its_place_in_another_process(read_one: Callable[..., Manipulator]) -> None:
+    """Workers get manipulators pickled, and say the row in their messages too."""
+    mark = pickle.loads(pickle.dumps(read_one(RADIANS))).rows[0].mark  # noqa: S301 - pickled here
+    assert (str(mark), str(replace(mark, line=None))) == ("arm.parquet, row 1", "arm.parquet")
+
+
+@pytest.fixture(scope="module")
+def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file of 50,000 manipulators that all differ, in a single row group."""
+    path = tmp_path_factory.mktemp("large") / "arms.parquet"
+    count = 300_000
+    columns = {name: pa.array([(k * step % 1009) / 1009 + k * 1e-9 for k in range(count)]) for name, step in STEPS}
+    pq.write_table(pa.table({"robot": [k // 6 for k in range(count)], **columns}), path, **ONE_GROUP_OF_SMALL_PAGES)
+    return path
+
+
+ONE_GROUP_OF_SMALL_PAGES = {"row_group_size": 300_000, "data_page_size": 2**16, "use_dictionary": False}
+STEPS = (("a", 613), ("alpha", 127), ("d", 991))
+
+
+def test_rows_are_read_as_they_are_asked_for(large: Path) -> None:
+    """Of a row group of several megabytes, a fraction is in memory at any time."""
+    before, most, count = pa.total_allocated_bytes(), 0, 0
+    for arm in parquet.read(large, STANDARD):
+        count += isinstance(arm, Manipulator)
+        if count % 100 == 0:
+            most = max(most, pa.total_allocated_bytes() - before)
+    assert count == 50_000
+    assert 0 < most < large.stat().st_size / 4
+
+
+def test_what_stands_before_a_fault_is_read(large: Path, tmp_path: Path) -> None:
+    """Manipulators come before the file has been read to its end; the fault is an error that names the row."""
+    content = bytearray(large.read_bytes())
+    start = pq.ParquetFile(large).metadata.row_group(0).column(1).data_page_offset
+    content[start + 2**20 : start + 2**20 + 2**18] = bytes(2**18)
+    (tmp_path / "arms.parquet").write_bytes(content)
+    arms = parquet.read(tmp_path / "arms.parquet", STANDARD)
+    assert [arm.name for arm in islice(arms, 1000)] == [str(robot) for robot in range(1000)]
+    with pytest.raises(TableError, match=r"arms.parquet, row \d{4,}: error: the file is broken from here on: ."):
+        list(arms)
+
+
+# --- The file ---------------------------------------------------------------------------------------------------------
+
+
+def whole_file() -> bytes:
+    content = io.BytesIO()
+    pq.write_table(pa.table(RADIANS), content)
+    return content.getvalue()
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"a,alpha,d\n0,0,1\n", b"PAR1", b"PK\x03\x04" + bytes(100), whole_file()[:-10]]
+)
+def test_what_is_no_parquet_file_is_refused(tmp_path: Path, content: bytes) -> None:
+    """Nothing, another format, half a file: one line that says so."""
+    (tmp_path / "arm.parquet").write_bytes(content)
+    with pytest.raises(TableError, match=r"arm.parquet: error: this is no Parquet file that can be read: .*\n.*whole"):
+        list(parquet.read(tmp_path / "arm.parquet", STANDARD))
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    """A folder, and nothing at all."""
+    (tmp_path / "folder.parquet").mkdir()
+    for name in ("folder.parquet", "missing.parquet"):
+        with pytest.raises(TableError, match=name):
+            list(parquet.read(tmp_path / name, STANDARD))
+
+
+def test_the_suffix_chooses_the_reader() -> None:
+    """A run file need not name the stage."""
+    assert load().reader_for(Path("arms.PARQUET")).name == "parquet"
+
+
+def test_pyarrow_is_asked_for_where_it_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The message is the command that installs it."""
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with pytest.raises(MissingDependencyError) as caught:
+        list(parquet.read(tmp_path / "arm.parquet", STANDARD))
+    assert str(caught.value) == "reader 'parquet' needs pyarrow: pip install 'dh2urdf[parquet]'"
+
+
+def test_a_reader_that_is_left_closes_its_file(large: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that is interrupted leaves no file open."""
+    opened: list[Any] = []
+    real = Path.open
+
+    def noting(self: Path, *arguments: Any, **options: Any) -> Any:
+        opened.append(real(self, *arguments, **options))
+        return opened[-1]
+
+    monkeypatch.setattr(Path, "open", noting)
+    arms: Iterator[Manipulator | Rejected] = parquet.read(large, STANDARD)
+    next(arms)
+    arms.close()  # type: ignore[attr-defined]
+    assert opened
+    assert all(file.closed for file in opened)

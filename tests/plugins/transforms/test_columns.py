@@ -1,0 +1,337 @@
+"""One robot is the oracle of many: whatever is made side by side is what `alpha_swap` and `emit` make by themselves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from random import Random
+from typing import TYPE_CHECKING, Any
+from unittest import mock
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dh2urdf.columns import in_columns
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
+from dh2urdf.robot_check import check_robot
+from dh2urdf.rotations import HALF_PI, RigidTransform
+from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
+from dh2urdf_plugins.transforms import columns as transform_module
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions, alpha_swap
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.robot import Robot
+
+FRAMES = st.sampled_from(["aligned", "dh"])
+SHAPES = ["cylinder", "box", "capsule"]
+QUARTERS = [quarters * HALF_PI for quarters in (0, 1, -1, 2, -2, 3)]
+BAD_NUMBERS = [math.nan, math.inf, -math.inf, 0.0, -1.0, 1e300, -1e-3, 5e-324, 1.5708, 3.14]
+
+
+def _lengths(r: Random, count: int, *, least: float = -0.8) -> list[float]:
+    """A column of lengths as tables have them: all alike, all different, or nothing for some."""
+    one = round(r.uniform(least, 0.8), r.choice([1, 3, 17]))
+    match r.choice(["nothing", "alike", "different", "different", "nothing for some", "short for some"]):
+        case "nothing":
+            return [0.0] * count
+        case "alike":
+            return [one] * count
+        case "nothing for some":
+            return [r.choice([0.0, -0.0, one]) for _ in range(count)]
+        case "short for some":
+            return [one * 10.0 ** r.choice([0, 0, -1, -2, -4, -6]) for _ in range(count)]
+    return [r.uniform(least, 0.8) for _ in range(count)]
+
+
+def _angles(r: Random, count: int) -> list[float]:
+    """A column of angles: quarter turns, or anything."""
+    one = r.choice([0.0, 0.0, *QUARTERS, 0.3])
+    match r.choice(["alike", "alike", "quarter turns", "any", "quarter turns for some"]):
+        case "alike":
+            return [one] * count
+        case "quarter turns":
+            return [r.choice(QUARTERS) for _ in range(count)]
+        case "any":
+            return [r.uniform(-7.0, 7.0) for _ in range(count)]
+    return [r.choice([one, r.uniform(-3.0, 3.0)]) for _ in range(count)]
+
+
+def _positive(r: Random, count: int, low: float, high: float) -> list[float]:
+    one = r.uniform(low, high)
+    return [one] * count if r.random() < 0.3 else [r.uniform(low, high) for _ in range(count)]
+
+
+def _rows(r: Random, number: int, joint_type: JointType, count: int) -> list[DHRow]:
+    """One row of many tables, which differ in numbers only."""
+    fixed = joint_type is JointType.FIXED
+    numbers: dict[str, list[Any]] = {
+        "a": _lengths(r, count),
+        "d": _lengths(r, count),
+        "alpha": _angles(r, count),
+        "theta": _angles(r, count) if r.random() < 0.5 else [0.0] * count,
+    }
+    if not fixed and r.random() < 0.3:
+        numbers["offset"] = _lengths(r, count) if joint_type is JointType.PRISMATIC else _angles(r, count)
+    limits: dict[str, list[float]] = {}
+    if r.random() < 0.6:
+        limits["lower"] = _lengths(r, count)
+        limits["upper"] = [
+            low + width for low, width in zip(limits["lower"], _positive(r, count, 0.0, 2.0), strict=True)
+        ]
+    if r.random() < 0.5:
+        limits["velocity"] = _positive(r, count, 0.1, 5.0)
+    if r.random() < 0.5:
+        limits["effort"] = _positive(r, count, 1.0, 300.0)
+    if r.random() < 0.4:
+        numbers["mass"] = _positive(r, count, 0.1, 20.0)
+    if r.random() < 0.3:
+        numbers["com"] = list(zip(*(_lengths(r, count) for _ in range(3)), strict=True))
+    if r.random() < 0.3:
+        moments = [_positive(r, count, 1.0, 1.5) for _ in range(3)] + [_lengths(r, count) for _ in range(3)]
+        numbers["inertia"] = [
+            Inertia(ixx=a, iyy=b, izz=c, ixy=0.1 * d, ixz=0.1 * e, iyz=0.1 * f)
+            for a, b, c, d, e, f in zip(*moments, strict=True)
+        ]
+    if r.random() < 0.2:
+        numbers["radius"] = _positive(r, count, 0.005, 0.1)
+    if r.random() < 0.2:
+        numbers["damping"] = _positive(r, count, 0.0, 1.0)
+    sign = -1 if not fixed and r.random() < 0.3 else 1
+    return [
+        DHRow(
+            joint=f"joint_{number}",
+            link=f"link_{number}",
+            type=joint_type,
+            sign=sign,
+            limits=Limits(**{name: column[k] for name, column in limits.items()}),
+            **{name: column[k] for name, column in numbers.items()},
+        )
+        for k in range(count)
+    ]
+
+
+@st.composite
+def families(draw: st.DrawFn, largest: int = 16) -> list[Manipulator]:
+    """Manipulators that differ in numbers only."""
+    types = draw(st.lists(st.sampled_from(JointType), min_size=1, max_size=4))
+    convention = draw(st.sampled_from(Convention))
+    count = draw(st.integers(1, largest))
+    r = Random(draw(st.integers(0, 2**32)))  # noqa: S311 - repeatable
+    rows = zip(*(_rows(r, number, joint, count) for number, joint in enumerate(types, 1)), strict=True)
+    base, tool = (
+        RigidTransform.from_xyz_rpy(
+            tuple(r.choice([0.0, r.uniform(-1, 1)]) for _ in range(3)),
+            tuple(r.choice([0.0, HALF_PI, r.uniform(-3, 3)]) for _ in range(3)),
+        )
+        for _ in range(2)
+    )
+    common: dict[str, Any] = {"convention": convention}
+    if r.random() < 0.5:
+        common |= {"base": base, "tool": tool}
+    if r.random() < 0.5:
+        shape, radius = r.choice([None, *SHAPES]), r.choice([None, 0.03])
+        common |= {"geometry": LinkGeometry(shape=shape, radius=radius), "base_geometry": LinkGeometry(radius=radius)}
+    if r.random() < 0.3:
+        common |= {"density": 1000.0, "base_mass": 4.0}
+    return [Manipulator(name=f"arm_{k}", rows=table, **common) for k, table in enumerate(rows)]
+
+
+@st.composite
+def options(draw: st.DrawFn) -> AlphaSwapOptions:
+    return AlphaSwapOptions(
+        frames=draw(FRAMES),
+        shape=draw(st.sampled_from(SHAPES)),  # type: ignore[arg-type]
+        radius=draw(st.sampled_from([None, None, 0.05])),
+        base_collision=draw(st.booleans()),
+    )
+
+
+def made(tables: Sequence[Manipulator], how: AlphaSwapOptions) -> dict[int, tuple[Robot, bytes]]:
+    """Robot and file of those tables that are made side by side, by their places."""
+    found = {}
+    for places, group in in_columns(tables):
+        for members, robots in TRANSFORM.transform_columns(group, how) or ():
+            files = EMITTER.emit_columns(robots, [name.upper() for name in robots.names], UrdfOptions())
+            for index, (member, own) in enumerate(zip(members, files, strict=True)):
+                assert bool(own) is bool(robots.sure[index])
+                if own:
+                    table = tables[places[member]]
+                    assert [file.name for file in own] == [f"{table.name.upper()}.urdf"]
+                    assert robots.names[index] == table.name
+                    found[places[member]] = robots.pick(index), own[0].content
+    return found
+
+
+def alone(table: Manipulator, how: AlphaSwapOptions) -> tuple[Robot, bytes]:
+    robot = alpha_swap(table, how)
+    return robot, EMITTER.emit(robot, "any", UrdfOptions())[0].content
+
+
+class TestWhatIsMadeSideBySide:
+    @settings(max_examples=250)
+    @given(families(), options())
+    def test_is_what_is_made_alone_byte_for_byte(self, tables: list[Manipulator], how: AlphaSwapOptions) -> None:
+        """The robots are the same, and so is every byte of their files, whatever some of them lack."""
+        with mock.patch.object(transform_module, "FEWEST", 1):
+            for place, (robot, content) in made(tables, how).items():
+                expected, bytes_alone = alone(tables[place], how)
+                assert content == bytes_alone
+                assert robot == expected
+                assert robot.comment == expected.comment
+
+    @given(families(), options(), st.randoms())
+    def test_does_not_depend_on_its_neighbours(
+        self, tables: list[Manipulator], how: AlphaSwapOptions, random: Random
+    ) -> None:
+        """Batches of one or seven, in any order, give the bytes of the whole."""
+        with mock.patch.object(transform_module, "FEWEST", 1):
+            whole = {tables[place].name: content for place, (_, content) in made(tables, how).items()}
+            random.shuffle(tables)
+            for size in (1, 7):
+                for start in range(0, len(tables), size):
+                    batch = tables[start : start + size]
+                    parts = made(batch, how)
+                    assert {batch[place].name: content for place, (_, content) in parts.items()} == {
+                        table.name: whole[table.name] for table in batch if table.name in whole
+                    }
+
+    def test_reference_robots_too(self, reference_robots: Sequence[Any]) -> None:
+        """Published tables beside scaled ones give their files."""
+        how = AlphaSwapOptions()
+        for reference in reference_robots:
+            nominal = reference.manipulator
+            scaled = [
+                replace(
+                    nominal,
+                    name=f"arm_{k}",
+                    rows=tuple(replace(row, a=row.a * (1 + 0.1 * k), d=row.d * (1 + 0.1 * k)) for row in nominal.rows),
+                )
+                for k in range(10)
+            ]
+            for place, (_, content) in made(scaled, how).items():
+                assert content == alone(scaled[place], how)[1]
+
+
+class TestWhatIsSure:
+    @settings(max_examples=250)
+    @given(families(), options(), st.data())
+    def test_has_nothing_said_about_it(
+        self, tables: list[Manipulator], how: AlphaSwapOptions, data: st.DataObject
+    ) -> None:
+        """A table with a problem or a notice, and one whose robot has either, is left to be made alone."""
+        for _ in range(data.draw(st.integers(1, 3))):
+            place = data.draw(st.integers(0, len(tables) - 1))
+            tables[place] = _spoilt(tables[place], data.draw)
+        for place in made(tables, how):
+            robot = alpha_swap(tables[place], how)
+            assert robot.notices == ()
+            assert check_robot(robot) == ()
+
+    @pytest.mark.parametrize(
+        "fault",
+        [
+            {"a": math.nan},
+            {"d": math.inf},
+            {"theta": 1.5708},
+            {"alpha": 3.14},
+            {"mass": 0.0},
+            {"mass": -1.0},
+            {"radius": 0.0},
+            {"damping": -1.0},
+            {"limits": Limits(lower=1.0, upper=-1.0, velocity=1.0, effort=1.0)},
+            {"limits": Limits(lower=-1.0, upper=1.0, velocity=0.0, effort=1.0)},
+            {"limits": Limits(lower=-1.0, upper=1.0, velocity=1.0, effort=-1.0)},
+            {"inertia": Inertia(ixx=1.0, iyy=1.0, izz=3.0)},
+            {"inertia": Inertia(ixx=1.0, iyy=1.0, izz=-1.0)},
+        ],
+        ids=str,
+    )
+    def test_is_not_spoilt_by_a_neighbour(self, table: Callable[..., Manipulator], fault: dict[str, Any]) -> None:
+        """One bad table of many costs itself."""
+        given_numbers = {
+            "mass": 1.0,
+            "radius": 0.03,
+            "damping": 0.1,
+            "limits": Limits(lower=-1.0, upper=1.0, velocity=1.0, effort=1.0),
+            "inertia": Inertia(ixx=1.0, iyy=1.0, izz=1.0),
+        }
+        good = [replace(table({"a": 0.3 + 0.01 * k, **given_numbers}), name=f"arm_{k}") for k in range(9)]
+        bad = replace(good[4], name="bad", rows=(replace(good[4].rows[0], **fault),))
+        tables = [*good, bad]
+        assert len(in_columns(tables)) == 1
+        assert sorted(made(tables, AlphaSwapOptions())) == list(range(9))
+
+    @pytest.mark.parametrize("frames", ["aligned", "dh"])
+    @pytest.mark.parametrize("convention", ["standard", "modified"])
+    @pytest.mark.parametrize("types", [("revolute",) * 6, ("prismatic", "revolute", "fixed", "continuous")], ids=str)
+    def test_are_ordinary_robots(
+        self, table: Callable[..., Manipulator], frames: Any, convention: str, types: tuple[str, ...]
+    ) -> None:
+        """A hundred arms of random lengths are all made side by side, whatever their joints."""
+        r = Random(7)  # noqa: S311 - repeatable
+        tables = [
+            replace(
+                table(
+                    *(
+                        {
+                            "type": name,
+                            "a": r.uniform(0.1, 0.5),
+                            "alpha": QUARTERS[number % 3],
+                            "d": r.uniform(0.1, 0.3),
+                        }
+                        for number, name in enumerate(types)
+                    ),
+                    convention=convention,
+                ),
+                name=f"arm_{k}",
+            )
+            for k in range(100)
+        ]
+        assert sorted(made(tables, AlphaSwapOptions(frames=frames))) == list(range(100))
+
+    def test_may_lack_a_segment(self, table: Callable[..., Manipulator]) -> None:
+        """Arms that are drawn differently are made in as many groups, each at once."""
+        tables = [replace(table({"a": 0.0 if k % 3 else 0.2, "d": 0.1 + k}), name=f"arm_{k}") for k in range(60)]
+        ((_, group),) = in_columns(tables)
+        groups = TRANSFORM.transform_columns(group, AlphaSwapOptions())
+        assert groups is not None
+        assert sorted(len(places) for places, _ in groups) == [20, 40]
+        assert sorted(made(tables, AlphaSwapOptions())) == list(range(60))
+
+    def test_are_worth_it(self, table: Callable[..., Manipulator]) -> None:
+        """A few that are drawn as nobody else is are left to be made alone."""
+        tables = [replace(table({"a": 0.0 if k < 3 else 0.2, "d": 0.1 + k}), name=f"arm_{k}") for k in range(60)]
+        assert sorted(made(tables, AlphaSwapOptions())) == list(range(3, 60))
+
+
+def test_the_variant_of_the_paper_is_made_one_by_one(table: Callable[..., Manipulator]) -> None:
+    """It has no columns."""
+    ((_, group),) = in_columns([table({"a": 0.3})])
+    assert TRANSFORM.transform_columns is not None
+    assert TRANSFORM.transform_columns(group, AlphaSwapOptions(variant="paper")) is None
+
+
+def _spoilt(table: Manipulator, draw: Callable[..., Any]) -> Manipulator:
+    """A table with one number that it should not have."""
+    number = draw(st.integers(0, len(table.rows) - 1))
+    row = table.rows[number]
+    value = draw(st.sampled_from(BAD_NUMBERS))
+    numbers = [
+        name
+        for name in ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping")
+        if getattr(row, name) is not None
+    ]
+    limits = [name for name in ("lower", "upper", "velocity", "effort") if getattr(row.limits, name) is not None]
+    name = draw(st.sampled_from([*numbers, *limits, *(["inertia", "com"] if row.inertia and row.com else [])]))
+    if name == "inertia":
+        spoilt = replace(row, inertia=replace(row.inertia, izz=value))
+    elif name == "com":
+        spoilt = replace(row, com=(0.0, value, 0.0))
+    elif name in limits:
+        spoilt = replace(row, limits=replace(row.limits, **{name: value}))
+    else:
+        spoilt = replace(row, **{name: value})
+    return replace(table, rows=(*table.rows[:number], spoilt, *table.rows[number + 1 :]))

@@ -1,0 +1,281 @@
+"""Runs that are killed, that meet stages which crash, hang or raise, and that go on later: nothing is lost."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from subprocess import CompletedProcess
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")
+
+COUNT = 3000
+UR5 = """\
+# convention: standard
+joint,a,alpha,d
+j1,0,pi/2,0.089
+j2,-0.425,0,0
+j3,-0.392,0,0
+j4,0,pi/2,0.109
+j5,0,-pi/2,0.0947
+j6,0,0,0.0823
+"""
+MANY = f"""\
+inputs: ur5.csv
+variations:
+  - {{of: ur5, count: {COUNT}, seed: 7, vary: [{{joints: [2, 3], field: a, scale: [0.5, 1.5]}}]}}
+output: {{directory: out, size: 100}}
+"""
+COMMAND = (sys.executable, "-c", "from dh2urdf.cli import main; main()")
+
+
+def tree(folder: Path) -> dict[str, str]:
+    """The files of a run by their names, as hashes; not its durations."""
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+def manifest(folder: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in (folder / "manifest.jsonl").open("rb")]
+
+
+@pytest.fixture
+def many(tmp_path: Path) -> Path:
+    (tmp_path / "ur5.csv").write_text(UR5)
+    (tmp_path / "run.yaml").write_text(MANY.replace(", size: 100", ""))
+    (tmp_path / "sized.yaml").write_text(MANY)
+    return tmp_path
+
+
+# --- Killed and resumed -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("layout", "workers", "to_all"),
+    [("files", 1, False), ("folders", 2, False), ("shards", 2, True)],
+)
+def test_a_killed_run_goes_on_where_it_was(
+    many: Path, dh2urdf: Callable[..., CompletedProcess[str]], *, layout: str, workers: int, to_all: bool
+) -> None:
+    """Killed several times, the run alone or its workers too, and resumed: the same bytes, and nothing else."""
+    config = many / ("run.yaml" if layout == "files" else "sized.yaml")
+    words = ["run", config, "--quiet", "--workers", str(workers), "--set", f"output.layout={layout}"]
+    started = time.monotonic()
+    dh2urdf(*words, "-o", many / "whole")
+    length = time.monotonic() - started
+    draw = random.Random(f"{layout} {workers}")  # noqa: S311 - any moments will do
+    killed = 0
+    for _ in range(4):
+        with subprocess.Popen(
+            [*COMMAND, *map(str, words), "-o", str(many / "out"), "--resume"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        ) as process:
+            time.sleep(0.3 + draw.random() * length / 3)
+            if process.poll() is None:
+                killed += 1
+                (os.killpg if to_all else os.kill)(process.pid, signal.SIGKILL)
+    assert killed
+    dh2urdf(*words, "-o", many / "out", "--resume")
+    assert tree(many / "out") == tree(many / "whole")
+    assert not [path for path in (many / "out").rglob("*") if path.name.startswith(".")]
+
+
+def test_what_is_finished_is_not_made_again(many: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+    """A second run touches no file, and says so; without --resume everything is made anew."""
+    out = many / "out"
+    dh2urdf("run", "run.yaml", "--quiet")
+    first = {path.name: path.stat().st_mtime_ns for path in out.glob("*.urdf")}
+    assert len(first) == COUNT + 1
+    said = dh2urdf("run", "run.yaml", "--resume").stdout
+    assert f"{COUNT + 1:,} unchanged" in said
+    assert {path.name: path.stat().st_mtime_ns for path in out.glob("*.urdf")} == first
+    dh2urdf("run", "run.yaml", "--quiet")
+    again = {path.name: path.stat().st_mtime_ns for path in out.glob("*.urdf")}
+    assert all(again[name] != first[name] for name in first)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Ten tables, the third of which has a notice, and a run of them that was made."""
+    for number in range(10):
+        (tmp_path / f"arm{number}.csv").write_text(UR5.replace("-0.425", f"-0.4{number}"))
+    table = tmp_path / "arm3.csv"
+    table.write_text(table.read_text().replace("j6,0,0,", "j6,0,1.57,"))
+    (tmp_path / "run.yaml").write_text("inputs: arm*.csv\noutput: {directory: out}\n")
+    return tmp_path
+
+
+def made_again(
+    folder: Path, dh2urdf: Callable[..., CompletedProcess[str]], change: Callable[[], Any], *words: str
+) -> set[str]:
+    """What a resumed run makes again after a change; its output is the one of a run from nothing."""
+    dh2urdf("run", "run.yaml", "--quiet")
+    before = {path.stem: path.stat().st_mtime_ns for path in (folder / "out").glob("*.urdf")}
+    change()
+    dh2urdf("run", "run.yaml", "--quiet", "--resume", *words)
+    after = {path.stem: path.stat().st_mtime_ns for path in (folder / "out").glob("*.urdf")}
+    dh2urdf("run", "run.yaml", "--quiet", *words, "-o", "fresh")
+    assert tree(folder / "out") == tree(folder / "fresh")
+    return {name for name, moment in after.items() if before.get(name) != moment}
+
+
+def test_a_changed_table_is_made_again_alone(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+    """One number of one table: one file is made, and nine are kept."""
+    table = folder / "arm5.csv"
+    change = table.read_text().replace("0.109", "0.11")
+    assert made_again(folder, dh2urdf, lambda: table.write_text(change)) == {"arm5"}
+
+
+def test_a_damaged_or_missing_file_is_made_again(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+    """What the power took, or somebody's editor: the hashes of the manifest find it."""
+
+    def damage() -> None:
+        (folder / "out/arm1.urdf").unlink()
+        path = folder / "out/arm2.urdf"
+        path.write_bytes(path.read_bytes()[:-100])
+
+    assert made_again(folder, dh2urdf, damage) == {"arm1", "arm2"}
+
+
+def test_lines_that_move_change_nothing(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+    """A comment above the rows moves them; only a manipulator of whose lines the manifest speaks is made again."""
+
+    def comment() -> None:
+        for path in folder.glob("arm*.csv"):
+            path.write_text("# made with care\n" + path.read_text())
+
+    assert made_again(folder, dh2urdf, comment) == {"arm3"}
+
+
+def test_another_option_makes_everything_again(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+    """Files that another recipe made are not what the run asks for."""
+    words = ("--set", "transform.options.radius=0.03")
+    assert len(made_again(folder, dh2urdf, lambda: None, *words)) == 10
+
+
+# --- Stages that misbehave --------------------------------------------------------------------------------------------
+
+MISFITS = """
+import os, signal, time
+from dataclasses import replace
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.stages import EmittedFile, Emitter, Loader, LoadReport, NoOptions
+
+def misbehave(name):
+    if "segfault" in name:
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if "hang" in name:
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGALRM})
+        while True:
+            time.sleep(60)
+    if "raise" in name:
+        raise ZeroDivisionError("division by nothing")
+
+def emit(robot, stem, options):
+    misbehave(robot.name)
+    return [EmittedFile(name=f"{stem}.txt", content=robot.name.encode())]
+
+def load(request, options):
+    misbehave(request.robot.name)
+    return LoadReport(simulator="misfit", version="1")
+
+@hookimpl
+def dh2urdf_emitters():
+    return [Emitter(name="misfit", summary="misbehaves", emit=emit, options=NoOptions, suffixes=(".txt",))]
+
+@hookimpl
+def dh2urdf_loaders():
+    return [Loader(name="misfit", summary="misbehaves", load=load, options=NoOptions, poses=lambda _: 1,
+                   picture=lambda _: False, time_limit=lambda _: 3.0)]
+"""
+NAMES = ["a", "segfault", "b", "hang", "c", "raise", *(f"arm{number}" for number in range(40))]
+
+
+@pytest.fixture
+def misfits(tmp_path: Path) -> Path:
+    """A plugin whose stages misbehave with some manipulators, and a table of these among others."""
+    site = tmp_path / "site"
+    (site / "misfits-1.0.dist-info").mkdir(parents=True)
+    (site / "misfits.py").write_text(MISFITS)
+    (site / "misfits-1.0.dist-info/METADATA").write_text("Metadata-Version: 2.1\nName: misfits\nVersion: 1.0\n")
+    (site / "misfits-1.0.dist-info/entry_points.txt").write_text("[dh2urdf]\nmisfits = misfits\n")
+    rows = [f"{name},{cells}" for name in NAMES for cells in UR5.splitlines()[2:]]
+    (tmp_path / "arms.csv").write_text("\n".join(["# convention: standard", "robot,joint,a,alpha,d", *rows]))
+    return tmp_path
+
+
+@pytest.mark.parametrize("layout", ["files", "shards"])
+@pytest.mark.parametrize("stage", ["emitter", "loader"])
+def test_a_stage_that_misbehaves_costs_one_manipulator(
+    misfits: Path, dh2urdf: Callable[..., CompletedProcess[str]], stage: str, layout: str
+) -> None:
+    """One that crashes its process, one that hangs and one that raises: three failed rows that say so, exit status 1."""
+    stages = {"emitter": "emitters: [urdf, misfit]", "loader": "loaders: misfit"}[stage]
+    (misfits / "run.yaml").write_text(
+        f"inputs: arms.csv\n{stages}\noutput: {{directory: out, layout: {layout}}}\n"
+        "execution: {stage: local, options: {workers: 2}, time_limit: 3}\n"
+    )
+    answer = dh2urdf("run", "run.yaml", path=[misfits / "site"], status=1)
+    rows = {row["name"]: row for row in manifest(misfits / "out")}
+    assert list(rows) == NAMES
+    failed = {name: (row["kind"], row["errors"][0]["message"]) for name, row in rows.items() if row["status"] != "ok"}
+    assert failed.keys() == {"segfault", "hang", "raise"}
+    assert failed["segfault"][0] == "crash"
+    assert "crashed (segmentation fault)" in failed["segfault"][1]
+    assert failed["hang"][0] == "time limit"
+    assert "did not finish within 3 s" in failed["hang"][1]
+    assert failed["raise"][0] == "stage"
+    assert "ZeroDivisionError: division by nothing" in failed["raise"][1]
+    written = {file["path"] for name, row in rows.items() if row["status"] == "ok" for file in row["files"]}
+    assert {f"{name}.urdf" for name in NAMES if name not in failed} <= written
+    assert "3 failed" in answer.stdout
+    index = json.loads((misfits / "out/index.json").read_bytes())
+    assert {kind: entry["names"] for kind, entry in index["failures"].items()} == {
+        "crash": ["segfault"],
+        "time limit": ["hang"],
+        "stage": ["raise"],
+    }
+    assert "Traceback" not in answer.stderr
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_interrupt_ends_a_run_in_a_second_and_it_can_be_resumed(
+    many: Path, dh2urdf: Callable[..., CompletedProcess[str]], workers: int
+) -> None:
+    """Ctrl-C: exit status 130, a line that says how to go on, and the run goes on to the same bytes."""
+    dh2urdf("run", "run.yaml", "--quiet", "-o", "whole")
+    with subprocess.Popen(
+        [*COMMAND, "run", "run.yaml", "--workers", str(workers)],
+        cwd=many,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        patience = time.monotonic() + 60
+        while len(list((many / "out").glob("*.urdf"))) < 10 and time.monotonic() < patience:
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGINT)
+        asked = time.monotonic()
+        _, said = process.communicate(timeout=60)
+        took = time.monotonic() - asked
+    assert process.returncode == 130
+    assert "--resume" in said
+    assert "Traceback" not in said
+    assert took < 10  # a second on a machine that has nothing else to do
+    dh2urdf("run", "run.yaml", "--quiet", "--resume")
+    assert tree(many / "out") == tree(many / "whole")

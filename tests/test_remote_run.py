@@ -1,0 +1,88 @@
+"""Runs whose output goes to an object store: a real server on loopback."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import tarfile
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.stores import open_store
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from subprocess import CompletedProcess
+
+    from dh2urdf.stores import Store
+
+RUN = """\
+inputs: arms.csv
+output: {directory: ADDRESS, layout: LAYOUT}
+emitters: EMITTERS
+"""
+DURATIONS = {"timing.json"}
+
+
+@pytest.fixture
+def arms(tmp_path: Path) -> Path:
+    rows = [f"arm{k},j{j},0.{k + 1},pi/2,0.{j}" for k in range(30) for j in range(1, 4)]
+    (tmp_path / "arms.csv").write_text("\n".join(["# convention: standard", "robot,joint,a,alpha,d", *rows, ""]))
+    return tmp_path
+
+
+def contents(store: Store) -> dict[str, str]:
+    return {name: hashlib.sha256(store.read(name)).hexdigest() for name in store.names() if name not in DURATIONS}
+
+
+@pytest.mark.parametrize(("layout", "emitters"), [("files", "[urdf, xacro]"), ("shards", "urdf")])
+def test_an_object_store_holds_what_a_folder_would(
+    arms: Path, bucket: str, dh2urdf: Callable[..., CompletedProcess[str]], layout: str, emitters: str
+) -> None:
+    """The same objects as files, byte for byte; a second run with --resume keeps them, and makes what is damaged."""
+    text = RUN.replace("LAYOUT", layout).replace("EMITTERS", emitters)
+    (arms / "far.yaml").write_text(text.replace("ADDRESS", f"{bucket}/arms"))
+    (arms / "near.yaml").write_text(text.replace("ADDRESS", "out"))
+    dh2urdf("run", "far.yaml", "--workers", "2")
+    dh2urdf("run", "near.yaml", "--workers", "1")
+    far, near = open_store(f"{bucket}/arms"), open_store(arms / "out")
+    assert contents(far) == contents(near)
+    said = dh2urdf("run", "far.yaml", "--resume").stdout
+    assert "30 unchanged" in said
+    damaged = "arm7.urdf" if layout == "files" else "000000.tar"
+    far.write(damaged, b"<robot")
+    said = dh2urdf("run", "far.yaml", "--resume").stdout
+    assert ("29 unchanged" if layout == "files" else "30 made") in said
+    assert contents(far) == contents(near)
+
+
+def test_the_manifest_finds_the_bytes_in_a_shard(
+    arms: Path, bucket: str, dh2urdf: Callable[..., CompletedProcess[str]]
+) -> None:
+    """Offset and size of the manifest are those of the member, as tarfile finds it."""
+    text = RUN.replace("LAYOUT", "shards, size: 8").replace("EMITTERS", "urdf")
+    (arms / "far.yaml").write_text(text.replace("ADDRESS", f"{bucket}/arms"))
+    dh2urdf("run", "far.yaml", "-q")
+    far = open_store(f"{bucket}/arms")
+    for line in far.read("manifest.jsonl").splitlines():
+        (file,) = json.loads(line)["files"]
+        content = far.read(file["shard"], offset=file["offset"], size=file["bytes"])
+        with tarfile.open(fileobj=io.BytesIO(far.read(file["shard"]))) as shard:
+            member = shard.extractfile(file["path"])
+            assert member
+            assert member.read() == content
+        assert hashlib.sha256(content).hexdigest() == file["sha256"]
+
+
+def test_a_bucket_that_is_not_there_is_one_line(
+    arms: Path, s3_server: str, dh2urdf: Callable[..., CompletedProcess[str]]
+) -> None:
+    """Exit status 2, and what the store says."""
+    assert s3_server
+    (arms / "far.yaml").write_text("inputs: arms.csv\noutput: {directory: s3://no-such-bucket/arms}\n")
+    failed = dh2urdf("run", "far.yaml", status=2)
+    assert "no-such-bucket" in failed.stderr
+    assert "Traceback" not in failed.stderr

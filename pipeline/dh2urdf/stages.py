@@ -16,6 +16,7 @@ from dh2urdf.columns import ManipulatorColumns, RobotColumns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
+from dh2urdf.table_text import TableText, WrittenTable
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 T = TypeVar("T")
@@ -53,6 +54,9 @@ class Reader(Generic[O]):
         options: its options dataclass.
         read: yields the manipulators of a file one by one, without holding them.
         schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
+        write: the file of a table as its author typed it, which `read` reads. None where the format is only read.
+        texts: the tables of a file as their authors typed them, as far as that can be told; what it gives is taken only
+            where `write` and `read` make the same manipulator of it. None where the format has no such texts.
 
     `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
     one manipulator of several cannot.
@@ -64,6 +68,8 @@ class Reader(Generic[O]):
     options: type[O]
     suffixes: tuple[str, ...] = ()
     schema: Callable[[], dict[str, Any]] | None = None
+    write: Callable[[TableText], WrittenTable] | None = None
+    texts: Callable[[Path], Iterator[TableText]] | None = None
 
 
 def _always(_options: object) -> bool:

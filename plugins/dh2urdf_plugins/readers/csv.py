@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Reader, Rejected
+from dh2urdf_plugins.readers import csv_texts
 from dh2urdf_plugins.readers.csv_comments import prose_notices
 from dh2urdf_plugins.readers.csv_header import DELIMITERS, read_top
 from dh2urdf_plugins.readers.csv_lines import CsvLines
@@ -49,6 +50,8 @@ READER: Reader[TableOptions] = Reader(
     read=read,
     options=TableOptions,
     suffixes=(".csv", ".tsv"),
+    write=csv_texts.write,
+    texts=csv_texts.texts,
 )
 
 

@@ -11,6 +11,7 @@ from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.textfiles import read_bytes
+from dh2urdf_plugins.readers import yaml_texts
 from dh2urdf_plugins.readers.cells import Cell
 from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, INERTIA_FIELDS, UNHELD_GEOMETRY, read_header
 from dh2urdf_plugins.readers.rows import RowReader
@@ -96,6 +97,8 @@ READER: Reader[TableOptions] = Reader(
     options=TableOptions,
     suffixes=(".yaml", ".yml", ".json"),
     schema=table_schema,
+    write=yaml_texts.write,
+    texts=yaml_texts.texts,
 )
 
 

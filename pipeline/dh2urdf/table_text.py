@@ -1,0 +1,281 @@
+"""A table as its author types it: texts in cells, before anything reads them.
+
+This is what an editor holds, and what a format writes and reads without losing a letter: `pi/2` stays `pi/2`. What the
+texts mean is the readers' business; the numbers of a `Manipulator` as such texts are made here.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import JointType
+from dh2urdf.number_text import format_number
+from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.units import UNITS, Dimension, Unit
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator
+    from dh2urdf.source import Mark
+
+FIELDS = (
+    *("joint", "link", "type", "a", "alpha", "d", "theta", "offset", "sign", "lower", "upper", "velocity", "effort"),
+    *("mass", "com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz", "radius", "damping", "friction"),
+)
+"""The fields of a row, in the order of their columns."""
+REQUIRED = ("a", "alpha", "d")
+
+_LENGTHS = frozenset(("a", "d", "com_x", "com_y", "com_z", "radius"))
+_ANGLES = frozenset(("alpha", "theta"))
+_OF_THE_JOINT = frozenset(("offset", "lower", "upper"))
+_PARTS_OF_PI = (1, 2, 3, 4, 6, 12)
+_LARGEST_MULTIPLE = 48
+_PLAIN_LENGTH = 24
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableText:
+    """A table of one manipulator, as texts; an empty text says nothing.
+
+    Attributes:
+        name: the manipulator's name.
+        convention: the word for the convention.
+        length_unit: the unit of lengths without one.
+        angle_unit: the unit of angles without one.
+        base: the base transform, as YAML.
+        tool: the tool transform, as YAML.
+        defaults: geometry and density of all links, as YAML.
+        rows: a mapping for each joint, from the base outwards: names of `FIELDS`, and texts that are not empty.
+    """
+
+    name: str = ""
+    convention: str = ""
+    length_unit: str = "m"
+    angle_unit: str = "rad"
+    base: str = ""
+    tool: str = ""
+    defaults: str = ""
+    rows: tuple[Mapping[str, str], ...] = ()
+
+    def columns(self) -> tuple[str, ...]:
+        """The fields that a row says anything in, and those that every table has."""
+        used = {field for row in self.rows for field in row}
+        return tuple(field for field in FIELDS if field in used or field in REQUIRED)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where a written table has one of its texts.
+
+    Attributes:
+        line: counted from 1.
+        column: where the text begins, counted from 1, in characters.
+        row: number of the row, counted from 0; None where it is a text of the whole table.
+        field: the field, or the attribute of `TableText`.
+    """
+
+    line: int
+    column: int
+    row: int | None
+    field: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenTable:
+    """A table in a file format.
+
+    Attributes:
+        content: the file.
+        places: where its texts are, in the order of the file; empty where the format does not tell.
+    """
+
+    content: bytes
+    places: tuple[Place, ...] = ()
+
+    def at(self, mark: Mark | None) -> tuple[int | None, str | None]:
+        """The row and the field that a mark in the file means; a mark of a whole line means no field."""
+        if mark is None or mark.line is None:
+            return None, None
+        starts = [(place.line, place.column) for place in self.places]
+        index = bisect_right(starts, (mark.line, mark.column or 1)) - 1
+        if index < 0 or self.places[index].line != mark.line:
+            return None, None
+        place = self.places[index]
+        return place.row, place.field if mark.column is not None or place.row is None else None
+
+
+# --- From numbers to texts --------------------------------------------------------------------------------------------
+
+
+def table_text(manipulator: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> TableText:
+    """The texts of a manipulator: the shortest that read back to the same numbers.
+
+    Args:
+        manipulator: the arm.
+        length_unit: the unit to write lengths in.
+        angle_unit: the unit to write angles in.
+    """
+    length, angle = UNITS[length_unit], UNITS[angle_unit]
+    return TableText(
+        name=manipulator.name,
+        convention=str(manipulator.convention),
+        length_unit=length_unit,
+        angle_unit=angle_unit,
+        base=transform_text(
+            manipulator.base,
+            length,
+            angle,
+            mass=manipulator.base_mass,
+            geometry=manipulator.base_geometry,
+        ),
+        tool=transform_text(manipulator.tool, length, angle),
+        defaults=_mapping(_geometry(manipulator.geometry, length), _density(manipulator.density)),
+        rows=tuple(_row_text(row, number, length, angle) for number, row in enumerate(manipulator.rows, start=1)),
+    )
+
+
+def number_in(value: float, unit: Unit) -> str:
+    """The text of an SI value in a unit: the shortest that reads back to the same double, where there is one."""
+    if unit.degrees:
+        return _shortest(value, math.degrees(value), unit)
+    if unit.dimension is Dimension.ANGLE:
+        return _multiple_of_pi(value) or format_number(value)
+    shifted = Decimal(repr(float(value))).scaleb(-unit.power).normalize()
+    plain = format(shifted, "f")
+    return format_number(0.0) if not shifted else plain if len(plain) <= _PLAIN_LENGTH else str(shifted)
+
+
+def transform_text(
+    transform: RigidTransform,
+    length: Unit,
+    angle: Unit,
+    *,
+    mass: float | None = None,
+    geometry: LinkGeometry | None = None,
+) -> str:
+    """A rigid transform as YAML in one line, as tables have it; empty where it is the identity and nothing else is said.
+
+    Args:
+        transform: the transform.
+        length: the unit of lengths.
+        angle: the unit of angles.
+        mass: mass of the base's body [kg].
+        geometry: shape of the base's body.
+    """
+    body = [*(["mass: " + format_number(mass)] if mass is not None else ()), _geometry(geometry, length)]
+    if transform == IDENTITY:
+        return _mapping(*body)
+    xyz, rpy = transform.translation, transform.rpy
+    entries = []
+    if any(xyz):
+        entries.append(f"xyz: [{', '.join(number_in(value, length) for value in xyz)}]")
+    if any(rpy):
+        entries.append(f"rpy: [{', '.join(number_in(value, angle) for value in rpy)}]")
+    return _mapping(*entries, *body)
+
+
+def dimension_of(field: str, kind: JointType) -> Dimension | None:
+    """What a field measures in the row of a joint, as far as a unit of the table holds for it."""
+    linear = kind is JointType.PRISMATIC
+    if field in _LENGTHS or (linear and field in _OF_THE_JOINT):
+        return Dimension.LENGTH
+    if field in _ANGLES or field in _OF_THE_JOINT:
+        return Dimension.ANGLE
+    if field == "velocity":
+        return Dimension.SPEED if linear else Dimension.TURN_RATE
+    return None
+
+
+def unit_of(dimension: Dimension, length: Unit, angle: Unit) -> Unit:
+    """The unit of a dimension that follows the units of lengths and angles."""
+    match dimension:
+        case Dimension.LENGTH:
+            return length
+        case Dimension.ANGLE:
+            return angle
+        case Dimension.SPEED:
+            return UNITS[f"{length.symbol}/s"]
+        case _:
+            return UNITS[f"{angle.symbol}/s"]
+
+
+def _row_text(row: DHRow, number: int, length: Unit, angle: Unit) -> Mapping[str, str]:
+    texts = {"joint": row.joint, "type": str(row.type)}
+    if row.link != f"link_{number}":
+        texts["link"] = row.link
+    for field, value in _values(row).items():
+        if value is not None:
+            dimension = dimension_of(field, row.type)
+            unit = dimension and unit_of(dimension, length, angle)
+            texts[field] = number_in(value, unit) if unit else format_number(value)
+    if row.type is JointType.FIXED:
+        texts = {field: text for field, text in texts.items() if field not in ("lower", "upper", "velocity", "effort")}
+    return {field: texts[field] for field in FIELDS if field in texts}
+
+
+def _values(row: DHRow) -> dict[str, float | None]:
+    """The numbers of a row by field; None where it says nothing, or what is so anyhow."""
+    com, inertia, limits = row.com, row.inertia, row.limits
+    values: dict[str, float | None] = {"a": row.a, "alpha": row.alpha, "d": row.d, "theta": row.theta}
+    values |= {"offset": row.offset or None, "sign": None if row.sign == 1 else row.sign}
+    values |= {"lower": limits.lower, "upper": limits.upper, "velocity": limits.velocity, "effort": limits.effort}
+    values |= {"mass": row.mass, "radius": row.radius, "damping": row.damping, "friction": row.friction}
+    if com is not None:
+        values |= {f"com_{axis}": value for axis, value in zip("xyz", com, strict=True)}
+    if inertia is not None:
+        values |= {name: getattr(inertia, name) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
+    return values
+
+
+def _multiple_of_pi(value: float) -> str | None:
+    """``pi/2``, ``-3*pi/4``: a simple multiple of π that is the value to the last bit; None where it is none."""
+    for part in _PARTS_OF_PI:
+        times = round(value / math.pi * part)
+        if times and abs(times) <= _LARGEST_MULTIPLE and times * math.pi / part == value:
+            factor = "" if abs(times) == 1 else f"{abs(times)}*"
+            return f"{'-' if times < 0 else ''}{factor}pi{f'/{part}' if part > 1 else ''}"
+    return None
+
+
+def _shortest(value: float, number: float, unit: Unit) -> str:
+    """The text of a number of a unit with the fewest digits that is the SI value to the last bit."""
+    for digits in (6, 9, 12, 14):
+        rounded = float(f"{number:.{digits}g}")
+        if unit.si(rounded) == value:
+            return format_number(rounded)
+    near = (number, math.nextafter(number, -math.inf), math.nextafter(number, math.inf))
+    return format_number(next((candidate for candidate in near if unit.si(candidate) == value), number))
+
+
+def _geometry(geometry: LinkGeometry | None, length: Unit) -> str:
+    if geometry is None or (geometry.shape is None and geometry.radius is None):
+        return ""
+    shape = f"shape: {yaml_word(geometry.shape)}" if geometry.shape is not None else ""
+    radius = f"radius: {number_in(geometry.radius, length)}" if geometry.radius is not None else ""
+    return f"geometry: {_mapping(shape, radius)}"
+
+
+def _density(density: float | None) -> str:
+    return f"density: {format_number(density)}" if density is not None else ""
+
+
+def _mapping(*entries: str) -> str:
+    said = ", ".join(entry for entry in entries if entry)
+    return f"{{{said}}}" if said else ""
+
+
+_PLAIN_WORD = re.compile(r"[A-Za-z0-9_.π°√][A-Za-z0-9_.+*/()π°√ -]*(?<! )|-[A-Za-z0-9_.(π√][A-Za-z0-9_.+*/()π°√ -]*(?<! )")
+_OTHER_THAN_TEXT = re.compile(r"~|null|true|false|\.(inf|nan)", re.IGNORECASE)
+
+
+def yaml_word(text: str) -> str:
+    """A text as a scalar of YAML, bare where that is the same: ``pi/2``, ``-425 mm``, ``"a: b"``."""
+    if _PLAIN_WORD.fullmatch(text) and not _OTHER_THAN_TEXT.fullmatch(text):
+        return text
+    return json.dumps(text, ensure_ascii=False)

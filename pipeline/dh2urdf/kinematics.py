@@ -11,7 +11,7 @@ Robotics, 3rd edition, eq. 3.6) for the modified one; Rodrigues' formula for the
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
@@ -142,10 +142,8 @@ class KinematicChain(NamedTuple):
         pose = IDENTITY
         for joint, origin in zip(self.joints, self.origins, strict=True):
             pose = pose @ origin
-            if joint.type is JointType.PRISMATIC:
-                pose = pose @ RigidTransform(IDENTITY_ROTATION, scale(next(values), joint.axis))
-            elif joint.type is not JointType.FIXED:
-                pose = pose @ RigidTransform(axis_rotation(joint.axis, next(values)), ZERO)
+            if joint.type is not JointType.FIXED:
+                pose = pose @ joint_motion(joint, next(values))
         return pose
 
 
@@ -165,6 +163,54 @@ def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
         found.append(joint)
         link = joint.parent
     return tuple(reversed(found))
+
+
+def link_poses(robot: Robot, q: Mapping[str, float]) -> dict[str, RigidTransform]:
+    """T(root → link) of every link that the root holds, by name.
+
+    Args:
+        robot: the robot, its links and joints in any order.
+        q: values of moving joints by name [rad or m]; those that are missing are 0.
+    """
+    below: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    held = {joint.child for joint in robot.joints}
+    waiting = [link.name for link in robot.links if link.name not in held]
+    poses = dict.fromkeys(waiting, IDENTITY)
+    while waiting:
+        for joint in below.get(parent := waiting.pop(), ()):
+            if joint.child not in poses:  # What two joints hold stays with the first of them.
+                poses[joint.child] = poses[parent] @ joint.origin.transform @ joint_motion(joint, q.get(joint.name, 0.0))
+                waiting.append(joint.child)
+    return poses
+
+
+def dh_frames(manipulator: Manipulator, q: JointVector) -> tuple[RigidTransform, ...]:
+    """The DH frames 0 … N in base_link: the base transform, and the frame after every row.
+
+    Args:
+        manipulator: the table.
+        q: one value per moving joint [rad or m].
+
+    Raises:
+        ValueError: q has another number of entries than the table has moving joints.
+    """
+    values = _values(q, len(manipulator.moving_rows), manipulator.name)
+    frames = [manipulator.base]
+    for row in manipulator.rows:
+        value = 0.0 if row.type is JointType.FIXED else next(values)
+        frames.append(frames[-1] @ row_transform(manipulator.convention, row, value))
+    return tuple(frames)
+
+
+def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike
+    """What a joint does to its child's frame at a joint value [rad or m]."""
+    if joint.type is JointType.FIXED:
+        return IDENTITY
+    if joint.type is JointType.PRISMATIC:
+        return RigidTransform(IDENTITY_ROTATION, scale(value, joint.axis))
+    return RigidTransform(axis_rotation(joint.axis, value), ZERO)
 
 
 def axis_rotation(axis: Vec3, angle: Any) -> Rotation:  # noqa: ANN401 - floats and arrays alike

@@ -28,6 +28,7 @@ _SINES = (0.0, 1.0, 0.0, -1.0)
 IDENTITY_ROTATION: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 ZERO: Vec3 = (0.0, 0.0, 0.0)
 X_AXIS: Vec3 = (1.0, 0.0, 0.0)
+Y_AXIS: Vec3 = (0.0, 1.0, 0.0)
 Z_AXIS: Vec3 = (0.0, 0.0, 1.0)
 
 
@@ -139,6 +140,13 @@ def subtract(left: Vec3, right: Vec3) -> Vec3:
 def scale(factor: float, vector: Vec3) -> Vec3:
     """A vector times a number."""
     return (factor * vector[0], factor * vector[1], factor * vector[2])
+
+
+def cross(left: Vec3, right: Vec3) -> Vec3:
+    """The cross product of two vectors."""
+    a, b, c = left
+    x, y, z = right
+    return (b * z - c * y, c * x - a * z, a * y - b * x)
 
 
 def norm(vector: Vec3) -> float:

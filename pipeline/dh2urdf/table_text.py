@@ -270,7 +270,9 @@ def _mapping(*entries: str) -> str:
     return f"{{{said}}}" if said else ""
 
 
-_PLAIN_WORD = re.compile(r"[A-Za-z0-9_.π°√][A-Za-z0-9_.+*/()π°√ -]*(?<! )|-[A-Za-z0-9_.(π√][A-Za-z0-9_.+*/()π°√ -]*(?<! )")
+_PLAIN_WORD = re.compile(
+    r"[A-Za-z0-9_.π°√][A-Za-z0-9_.+*/()π°√ -]*(?<! )|-[A-Za-z0-9_.(π√][A-Za-z0-9_.+*/()π°√ -]*(?<! )"
+)
 _OTHER_THAN_TEXT = re.compile(r"~|null|true|false|\.(inf|nan)", re.IGNORECASE)
 
 

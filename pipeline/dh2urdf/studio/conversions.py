@@ -1,0 +1,203 @@
+"""The same arm in the other convention or in other units: new numbers, same T(q).
+
+The two conventions differ in where a row is cut. With S_i = Tx(a_i)·Rx(alpha_i) and J_i = Rz(theta_i)·Tz(d_i),
+
+    standard:  base · J_1 S_1 · J_2 S_2 · … · J_N S_N · tool
+    modified:  base · S_0 J_1 · S_1 J_2 · … · S_{N-1} J_N · tool
+
+so a and alpha move by one row, and what is left over at one end goes into the tool or the base. Centres of mass and
+inertias hold in DH frame i, which is S_i further in the standard convention, and are moved into the other frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
+from dh2urdf.number_text import format_number
+from dh2urdf.quantities import Dimension, QuantityError, evaluate
+from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
+from dh2urdf.table_text import TableText, dimension_of, number_in, table_text, transform_text, unit_of
+from dh2urdf.units import UNITS, Unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dh2urdf.manipulator import Manipulator
+
+LENGTH_UNITS = ("m", "cm", "mm")
+ANGLE_UNITS = ("rad", "deg")
+_MASS_FIELDS = ("com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+class Screw(NamedTuple):
+    """Tx(a)·Rx(alpha).
+
+    Attributes:
+        a: [m].
+        alpha: [rad].
+    """
+
+    a: float = 0.0
+    alpha: float = 0.0
+
+    @property
+    def transform(self) -> RigidTransform:
+        """The rigid transform."""
+        return RigidTransform(rotation_x(*cos_sin(self.alpha)), (self.a, 0.0, 0.0))
+
+
+def with_convention(table: TableText, manipulator: Manipulator, convention: Convention) -> TableText:
+    """The same arm in a convention.
+
+    Texts of a and alpha move as they are; the base, the tool, centres of mass and inertias become numbers where they
+    change.
+
+    Args:
+        table: the table.
+        manipulator: what a reader makes of it.
+        convention: the convention wanted.
+    """
+    if manipulator.convention is convention:
+        return replace(table, convention=str(convention))
+    length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
+    to_modified = convention is Convention.MODIFIED
+    screws: list[Mapping[str, str]] = [{k: row[k] for k in ("a", "alpha") if k in row} for row in table.rows]
+    base, tool = manipulator.base, manipulator.tool
+    if to_modified:
+        last = manipulator.rows[-1]
+        first = _screw_of(base)
+        base, tool = (IDENTITY if first else base), Screw(last.a, last.alpha).transform @ tool
+        shifted = [_texts(first or Screw(), length, angle), *screws[:-1]]
+    else:
+        row = manipulator.rows[0]
+        final = _screw_of(tool)
+        base, tool = base @ Screw(row.a, row.alpha).transform, (IDENTITY if final else tool)
+        shifted = [*screws[1:], _texts(final or Screw(), length, angle)]
+    bodies = [_body_texts(row, to_modified=to_modified, length=length) for row in _cut(manipulator, convention)]
+    rows = tuple(
+        {
+            **{field: text for field, text in row.items() if field not in _MASS_FIELDS or field not in body},
+            **moved,
+            **body,
+        }
+        for row, moved, body in zip(table.rows, shifted, bodies, strict=True)
+    )
+    body = {"mass": manipulator.base_mass, "geometry": manipulator.base_geometry}
+    return replace(
+        table,
+        convention=str(convention),
+        base=table.base if base == manipulator.base else transform_text(base, length, angle, **body),  # type: ignore[arg-type]  # of two types
+        tool=table.tool if tool == manipulator.tool else transform_text(tool, length, angle),
+        rows=rows,
+    )
+
+
+def _screw_of(transform: RigidTransform) -> Screw | None:
+    """The a and alpha of a transform that is Tx(a)·Rx(alpha); None where it is another one, or the identity."""
+    x, y, z = transform.translation
+    roll, pitch, yaw = transform.rpy
+    screw = Screw(x, roll)
+    plain = not (y or z or pitch or yaw) and transform != IDENTITY
+    return screw if plain and screw.transform == transform else None
+
+
+def _texts(screw: Screw, length: Unit, angle: Unit) -> dict[str, str]:
+    return {"a": number_in(screw.a, length), "alpha": number_in(screw.alpha, angle)}
+
+
+class _Cut(NamedTuple):
+    """A row and what stands between its two frames."""
+
+    row: DHRow
+    between: RigidTransform
+
+
+def _cut(manipulator: Manipulator, convention: Convention) -> list[_Cut]:
+    """Every row with S_i, which leads from its modified frame to its standard one, in the screws that it will have."""
+    rows = manipulator.rows
+    if convention is Convention.MODIFIED:
+        return [_Cut(row, Screw(row.a, row.alpha).transform) for row in rows]
+    final = _screw_of(manipulator.tool) or Screw()
+    return [
+        _Cut(row, (Screw(after.a, after.alpha) if after else final).transform)
+        for row, after in zip(rows, (*rows[1:], None), strict=True)
+    ]
+
+
+def _body_texts(cut: _Cut, *, to_modified: bool, length: Unit) -> dict[str, str]:
+    """Centre of mass and inertia in the other frame, where the row has them and they are other numbers there."""
+    row = cut.row
+    if (row.com is None and row.inertia is None) or cut.between == IDENTITY:
+        return {}
+    move = cut.between if to_modified else cut.between.inverse
+    texts: dict[str, str] = {}
+    if row.com is not None:
+        com = (move @ RigidTransform(IDENTITY.rotation, row.com)).translation
+        texts |= {f"com_{axis}": number_in(value, length) for axis, value in zip("xyz", com, strict=True)}
+    if row.inertia is not None:
+        turned = _turned(row.inertia, move)
+        texts |= {name: format_number(getattr(turned, name)) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
+    return texts
+
+
+def _turned(inertia: Inertia, move: RigidTransform) -> Inertia:
+    """The tensor in axes turned by a rotation: R I R^T."""
+    i = inertia
+    tensor = (i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz)
+    ixx, ixy, ixz, _, iyy, iyz, _, _, izz = multiply(multiply(move.rotation, tensor), transpose(move.rotation))
+    return Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
+
+
+# --- Units ------------------------------------------------------------------------------------------------------------
+
+
+def with_units(table: TableText, manipulator: Manipulator, length_unit: str, angle_unit: str) -> TableText:
+    """The same arm in other units; texts that name their unit stay as they are.
+
+    Args:
+        table: the table.
+        manipulator: what a reader makes of it.
+        length_unit: the unit wanted of lengths.
+        angle_unit: the unit wanted of angles.
+    """
+    old = UNITS[table.length_unit], UNITS[table.angle_unit]
+    new = UNITS[length_unit], UNITS[angle_unit]
+    rows = tuple(
+        {field: _in_unit(field, text, row.type, old, new) for field, text in texts.items()}
+        for texts, row in zip(table.rows, manipulator.rows, strict=True)
+    )
+    written = table_text(manipulator, length_unit, angle_unit)
+    return replace(
+        table,
+        length_unit=length_unit,
+        angle_unit=angle_unit,
+        base=written.base if table.base else "",
+        tool=written.tool if table.tool else "",
+        defaults=written.defaults if table.defaults else "",
+        rows=rows,
+    )
+
+
+def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new: tuple[Unit, Unit]) -> str:
+    """A cell's text in another unit; as it is where it measures nothing, names its unit, or is no quantity."""
+    dimension = dimension_of(field, kind)
+    if dimension is None:
+        return text
+    before, after = unit_of(dimension, *old), unit_of(dimension, *new)
+    if before == after:
+        return text
+    try:
+        quantity = evaluate(text, dimension, before)
+    except QuantityError:
+        return text
+    if quantity.has_unit:
+        return text
+    number = number_in(quantity.value, after)
+    if quantity.variable is None:
+        return number
+    symbol = f"{'-' if quantity.sign < 0 else ''}{quantity.variable.text}"
+    if quantity.value == 0:
+        return symbol
+    return f"{symbol} - {number[1:]}" if number.startswith("-") else f"{symbol} + {number}"

@@ -1,0 +1,131 @@
+"""What a person does to a table: each a function from a table to a table."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.table_text import FIELDS, TableText
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+MOST_ROWS = 1000
+"""Rows that a table of the studio may have [1]."""
+LONGEST_TEXT = 1000
+"""Characters of one cell [1]; what is longer is cut, and the reader will say what it thinks of it."""
+NEW_JOINT = re.compile(r"joint_\d+")
+"""A name that the studio itself has given."""
+NOT_GEOMETRY = ("joint", "link", "type")
+"""Fields that do not begin a row: names and types are filled in before a person begins."""
+
+_UNWRITABLE = re.compile(r"[^\t\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]+|\t")
+
+
+def clean(text: str) -> str:
+    """A text as a cell can hold it: one line, without characters that no text file has."""
+    return _UNWRITABLE.sub(" ", text).strip()[:LONGEST_TEXT]
+
+
+def with_cell(table: TableText, row: int, field: str, text: str) -> TableText:
+    """The table with another text in a cell.
+
+    Raises:
+        LookupError: there is no such cell.
+    """
+    return with_cells(table, {(row, field): text})
+
+
+def with_cells(table: TableText, texts: Mapping[tuple[int, str], str]) -> TableText:
+    """The table with other texts in some cells.
+
+    Raises:
+        LookupError: there is no such cell.
+    """
+    rows = [dict(row) for row in table.rows]
+    for (number, field), text in texts.items():
+        if not 0 <= number < len(rows) or field not in FIELDS:
+            raise LookupError(f"no cell {field!r} in row {number + 1} of {len(rows)}")
+        rows[number][field] = clean(text)
+    return replace(table, rows=tuple(map(_tidy, rows)))
+
+
+def resized(table: TableText, count: int) -> TableText:
+    """The table with so many rows: empty ones more, or the last ones less."""
+    count = min(max(count, 0), MOST_ROWS)
+    rows = list(table.rows[:count])
+    while len(rows) < count:
+        rows.append(_new_row(rows))
+    return replace(table, rows=tuple(rows))
+
+
+def inserted(table: TableText, at: int) -> TableText:
+    """The table with an empty row more, before the one at a number from 0."""
+    if len(table.rows) >= MOST_ROWS:
+        return table
+    at = min(max(at, 0), len(table.rows))
+    return replace(table, rows=_numbered([*table.rows[:at], _new_row(table.rows), *table.rows[at:]]))
+
+
+def removed(table: TableText, number: int) -> TableText:
+    """The table without a row."""
+    rows = [row for index, row in enumerate(table.rows) if index != number]
+    return replace(table, rows=_numbered(rows))
+
+
+def moved(table: TableText, number: int, to: int) -> TableText:
+    """The table with a row in another place; names that the studio gave stay with their places."""
+    if not (0 <= number < len(table.rows) and 0 <= to < len(table.rows)):
+        return table
+    rows = list(table.rows)
+    rows.insert(to, rows.pop(number))
+    return replace(table, rows=_numbered(rows))
+
+
+def pasted(table: TableText, row: int, field: str, text: str, columns: Sequence[str]) -> TableText:
+    """The table with the cells of a spreadsheet put in, from one cell to the right and downwards.
+
+    Args:
+        table: the table; rows are added where there are too few.
+        row: number of the row of the first cell.
+        field: its field.
+        text: lines of cells with tabs between them, as spreadsheets copy them.
+        columns: the fields that are on the screen, in order.
+    """
+    lines = [line.split("\t") for line in text.rstrip("\r\n").splitlines()]
+    first = columns.index(field)
+    table = resized(table, max(len(table.rows), min(row + len(lines), MOST_ROWS)))
+    cells = {
+        (row + down, columns[first + right]): cell
+        for down, line in enumerate(lines)
+        for right, cell in enumerate(line)
+        if row + down < len(table.rows) and first + right < len(columns)
+    }
+    return with_cells(table, cells)
+
+
+def begun(table: TableText) -> int:
+    """How many rows there are up to the last one in which anything but names and type stands."""
+    return max(
+        (number for number, row in enumerate(table.rows, start=1) if not set(row) <= set(NOT_GEOMETRY)), default=0
+    )
+
+
+def _new_row(rows: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    taken = {row.get("joint") for row in rows}
+    number = len(rows) + 1
+    while f"joint_{number}" in taken:
+        number += 1
+    return {"joint": f"joint_{number}", "type": "revolute"}
+
+
+def _numbered(rows: Sequence[Mapping[str, str]]) -> tuple[Mapping[str, str], ...]:
+    """Rows whose names, where the studio gave all of them, are those of their places."""
+    if not all(NEW_JOINT.fullmatch(row.get("joint", "")) for row in rows):
+        return tuple(rows)
+    return tuple(_tidy({**row, "joint": f"joint_{number}"}) for number, row in enumerate(rows, start=1))
+
+
+def _tidy(row: Mapping[str, str]) -> dict[str, str]:
+    return {field: row[field] for field in FIELDS if row.get(field)}

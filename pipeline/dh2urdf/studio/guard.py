@@ -1,0 +1,124 @@
+"""Who may talk to the studio: pages that it has served itself, and nobody else's.
+
+NiceGUI opens its socket to every origin, and a browser lets any page of the web open a socket to a loopback address.
+So every request and every handshake is checked before NiceGUI sees it:
+
+- `Host` has to name this server by an address or by ``localhost``, so that a foreign name which was made to lead here
+  (DNS rebinding) does not;
+- `Origin`, where a browser sends one, has to be the server's own; a socket's handshake has to have one;
+- what a foreign page asks for as a part of itself (`Sec-Fetch-Site`) is refused.
+
+The answers forbid the page to load anything from elsewhere, and other pages to show it in a frame.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+
+    Scope = MutableMapping[str, Any]
+    Message = MutableMapping[str, Any]
+    Receive = Callable[[], Awaitable[Message]]
+    Send = Callable[[Message], Awaitable[None]]
+    App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+_POLICY = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self' blob: data:; form-action 'self'; base-uri 'self'; "
+    "object-src 'none'; frame-ancestors 'none'"
+)
+_HEADERS = [
+    (b"content-security-policy", _POLICY.encode()),
+    (b"x-frame-options", b"DENY"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (b"cross-origin-opener-policy", b"same-origin"),
+    (b"x-content-type-options", b"nosniff"),
+    (b"referrer-policy", b"no-referrer"),
+]
+
+
+class Guard:
+    """An ASGI application that lets through to another one what comes from its own pages.
+
+    Attributes:
+        app: the application behind it.
+    """
+
+    def __init__(self, app: App, port: int, names: Iterable[str] = ()) -> None:
+        """Takes what it guards.
+
+        Args:
+            app: the application.
+            port: the port of the server.
+            names: names of the server besides ``localhost`` and addresses.
+        """
+        self.app = app
+        self._port = port
+        self._names = {"localhost", *(name.casefold() for name in names)}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handles a request, a socket, or the start and end of the server."""
+        if scope["type"] not in ("http", "websocket"):
+            await self.app(scope, receive, send)
+            return
+        refusal = self.refusal(scope["type"], {name.lower(): value for name, value in scope["headers"]})
+        if refusal is None:
+            await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send))
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008, "reason": refusal})  # before it is accepted: 403
+        else:
+            headers = [(b"content-type", b"text/plain; charset=utf-8"), *_HEADERS]
+            await send({"type": "http.response.start", "status": 403, "headers": headers})
+            await send({"type": "http.response.body", "body": f"{refusal}\n".encode()})
+
+    def refusal(self, kind: str, headers: dict[bytes, bytes]) -> str | None:
+        """Why a request is refused; None where it is not.
+
+        Args:
+            kind: ``http`` or ``websocket``.
+            headers: its headers, names in lower case.
+        """
+        host = headers.get(b"host", b"").decode("latin-1")
+        if not self._is_here(host):
+            return f"this server is not called {host!r}"
+        origin = headers.get(b"origin")
+        if origin is None:
+            if kind == "websocket":
+                return "a socket needs an Origin, which every browser sends"
+            site = headers.get(b"sec-fetch-site", b"none")
+            navigates = headers.get(b"sec-fetch-mode") == b"navigate"
+            return None if navigates or site in (b"none", b"same-origin") else "a page from elsewhere asks for this"
+        if origin.decode("latin-1").casefold() != f"http://{host}".casefold():
+            return "a page from elsewhere asks for this"
+        return None
+
+    def _is_here(self, host: str) -> bool:
+        """Whether a Host header names this server."""
+        try:
+            parts = urlsplit(f"http://{host}")
+            name, port = (parts.hostname or "").casefold(), parts.port or 80
+        except ValueError:
+            return False
+        if port != self._port or parts.netloc != host or "@" in host:
+            return False
+        if name in self._names:
+            return True
+        try:
+            ipaddress.ip_address(name)
+        except ValueError:
+            return False
+        return True
+
+
+def _with_headers(send: Send) -> Send:
+    async def answer(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            message = {**message, "headers": [*message.get("headers", ()), *_HEADERS]}
+        await send(message)
+
+    return answer

@@ -1,0 +1,64 @@
+// A slider and a number for every joint. While one is dragged, the next values are sent when the ones before have been
+// answered, so that a slow machine falls behind by one step and not by many.
+export default {
+  template: `
+    <div class="joint-sliders">
+      <label v-for="(joint, index) in joints" :key="joint.name" class="joint-slider" :title="joint.name">
+        <span class="joint-slider-name">{{ joint.name }}</span>
+        <input type="range" step="any" :min="joint.lower" :max="joint.upper" :value="values[index]"
+               :aria-label="joint.name" :aria-valuetext="text(index) + ' ' + joint.unit"
+               @input="set(index, $event.target.valueAsNumber)" @keydown="step(index, $event)" />
+        <input type="number" step="any" :value="text(index)" :aria-label="joint.name + ' in ' + joint.unit"
+               @change="set(index, $event.target.valueAsNumber)" @keydown.enter="$event.target.blur()" />
+        <span class="joint-slider-unit">{{ joint.unit }}</span>
+      </label>
+    </div>`,
+
+  data: () => ({ joints: [], values: [] }),
+
+  created() {
+    this.busy = false;
+    this.pending = false;
+  },
+
+  methods: {
+    show(joints, values) {
+      this.joints = joints;
+      this.values = values;
+      this.busy = this.pending = false;
+    },
+
+    // The values that hold now, after what was sent has been done.
+    answer(values) {
+      this.busy = false;
+      if (this.pending) this.send();
+      else this.values = values;
+    },
+
+    set(index, value) {
+      const { lower, upper } = this.joints[index];
+      this.values[index] = Number.isFinite(value) ? Math.min(Math.max(value, lower), upper) : this.values[index];
+      this.values = [...this.values];
+      this.send();
+    },
+
+    step(index, event) {
+      const sign = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
+      if (!sign) return;
+      event.preventDefault();
+      const { step } = this.joints[index];
+      this.set(index, this.values[index] + sign * step * (event.shiftKey ? 10 : 1));
+    },
+
+    send() {
+      this.pending = this.busy;
+      if (this.busy) return;
+      this.busy = true;
+      this.$emit("values", { values: [...this.values] });
+    },
+
+    text(index) {
+      return String(Number(this.values[index].toFixed(this.joints[index].digits)));
+    },
+  },
+};

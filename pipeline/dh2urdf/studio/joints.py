@@ -1,0 +1,77 @@
+"""Joint values as sliders show them: in the units of the table, inside the limits."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import JointType
+from dh2urdf.proof import LARGEST_SAMPLE
+from dh2urdf.units import UNITS, Unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from dh2urdf.robot import Joint
+
+_TURN = math.pi
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slider:
+    """A moving joint on the screen.
+
+    Attributes:
+        name: the joint's name.
+        lower: smallest value [rad or m].
+        upper: largest value [rad or m].
+        unit: the unit of what is shown.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    unit: Unit
+
+    def shown(self, value: float) -> float:
+        """A joint value [rad or m] in the unit of the slider."""
+        return math.degrees(value) if self.unit.degrees else value * 10.0**-self.unit.power
+
+    def value(self, shown: float) -> float:
+        """The joint value [rad or m] that a slider shows, inside the limits."""
+        return self.inside(self.unit.si(shown))
+
+    def inside(self, value: float) -> float:
+        """The value inside the limits that is nearest to another."""
+        return min(max(value, self.lower), self.upper) if math.isfinite(value) else self.inside(0.0)
+
+
+def sliders(joints: Sequence[Joint], length_unit: str = "m", angle_unit: str = "rad") -> tuple[Slider, ...]:
+    """The sliders of some joints; a continuous joint has a turn."""
+    found = []
+    for joint in joints:
+        lower, upper = joint.limits.lower, joint.limits.upper
+        unit = UNITS[length_unit if joint.type is JointType.PRISMATIC else angle_unit]
+        if lower is None or upper is None or joint.type is JointType.CONTINUOUS:
+            lower, upper = -_TURN, _TURN
+        found.append(
+            Slider(name=joint.name, lower=max(lower, -LARGEST_SAMPLE), upper=min(upper, LARGEST_SAMPLE), unit=unit)
+        )
+    return tuple(found)
+
+
+def kept(q: Mapping[str, float], of: Sequence[Slider]) -> dict[str, float]:
+    """The values of joints that are still there, inside their limits; 0 or what is nearest for those that are new."""
+    return {slider.name: slider.inside(q.get(slider.name, 0.0)) for slider in of}
+
+
+def zero(of: Sequence[Slider]) -> dict[str, float]:
+    """All joints at 0, or at what is nearest to it inside their limits."""
+    return kept({}, of)
+
+
+def anywhere(of: Sequence[Slider]) -> dict[str, float]:
+    """Every joint somewhere inside its limits."""
+    return {slider.name: random.uniform(slider.lower, slider.upper) for slider in of}  # noqa: S311 - a pose, no secret

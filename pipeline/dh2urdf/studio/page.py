@@ -1,0 +1,477 @@
+"""The studio's page: the table to the left, the arm to the right, joints and numbers below it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from nicegui import ui
+
+from dh2urdf.manipulator import Convention
+from dh2urdf.studio import dialogs, edits, joints
+from dh2urdf.studio.conversions import ANGLE_UNITS, LENGTH_UNITS
+from dh2urdf.studio.scene import LAYERS
+
+from dh2urdf.studio.table_grid import TableGrid, all_problems
+from dh2urdf.studio.widgets import ArmView, JointSliders
+from dh2urdf.table_text import number_in
+from dh2urdf.units import UNITS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.studio.reading import CellProblem
+    from dh2urdf.studio.session import Session
+    from dh2urdf.table_text import TableText
+
+MOST_PROBLEMS = 30
+"""Problems that are spelled out below the table [1]; all wrong cells are marked."""
+_LAYER_NAMES = {
+    "links": "links",
+    "axes": "joint axes",
+    "frames": "DH frames",
+    "parameters": "a α d θ",
+    "collision": "collision",
+}
+_VARIANT_NAMES = {"exact": "exact", "paper": "paper", "both": "side by side"}
+_QUIET = "flat dense no-caps"
+
+
+class StudioPage:
+    """What a tab shows of its session.
+
+    Attributes:
+        session: the session.
+    """
+
+    def __init__(self, session: Session) -> None:
+        """Lays the page out; `show` fills it."""
+        self.session = session
+        self._filling = False
+        ui.on_exception(dialogs.show_fault)
+        ui.keyboard(on_key=self._undo_key)  # not in text fields, which have an undo of their own
+        ui.keyboard(on_key=self._key, ignore=[])
+        with ui.element("div").classes("studio"):
+            with ui.element("header").classes("studio-head"):
+                self._lay_head()
+            with ui.element("section").classes("studio-table").props('aria-label="DH table"'):
+                self._lay_table()
+            with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
+                self._lay_scene()
+            with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
+                self._lay_motion()
+
+    # --- Layout -------------------------------------------------------------------------------------------------------
+
+    def _lay_head(self) -> None:
+        ui.html("<b>dh2urdf</b> studio", sanitize=False).classes("studio-title")
+        self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm"')
+        self._name.classes("studio-name").on("change", lambda: self._say(name=self._name.value or ""))
+        self._undo = ui.button(icon="undo", on_click=lambda: self._do(self.session.undo)).props(f"{_QUIET} color=white")
+        self._undo.tooltip("undo (Ctrl+Z)")
+        self._redo = ui.button(icon="redo", on_click=lambda: self._do(self.session.redo)).props(f"{_QUIET} color=white")
+        self._redo.tooltip("redo (Ctrl+Shift+Z)")
+        ui.element("div").classes("studio-space")
+        ui.button("New", on_click=self._new).props(f"{_QUIET} color=white")
+        ui.button("Open", icon="folder_open", on_click=self._open).props(f"{_QUIET} color=white")
+        with ui.button("Save", icon="save").props(f"{_QUIET} color=white"), ui.menu():
+            for kind, name, told in dialogs.savings(self.session.catalog):
+                ui.menu_item(told, on_click=lambda kind=kind, name=name: dialogs.save(self.session, kind, name))
+        generate = ui.button("Generate", icon="precision_manufacturing", on_click=self._generate)
+        generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
+
+    def _lay_table(self) -> None:
+        with ui.element("div").classes("studio-row"):
+            with ui.element("div").classes("studio-group"):
+                ui.label("axes").classes("studio-caption")
+                self._axes = ui.number(min=0, max=edits.MOST_ROWS, precision=0, format="%d")
+                self._axes.props('dense outlined autofocus aria-label="number of axes"').classes("studio-axes")
+                self._axes.on("keydown.enter", self._resize).on("change", self._resize)
+            with ui.element("div").classes("studio-group"):
+                self._convention = ui.toggle([str(kind) for kind in Convention], on_change=self._choose_convention)
+                self._convention.props('dense unelevated no-caps toggle-color=primary aria-label="convention"')
+            with ui.element("div").classes("studio-group"):
+                self._length = ui.toggle(list(LENGTH_UNITS), on_change=self._choose_units)
+                self._length.props('dense unelevated no-caps aria-label="unit of lengths"')
+                self._angle = ui.toggle(list(ANGLE_UNITS), on_change=self._choose_units)
+                self._angle.props('dense unelevated no-caps aria-label="unit of angles"')
+            with ui.element("div").classes("studio-group"):
+                for icon, told, act in (
+                    ("add", "add a row below (Alt+Insert)", self._add_row),
+                    ("remove", "remove the row (Alt+Delete)", self._remove_row),
+                    ("arrow_upward", "move the row up (Alt+↑)", lambda: self._move_row(-1)),
+                    ("arrow_downward", "move the row down (Alt+↓)", lambda: self._move_row(1)),
+                    ("view_column", "show all columns, or those in use", self._all_columns),
+                ):
+                    button = ui.button(icon=icon, on_click=act).props(f'flat dense round size=sm aria-label="{told}"')
+                    button.tooltip(told)
+        self._table = TableGrid(
+            on_edit=self._edited,
+            on_typing=self._typing,
+            on_end=self._typing_ended,
+            on_pick=self._pick,
+            on_paste=self._paste,
+            on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
+        )
+        with ui.element("div").classes("studio-told").props('role="status" aria-live="polite"'):
+            self._status = ui.label().classes("studio-status")
+            self._told = ui.element("div").style("display: contents")
+        with ui.element("div").classes("studio-ends"):
+            self._ends: dict[str, ui.input] = {}
+            for key, told in (("base", "base_link to the first DH frame"), ("tool", "last DH frame to tool0")):
+                field = ui.input(placeholder="{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}")
+                field.props(f'dense outlined prefix="{key}" aria-label="{key}"')
+                field.on("change", lambda key=key: self._say(**{key: self._ends[key].value or ""}))
+                field.tooltip(told)
+                self._ends[key] = field
+
+    def _lay_scene(self) -> None:
+        self._view = ArmView(on_pick=self._picked_in_scene)
+        with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
+            ui.html(
+                "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
+                "every row: <code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. "
+                "The arm appears as you type.",
+                sanitize=False,
+            )
+        with ui.element("div").classes("studio-over top"):
+            self._layers = {
+                layer: ui.checkbox(_LAYER_NAMES[layer], on_change=self._choose_layers).props("dense size=xs")
+                for layer in LAYERS
+            }
+            self._variant = ui.toggle(_VARIANT_NAMES, on_change=self._choose_variant)
+            self._variant.props('dense unelevated no-caps aria-label="variant"')
+            ui.button(icon="center_focus_strong", on_click=lambda: self._view.fit()).props(
+                'flat dense round size=sm aria-label="see all of the arm"'
+            ).tooltip("see all of the arm")
+        with ui.element("div").classes("studio-over bottom") as self._remark_box:
+            self._remark = ui.label()
+
+    def _lay_motion(self) -> None:
+        with ui.element("div").classes("studio-joints"):
+            with ui.element("div").classes("studio-row"):
+                ui.label("joint values").classes("studio-caption")
+                ui.button("zero", on_click=lambda: self._move_to(joints.zero)).props("outline dense no-caps size=sm")
+                ui.button("random pose", on_click=lambda: self._move_to(joints.anywhere)).props(
+                    "outline dense no-caps size=sm"
+                )
+            self._sliders = JointSliders(on_values=self._moved)
+        with ui.element("div").classes("studio-numbers"):
+            self._numbers = ui.html(sanitize=False)
+
+    # --- What is shown ------------------------------------------------------------------------------------------------
+
+    def show(self, *, all_cells: bool = False) -> None:
+        """Shows all of the session.
+
+        Args:
+            all_cells: whether the cells on the screen may be others than those of the table.
+        """
+        if all_cells:
+            self._table.refresh(self.session)
+        else:
+            self._table.show(self.session)
+        self._show_words()
+        self._show_arm()
+
+    def _show_words(self) -> None:
+        """Everything but cells and arm."""
+        session, table = self.session, self.session.table
+        self._filling = True
+        self._name.set_value(table.name)
+        self._axes.set_value(len(table.rows) or None)
+        self._convention.set_value(table.convention or None)
+        self._length.set_value(table.length_unit)
+        self._angle.set_value(table.angle_unit)
+        for key, field in self._ends.items():
+            field.set_value(getattr(table, key))
+        for layer, box in self._layers.items():
+            box.set_value(layer in session.layers)
+        self._variant.set_value(session.variant)
+        self._filling = False
+        self._undo.set_enabled(session.history.can_undo)
+        self._redo.set_enabled(session.history.can_redo)
+        self._empty.set_visibility(not table.rows)
+        self._show_problems()
+
+    def _show_problems(self) -> None:
+        session = self.session
+        problems = all_problems(session)
+        errors = [found for found in problems if found.problem.severity == "error"]
+        text, kind = _status(session, len(errors))
+        self._status.set_text(text)
+        self._status.classes(replace=f"studio-status {kind}")
+        for key, field in self._ends.items():
+            wrong = next((found.text for found in errors if found.row is None and found.field == key), None)
+            field.props(f'error={"true" if wrong else "false"} no-error-icon hide-bottom-space')
+        self._told.clear()
+        with self._told:
+            for found in [*errors, *(found for found in problems if found not in errors)][:MOST_PROBLEMS]:
+                box = ui.element("div").classes(f"studio-problem {found.problem.severity}")
+                box.on("click", lambda found=found: self._go_to(found))
+                with box:
+                    ui.label(f"{_place(found, session.table)}{found.text}")
+
+    def _show_arm(self) -> None:
+        session = self.session
+        q = session.joint_values()
+        self._view.show(session.drawing, session.drawing.poses(q), session.strokes())
+        self._sliders.show(session.sliders, session.q)
+        self._show_numbers()
+
+    def _show_pose(self) -> None:
+        session = self.session
+        self._view.move(session.drawing.poses(session.joint_values()), session.strokes())
+        self._sliders.answer(session.q)
+        self._show_numbers()
+
+    def _show_numbers(self) -> None:
+        session = self.session
+        pose = session.pose
+        self._numbers.set_content(_numbers(pose, session.table, session.reach) if pose else "")
+        remark = _remark(session)
+        self._remark.set_text(remark)
+        self._remark_box.set_visibility(bool(remark))
+
+    # --- What is done -------------------------------------------------------------------------------------------------
+
+    def _do(self, act: Callable[[], None]) -> None:
+        act()
+        self.show(all_cells=True)
+
+    def _put(self, table: TableText, *, all_cells: bool = False) -> None:
+        self.session.put(table)
+        self.show(all_cells=all_cells)
+
+    def _say(self, **texts: str) -> None:
+        self.session.say(**texts)
+        self.show()
+
+    def _edited(self, row: int, field: str, text: str) -> None:
+        self.session.edit(row, field, text)
+        self._show_arm()
+        self._table.typed(self.session)
+        self._show_words()
+
+    def _typing(self, row: int, field: str, text: str) -> None:
+        if self.session.preview(row, field, text):
+            self._show_arm()
+
+    def _typing_ended(self) -> None:
+        if self.session.previews:
+            self.session.look()
+            self._show_arm()
+
+    def _paste(self, row: int, field: str, text: str) -> None:
+        if field in self.session.columns:
+            self._put(edits.pasted(self.session.table, row, field, text, self.session.columns), all_cells=True)
+
+    def _resize(self) -> None:
+        count = int(self._axes.value or 0)
+        if count == len(self.session.table.rows) or self._filling:
+            return
+        self._put(edits.resized(self.session.table, count))
+        self._invite()
+
+    def _invite(self) -> None:
+        """Puts the cursor where the table begins, once there are rows and a convention and nothing else."""
+        table = self.session.table
+        if table.rows and table.convention and self.session.reading.waiting == len(table.rows):
+            self._table.focus(0, "a")
+
+    def _add_row(self) -> None:
+        at = len(self.session.table.rows) if self.session.row is None else self.session.row + 1
+        self.session.row = at
+        self._put(edits.inserted(self.session.table, at), all_cells=True)
+
+    def _remove_row(self) -> None:
+        rows = len(self.session.table.rows)
+        if rows:
+            at = rows - 1 if self.session.row is None else self.session.row
+            self._put(edits.removed(self.session.table, at), all_cells=True)
+
+    def _move_row(self, by: int) -> None:
+        if (row := self.session.row) is None:
+            ui.notify("pick a row first: click into it", type="info")
+            return
+        if 0 <= row + by < len(self.session.table.rows):
+            self.session.row = row + by
+            self._put(edits.moved(self.session.table, row, row + by), all_cells=True)
+
+    def _all_columns(self) -> None:
+        self.session.all_columns = not self.session.all_columns
+        self.show()
+
+    def _pick(self, row: int | None) -> None:
+        if row != self.session.row:
+            self.session.row = row
+            self._view.highlight(row)
+            self._table.pick(row)
+
+    def _picked_in_scene(self, row: int | None) -> None:
+        self._pick(row)
+        if row is not None:
+            self._table.focus(row, "a")
+
+    def _go_to(self, found: CellProblem) -> None:
+        if found.row is not None:
+            self._table.focus(found.row, found.field if found.field in self.session.columns else "a", edit=True)
+
+    async def _choose_convention(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        session = self.session
+        if self._filling or not event.value or event.value == session.table.convention:
+            return
+        convention = Convention(event.value)
+        convert: bool | None = False
+        if session.table.convention and session.reading.manipulator is not None:
+            convert = await dialogs.ask_convention(convention, possible=session.convertible is not None)
+        if convert is not None:
+            session.set_convention(convention, convert=convert)
+        self.show(all_cells=True)
+        self._invite()
+
+    async def _choose_units(self) -> None:
+        session = self.session
+        units = self._length.value, self._angle.value
+        if self._filling or units == (session.table.length_unit, session.table.angle_unit):
+            return
+        convert: bool | None = False
+        if session.reading.manipulator is not None:
+            convert = await dialogs.ask_units(*units, possible=session.convertible is not None)
+        if convert is not None:
+            session.set_units(*units, convert=convert)
+        self.show(all_cells=True)
+
+    def _choose_layers(self) -> None:
+        if self._filling:
+            return
+        self.session.layers = frozenset(layer for layer, box in self._layers.items() if box.value)
+        self._view.set_layers(self.session.layers)
+        self._show_pose()
+
+    def _choose_variant(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        if not self._filling:
+            self.session.show_variant(event.value)
+            self._show_arm()
+            self._view.fit()
+
+    def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
+        self.session.move(poses(self.session.sliders))
+        self._show_pose()
+
+    def _moved(self, values: Mapping[str, float]) -> None:
+        self.session.move(values)
+        self._show_pose()
+
+    async def _open(self) -> None:
+        table = await dialogs.ask_table(self.session.catalog)
+        if table is not None:
+            self.session.open(table)
+            self.show(all_cells=True)
+            self._view.fit()
+
+    def _new(self) -> None:
+        self.session.open(type(self.session.table)(name="arm"))
+        self.show(all_cells=True)
+
+    async def _generate(self) -> None:
+        await dialogs.generate(self.session)
+
+    def _undo_key(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        key, held = str(event.key).lower(), event.modifiers
+        if event.action.keydown and (held.ctrl or held.meta) and key in ("z", "y"):
+            self._do(self.session.redo if held.shift or key == "y" else self.session.undo)
+
+    async def _key(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        key, held = event.key, event.modifiers
+        if not event.action.keydown or event.action.repeat:
+            return
+        if (held.ctrl or held.meta) and key.enter:
+            await self._generate()
+        elif held.alt and (key.arrow_up or key.arrow_down):
+            self._move_row(-1 if key.arrow_up else 1)
+        elif held.alt and key.insert:
+            self._add_row()
+        elif held.alt and key.delete:
+            self._remove_row()
+
+    async def start(self) -> None:
+        """Shows the session for the first time."""
+        self._view.set_layers(self.session.layers)
+        self.show()
+        self._view.highlight(self.session.row)
+        self._view.fit()
+
+
+# --- Words ------------------------------------------------------------------------------------------------------------
+
+
+def _status(session: Session, errors: int) -> tuple[str, str]:
+    """What is to be said of the table in a line, and whether it is good or bad."""
+    rows, waiting = len(session.table.rows), session.reading.waiting
+    if errors:
+        told = "1 problem" if errors == 1 else f"{errors} problems"
+        return (f"{told}; the last good arm is shown" if session.arm else told), "bad"
+    if not rows:
+        return "choose the number of axes", ""
+    if not session.table.convention and waiting == rows:
+        return "choose the convention: standard (Denavit-Hartenberg, Spong) or modified (Craig)", ""
+    if waiting:
+        done = rows - waiting
+        which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
+        return f"{which} still empty" + (f"; the arm of the first {done} is shown" if done > 1 else ""), ""
+    return f"{rows} {'axis' if rows == 1 else 'axes'}; the arm is the table's", "good"
+
+
+def _place(found: CellProblem, table: TableText) -> str:
+    if found.row is None:
+        return f"{found.field}: " if found.field else ""
+    name = table.rows[found.row].get("joint", f"joint_{found.row + 1}") if found.row < len(table.rows) else ""
+    return f"row {found.row + 1}, {name}{f', {found.field}' if found.field else ''}: "
+
+
+def _numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
+    """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
+    r, t = pose
+    length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
+    factor = 10.0**-length.power
+    digits = 5 + min(0, length.power)
+    rows = [
+        " ".join(f"{_plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {_plain(t[i] * factor, max(2, digits)):>9}"
+        for i in range(3)
+    ]
+    rows.append(" ".join(f"{x:>7}" for x in "000") + f" {'1':>9}")
+    matrix = "\n".join(rows)
+    turn = ", ".join(_plain(math.degrees(x) if angle.degrees else x, 4) for x in pose.rpy)
+    sign = "°" if angle.degrees else " rad"
+    return (
+        f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{matrix}</pre>'
+        f"<div>rpy <b>{turn}</b>{sign}</div>"
+        f"<div>distance <b>{_plain(math.hypot(*t) * factor, max(2, digits))}</b> {length.symbol}, "
+        f"reach at most <b>{_plain(float(number_in(reach, length)), max(2, digits))}</b> {length.symbol}</div>"
+    )
+
+
+def _plain(number: float, digits: int) -> str:
+    text = f"{number:.{digits}f}"
+    return text.lstrip("-") if float(text) == 0 else text
+
+
+def _remark(session: Session) -> str:
+    """What is to be said of the variant on the screen."""
+    if session.arm is None or session.variant == "exact":
+        return ""
+    if session.arm.paper is None:
+        told = "; ".join(found.text.partition("\n")[0] for found in session.arm.refusal[:3])
+        return f"The paper's variant refuses this table: {told}"
+    error = session.paper_error
+    if error is None:
+        return ""
+    distance, angle = error
+    return (
+        f"The paper's links stand in a straight line: at this pose its tool0 is {distance:.4g} m and "
+        f"{math.degrees(angle):.4g}° from where the table has it."
+    )
+
+

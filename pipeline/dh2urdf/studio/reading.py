@@ -1,0 +1,205 @@
+"""What the readers say of a table that is being typed: the manipulator, or a message for every wrong cell.
+
+The table is written as a file and read by the reader of that format, so that the studio accepts what the command line
+accepts, and says of a wrong cell what the command line says.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.conversion import Call, make_robot, read_items
+from dh2urdf.errors import Dh2UrdfError, InputError, ManipulatorError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.source import Problem
+from dh2urdf.stages import Reader, Rejected, Transform
+from dh2urdf.studio.edits import begun
+from dh2urdf.table_text import FIELDS, TableText, table_text
+
+if TYPE_CHECKING:
+    from dh2urdf.registry import Catalog
+    from dh2urdf.robot import Robot
+    from dh2urdf.table_text import WrittenTable
+
+READER = "csv"
+"""The format in which a table is read while it is typed: the one that tells where each text stands."""
+TRANSFORM = "alpha-swap"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellProblem:
+    """A problem and the cell that it is about.
+
+    Attributes:
+        problem: the reader's own.
+        row: number of the row, counted from 0; None where it is about the whole table.
+        field: the field, or the attribute of `TableText`; None where it is about a whole row or table.
+    """
+
+    problem: Problem
+    row: int | None = None
+    field: str | None = None
+
+    @property
+    def text(self) -> str:
+        """What is wrong and what to do, without the place in a file that nobody has seen."""
+        problem = self.problem
+        parts = [problem.message, f"accepted: {problem.accepted}" if problem.accepted else "", problem.suggestion or ""]
+        return "\n".join(filter(None, parts))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What a reader makes of a table.
+
+    Attributes:
+        table: the table.
+        manipulator: the arm of the rows that have been begun; None where something is wrong with them.
+        problems: errors and notices, in the order of the table.
+        waiting: how many rows at the end nobody has begun to fill in.
+    """
+
+    table: TableText
+    manipulator: Manipulator | None = None
+    problems: tuple[CellProblem, ...] = ()
+    waiting: int = 0
+
+    @property
+    def errors(self) -> tuple[CellProblem, ...]:
+        """The problems that keep an arm from being made."""
+        return tuple(found for found in self.problems if found.problem.severity == "error")
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all rows are one arm."""
+        return self.manipulator is not None and not self.waiting
+
+
+def read(table: TableText, catalog: Catalog) -> Reading:
+    """What the reader says of a table, as far as its rows have been begun."""
+    count = begun(table)
+    if not count:
+        return Reading(table=table, waiting=len(table.rows))
+    return replace(
+        read_whole(replace(table, rows=table.rows[:count]), catalog), table=table, waiting=len(table.rows) - count
+    )
+
+
+def read_whole(table: TableText, catalog: Catalog) -> Reading:
+    """What the reader says of all rows of a table."""
+    reader = catalog.get("reader", READER)
+    if blank := [number for number, row in enumerate(table.rows) if not row]:
+        return Reading(table=table, problems=tuple(map(_blank, blank)))
+    if reader.write is None:
+        raise InputError(f"the reader {reader.name!r} cannot write tables, which the studio needs")
+    written = reader.write(table)
+    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
+        path = Path(folder) / f"table{reader.suffixes[0]}"
+        path.write_bytes(written.content)
+        try:
+            (item,) = read_items(reader, path, reader.options())
+        except InputError as error:
+            item = Rejected(name=table.name, problems=error.problems)
+    if isinstance(item, Rejected):
+        return Reading(table=table, problems=located(item.problems, written, table))
+    return Reading(table=table, manipulator=item, problems=located(item.notices, written, table))
+
+
+def _blank(row: int) -> CellProblem:
+    message = f"row {row + 1} is empty"
+    return CellProblem(problem=Problem(message=message, suggestion="fill it in, or remove it"), row=row)
+
+
+def located(problems: tuple[Problem, ...], written: WrittenTable, table: TableText) -> tuple[CellProblem, ...]:
+    """Problems with the cells that they are about."""
+    found = []
+    for problem in problems:
+        row, field = written.at(problem.mark)
+        name = (problem.field or "").rpartition(".")[2]
+        if row is None and problem.joint is not None:
+            row = next((index for index, texts in enumerate(table.rows) if texts.get("joint") == problem.joint), None)
+        if field is None or (row is not None and name in FIELDS and problem.mark and problem.mark.column is None):
+            field = name if name in FIELDS else field or ((problem.field or None) if row is None else None)
+        if field is not None and field.startswith("units"):
+            field = "length_unit"
+        found.append(CellProblem(problem=problem, row=row, field=field))
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Made:
+    """A robot, or why there is none.
+
+    Attributes:
+        robot: the robot.
+        problems: what the transform says of the table.
+    """
+
+    robot: Robot | None = None
+    problems: tuple[CellProblem, ...] = ()
+
+
+def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Catalog) -> Made:
+    """The robot of a manipulator as a variant of the transform makes it."""
+    reader = catalog.get("reader", READER)
+    try:
+        robot = make_robot(manipulator, transform_call(catalog, variant))
+    except ManipulatorError as error:
+        written = reader.write(table) if reader.write else None
+        found = (
+            located(error.problems, written, table)
+            if written
+            else tuple(CellProblem(problem=p) for p in error.problems)
+        )
+        return Made(problems=found)
+    return Made(robot=robot)
+
+
+def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:
+    """The transform with a variant, as the command line would call it."""
+    from dh2urdf.options import make_options
+
+    stage = catalog.get("transform", TRANSFORM)
+    return Call(
+        stage=stage, options=make_options(stage.options, {"variant": variant}, where=f"transform {stage.name!r}")
+    )
+
+
+# --- Opening ----------------------------------------------------------------------------------------------------------
+
+
+def open_tables(path: Path, catalog: Catalog, reader: Reader[Any] | None = None) -> tuple[TableText, ...]:
+    """The manipulators of a file as tables to edit.
+
+    Their texts are those of the file where the reader tells them and they read as the same arm; else the texts of the
+    numbers that were read.
+
+    Raises:
+        InputError: the file cannot be read, or none of its manipulators can.
+    """
+    reader = reader or catalog.reader_for(path)
+    items = list(read_items(reader, path, reader.options()))
+    arms = [item for item in items if isinstance(item, Manipulator)]
+    if not arms:
+        raise InputError([problem for item in items if isinstance(item, Rejected) for problem in item.problems])
+    typed = _typed(path, reader)
+    return tuple(_faithful(arm, typed.get(arm.name), catalog) for arm in arms)
+
+
+def _typed(path: Path, reader: Reader[Any]) -> dict[str, TableText]:
+    if reader.texts is None:
+        return {}
+    try:
+        return {table.name: table for table in reader.texts(path)}
+    except Dh2UrdfError:  # It can be read, if not so: then its numbers are what there is.
+        return {}
+
+
+def _faithful(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> TableText:
+    """A table as it was typed, if that reads as the arm; else the texts of the arm's numbers."""
+    if typed is not None and read_whole(typed, catalog).manipulator == arm:
+        return typed
+    return table_text(arm)

@@ -1,0 +1,377 @@
+"""What is to be drawn: links, joint axes and frames as nodes with parts, and where the nodes are at q.
+
+A node is a rigid thing with a name; its parts never move in it. So what a browser needs once is a `Drawing`, and what
+it needs while joints move is a pose for every node. The poses come from `dh2urdf.kinematics`: links from the robot,
+DH frames from the table, by different code, so that the screen itself would show the one off the other.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from dh2urdf.kinematics import TOOL, dh_frames, joint_variables, link_poses
+from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
+from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, Z_AXIS, RigidTransform, Rotation, Vec3, add, cross, norm, scale
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from dh2urdf.robot import Geometry, Link, Material
+
+Colour: TypeAlias = tuple[float, float, float]
+"""Red, green, blue in 0..1."""
+
+LAYERS = ("links", "axes", "frames", "parameters", "collision")
+"""What can be shown and hidden."""
+
+GREY: Colour = (0.72, 0.74, 0.77)
+COLLISION: Colour = (0.85, 0.2, 0.45)
+PAPER: Colour = (0.86, 0.56, 0.16)
+AXIS_COLOURS: Mapping[JointType, Colour] = {
+    JointType.REVOLUTE: (0.95, 0.62, 0.07),
+    JointType.CONTINUOUS: (0.95, 0.62, 0.07),
+    JointType.PRISMATIC: (0.02, 0.6, 0.55),
+}
+FRAME_SIZE = 0.075
+"""Length of a frame's arrows in reaches of the arm [1]."""
+SMALLEST_REACH = 0.05
+"""Reach that an arm of no size is drawn with [m]."""
+_AXIS_LENGTH = 2.6
+_DIGITS = 9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A body of a node.
+
+    Attributes:
+        shape: ``box`` (size x, y, z), ``cylinder`` (radius, length), ``sphere`` (radius) or ``frame`` (length).
+        size: its sizes [m].
+        pose: where it is in the node.
+        layer: with what it is shown, one of `LAYERS`.
+        colour: its colour.
+        opacity: 1 for what cannot be looked through.
+    """
+
+    shape: str
+    size: tuple[float, ...]
+    pose: RigidTransform = IDENTITY
+    layer: str = "links"
+    colour: Colour = GREY
+    opacity: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Node:
+    """A rigid thing.
+
+    Attributes:
+        name: what it is called: a link's name, or ``frame 3``.
+        row: number of the row of the table that it belongs to, counted from 0.
+        parts: its bodies.
+        label: a text that stands at its origin.
+        layer: with what the label is shown.
+    """
+
+    name: str
+    row: int | None = None
+    parts: tuple[Part, ...] = ()
+    label: str = ""
+    layer: str = "frames"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stroke:
+    """A DH parameter as the segment or the arc that it is, at some q.
+
+    Attributes:
+        row: number of its row, counted from 0.
+        field: a, alpha, d or theta.
+        points: from its beginning to its end [m].
+        label: its symbol and its value.
+    """
+
+    row: int
+    field: str
+    points: tuple[Vec3, ...]
+    label: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """One robot in the scene.
+
+    Attributes:
+        robot: the robot.
+        manipulator: its table, where it has one.
+        name: what stands before the names of its nodes.
+        place: where its root is.
+        tint: a colour in place of its own ones.
+        title: a text that stands at its root.
+    """
+
+    robot: Robot
+    manipulator: Manipulator | None = None
+    name: str = ""
+    place: RigidTransform = IDENTITY
+    tint: Colour | None = None
+    title: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drawing:
+    """A scene without its poses.
+
+    Attributes:
+        figures: the robots.
+        nodes: everything that has a pose.
+        reach: how far the largest of the robots reaches [m].
+        unseen: shapes that a browser cannot be given: meshes.
+    """
+
+    figures: tuple[Figure, ...] = ()
+    nodes: tuple[Node, ...] = ()
+    reach: float = 1.0
+    unseen: tuple[str, ...] = field(default=())
+
+    @classmethod
+    def of(cls, figures: Sequence[Figure]) -> Drawing:
+        """The drawing of some robots."""
+        size = max((extent(figure.robot) for figure in figures), default=1.0)
+        nodes = tuple(node for figure in figures for node in _nodes(figure, max(size, SMALLEST_REACH)))
+        meshes = {
+            shape.geometry.filename: None
+            for figure in figures
+            for link in figure.robot.links
+            for shape in (*link.visuals, *link.collisions)
+            if isinstance(shape.geometry, Mesh)
+        }
+        return cls(figures=tuple(figures), nodes=nodes, reach=max(size, SMALLEST_REACH), unseen=tuple(meshes))
+
+    def poses(self, q: Mapping[str, float]) -> tuple[RigidTransform, ...]:
+        """Where the nodes are, in their order.
+
+        Args:
+            q: joint values by the names of joints, those of a named figure with its name before them [rad or m].
+        """
+        return tuple(pose for figure in self.figures for pose in _poses(figure, q))
+
+    def strokes(self, q: Mapping[str, float]) -> tuple[Stroke, ...]:
+        """The DH parameters of the figures that have a table, where they are at q."""
+        return tuple(
+            stroke
+            for figure in self.figures
+            if figure.manipulator is not None
+            for stroke in _strokes(figure, figure.manipulator, q, self.reach)
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """The drawing as a browser takes it."""
+        return {
+            "reach": self.reach,
+            "nodes": [
+                {
+                    "name": node.name,
+                    "row": node.row,
+                    "label": node.label,
+                    "layer": node.layer,
+                    "parts": [
+                        {
+                            "shape": part.shape,
+                            "size": part.size,
+                            "pose": numbers(part.pose),
+                            "layer": part.layer,
+                            "colour": part.colour,
+                            "opacity": part.opacity,
+                        }
+                        for part in node.parts
+                    ],
+                }
+                for node in self.nodes
+            ],
+        }
+
+
+def poses_as_json(poses: Sequence[RigidTransform], strokes: Sequence[Stroke] = ()) -> dict[str, Any]:
+    """Poses and strokes as a browser takes them: twelve numbers a pose, all in one list."""
+    return {
+        "poses": [number for pose in poses for number in numbers(pose)],
+        "strokes": [
+            {
+                "row": stroke.row,
+                "field": stroke.field,
+                "label": stroke.label,
+                "points": [[round(x, _DIGITS) for x in point] for point in stroke.points],
+            }
+            for stroke in strokes
+        ],
+    }
+
+
+def numbers(pose: RigidTransform) -> list[float]:
+    """The upper three rows of the 4x4 matrix, to a nanometre."""
+    r, t = pose
+    return [round(x, _DIGITS) for x in (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2])]
+
+
+def extent(robot: Robot) -> float:
+    """An upper bound of the distance of any link from the root, prismatic joints at their farther limit [m]."""
+    far: dict[str, float] = {}
+    for joint in robot.joints:
+        travel = max(abs(joint.limits.lower or 0.0), abs(joint.limits.upper or 0.0))
+        slide = travel if joint.type is JointType.PRISMATIC else 0.0
+        far[joint.child] = far.get(joint.parent, 0.0) + norm(joint.origin.xyz) + slide
+    return max(far.values(), default=0.0)
+
+
+# --- Nodes ------------------------------------------------------------------------------------------------------------
+
+
+def _nodes(figure: Figure, reach: float) -> Iterator[Node]:
+    robot, table = figure.robot, figure.manipulator
+    rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
+    above = {joint.child: joint for joint in robot.joints}
+    size = FRAME_SIZE * reach
+    for link in robot.links:
+        joint = above.get(link.name)
+        row = rows.get(joint.name) if joint else None
+        parts = [*_bodies(link, figure.tint), *(_axis(joint, size) if joint else ())]
+        is_frame = link.name == TOOL or (table is None and joint is not None)
+        if is_frame:
+            parts.append(Part(shape="frame", size=(size,), layer="frames"))
+        label = link.name if is_frame else ""
+        if joint is None and figure.title:
+            yield Node(name=figure.name + link.name, parts=tuple(parts), label=figure.title, layer="links")
+        else:
+            yield Node(name=figure.name + link.name, row=row, parts=tuple(parts), label=label)
+    if table is not None:
+        for number in range(len(table.rows) + 1):
+            part = Part(shape="frame", size=(size,), layer="frames")
+            row = number - 1 if number else None
+            yield Node(name=f"{figure.name}frame {number}", row=row, parts=(part,), label=f"{{{number}}}")
+
+
+def _bodies(link: Link, tint: Colour | None) -> Iterator[Part]:
+    for visual in link.visuals:
+        yield from _part(visual.geometry, visual.origin.transform, "links", *_colour(visual.material, tint))
+    for collision in link.collisions:
+        yield from _part(collision.geometry, collision.origin.transform, "collision", COLLISION, 0.45)
+
+
+def _colour(material: Material | None, tint: Colour | None) -> tuple[Colour, float]:
+    if material is None:
+        return tint or GREY, 1.0
+    red, green, blue, opacity = material.rgba
+    return tint or (red, green, blue), opacity
+
+
+def _part(geometry: Geometry, pose: RigidTransform, layer: str, colour: Colour, opacity: float) -> Iterator[Part]:
+    match geometry:
+        case Box(size=size):
+            yield Part(shape="box", size=size, pose=pose, layer=layer, colour=colour, opacity=opacity)
+        case Cylinder(radius=radius, length=length):
+            yield Part(
+                shape="cylinder", size=(radius, length), pose=pose, layer=layer, colour=colour, opacity=opacity
+            )
+        case Sphere(radius=radius):
+            yield Part(shape="sphere", size=(radius,), pose=pose, layer=layer, colour=colour, opacity=opacity)
+
+
+def _axis(joint: Joint, size: float) -> Iterator[Part]:
+    """The axis of a joint in its child's frame."""
+    colour = AXIS_COLOURS.get(joint.type)
+    if colour is not None and norm(joint.axis) > 0.0:
+        pose = RigidTransform(towards(joint.axis), (0.0, 0.0, 0.0))
+        yield Part(shape="cylinder", size=(0.035 * size, _AXIS_LENGTH * size), pose=pose, layer="axes", colour=colour)
+
+
+def towards(direction: Vec3) -> Rotation:
+    """A rotation that turns z into a direction."""
+    z = scale(1.0 / norm(direction), direction)
+    helper = X_AXIS if abs(z[0]) < 0.9 else Y_AXIS  # noqa: PLR2004 - any that is not nearly parallel
+    y = cross(z, helper)
+    y = scale(1.0 / norm(y), y)
+    x = cross(y, z)
+    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+
+
+# --- Poses ------------------------------------------------------------------------------------------------------------
+
+
+def _poses(figure: Figure, q: Mapping[str, float]) -> Iterator[RigidTransform]:
+    own = _own_values(figure, q)
+    links = link_poses(figure.robot, own)
+    for link in figure.robot.links:
+        yield figure.place @ links.get(link.name, IDENTITY)
+    if figure.manipulator is not None:
+        for frame in dh_frames(figure.manipulator, _vector(figure.manipulator, own)):
+            yield figure.place @ frame
+
+
+def _own_values(figure: Figure, q: Mapping[str, float]) -> dict[str, float]:
+    return {joint.name: q.get(figure.name + joint.name, 0.0) for joint in figure.robot.moving_joints}
+
+
+def _vector(table: Manipulator, q: Mapping[str, float]) -> list[float]:
+    return [q.get(row.joint, 0.0) for row in table.moving_rows]
+
+
+# --- DH parameters ----------------------------------------------------------------------------------------------------
+
+
+def _strokes(figure: Figure, table: Manipulator, q: Mapping[str, float], reach: float) -> Iterator[Stroke]:
+    """Every parameter that is not zero, between the frame before a row and the one after it."""
+    own, radius = _own_values(figure, q), 0.8 * FRAME_SIZE * reach
+    frames = [figure.place @ frame for frame in dh_frames(table, _vector(table, own))]
+    for number, row in enumerate(table.rows):
+        theta, d = joint_variables(row, own.get(row.joint, 0.0))
+        before, after = frames[number], frames[number + 1]
+        if table.convention is Convention.STANDARD:  # Rz(theta) Tz(d) Tx(a) Rx(alpha): z of before, x of after
+            axis, normal = (_axes(before)[2], before.translation), (_axes(after)[0], after.translation)
+            turn = (_axes(before)[0], axis[0], add(axis[1], scale(d, axis[0])))
+            twist = (_axes(before)[2], normal[0], normal[1])
+            along_d = (axis[1], add(axis[1], scale(d, axis[0])))
+            along_a = (along_d[1], after.translation)
+        else:  # Rx(alpha) Tx(a) Rz(theta) Tz(d): x of before, z of after
+            axis, normal = (_axes(after)[2], after.translation), (_axes(before)[0], before.translation)
+            foot = add(normal[1], scale(row.a, normal[0]))
+            turn, twist = (_axes(before)[0], axis[0], after.translation), (_axes(before)[2], normal[0], normal[1])
+            along_a, along_d = (normal[1], foot), (foot, after.translation)
+        index = number + 1 if table.convention is Convention.STANDARD else number
+        if d:
+            yield Stroke(row=number, field="d", points=along_d, label=f"d{_small(number + 1)} = {d:.4g} m")
+        if row.a:
+            yield Stroke(row=number, field="a", points=along_a, label=f"a{_small(index)} = {row.a:.4g} m")
+        for name, symbol, angle, (start, about, centre), which in (
+            ("theta", "θ", theta, turn, number + 1),
+            ("alpha", "α", row.alpha, twist, index),
+        ):
+            if arc := _arc(centre, start, about, angle, radius):
+                label = f"{symbol}{_small(which)} = {math.degrees(angle):.4g}°"
+                yield Stroke(row=number, field=name, points=arc, label=label)
+
+
+def _axes(frame: RigidTransform) -> tuple[Vec3, Vec3, Vec3]:
+    a, b, c, d, e, f, g, h, i = frame.rotation
+    return (a, d, g), (b, e, h), (c, f, i)
+
+
+def _arc(centre: Vec3, start: Vec3, about: Vec3, angle: float, radius: float) -> tuple[Vec3, ...]:
+    """Points of the arc that an angle is, from one direction about another; none where it is nothing to see."""
+    shown = math.remainder(angle, 2 * math.pi)
+    shown = math.pi if shown == -math.pi else shown
+    if abs(shown) < 1e-6:  # noqa: PLR2004 - [rad], less than a pixel
+        return ()
+    side = cross(about, start)
+    steps = max(2, math.ceil(abs(shown) / 0.15))
+    turns = [shown * step / steps for step in range(steps + 1)]
+    return tuple(
+        add(centre, scale(radius, add(scale(math.cos(turn), start), scale(math.sin(turn), side)))) for turn in turns
+    )
+
+
+def _small(number: int) -> str:
+    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))

@@ -1,0 +1,90 @@
+// What the grid of the table needs beyond AG Grid's own: an editor for joint types, messages of wrong cells, and a row
+// that stands out. Loaded once; `window.dhGrid` has the functions that Python calls by name.
+(() => {
+  const TYPES = ["revolute", "prismatic", "continuous", "fixed"];
+
+  // A text field that offers the joint types, and takes any word that a reader takes.
+  class TypeEditor {
+    init(params) {
+      this.input = document.createElement("input");
+      this.input.className = "ag-input-field-input dh-type-editor";
+      this.input.setAttribute("list", "dh-joint-types");
+      this.input.value = params.eventKey?.length === 1 ? params.eventKey : params.eventKey === "Backspace" ? "" : (params.value ?? "");
+      this.typed = params.eventKey?.length === 1;
+      if (!document.getElementById("dh-joint-types")) {
+        const list = document.createElement("datalist");
+        list.id = "dh-joint-types";
+        for (const type of TYPES) list.append(new Option(type, type));
+        document.body.append(list);
+      }
+    }
+    getGui() {
+      return this.input;
+    }
+    afterGuiAttached() {
+      this.input.focus();
+      if (!this.typed) this.input.select();
+    }
+    focusIn() {
+      this.input.focus();
+      this.input.select();
+    }
+    getValue() {
+      return this.input.value;
+    }
+  }
+
+  const problem = ({ data, colDef }) => data?.problems?.[colDef.field];
+
+  let home = null; // the column where the row that is being typed began
+
+  window.dhGrid = {
+    TypeEditor,
+    wrong: (params) => problem(params)?.severity === "error",
+    remarked: (params) => problem(params)?.severity === "notice",
+    empty: ({ data, value, colDef }) => !value && ["a", "alpha", "d"].includes(colDef.field) && !data?.problems?.[colDef.field],
+    tooltip: (params) => problem(params)?.text ?? null,
+    number: ({ node }) => node.rowIndex + 1,
+
+    // Enter goes on in the next row where this one began, as in spreadsheets: 0 Tab pi/2 Tab 0.1 Enter.
+    keys({ event, editing, api, node, column }) {
+      if (event.key === "Tab") home ??= column;
+      else if (event.key.startsWith("Arrow") && !editing) home = null;
+      if (event.key !== "Enter" || !editing) return false;
+      api.stopEditing();
+      const row = Math.min(Math.max(node.rowIndex + (event.shiftKey ? -1 : 1), 0), api.getDisplayedRowCount() - 1);
+      api.setFocusedCell(row, home ?? column);
+      return true;
+    },
+    forgetHome: () => (home = null),
+
+    // Problems by row and field, and which row is picked. What is being typed is left alone.
+    mark(api, problems, picked) {
+      api.forEachNode((node) => {
+        node.data.problems = problems[node.data.id] ?? {};
+        node.data.picked = node.data.id === picked;
+      });
+      api.refreshCells({ force: true });
+      this.pick(api, picked);
+    },
+
+    pick(api, picked) {
+      api.forEachNode((node) => (node.data.picked = node.data.id === picked));
+      for (const row of document.querySelectorAll(".dh-table .ag-row"))
+        row.classList.toggle("dh-picked", row.getAttribute("row-id") === String(picked));
+    },
+
+    focus(api, row, field, edit) {
+      api.ensureIndexVisible(row);
+      api.ensureColumnVisible(field);
+      api.setFocusedCell(row, field);
+      if (edit) api.startEditingCell({ rowIndex: row, colKey: field });
+    },
+
+    typing(event) {
+      const cell = event.target.closest?.(".ag-cell");
+      const row = cell?.closest(".ag-row");
+      return cell && row ? [Number(row.getAttribute("row-id")), cell.getAttribute("col-id"), event.target.value] : null;
+    },
+  };
+})();

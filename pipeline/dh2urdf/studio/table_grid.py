@@ -1,0 +1,224 @@
+"""The table on the page: AG Grid with a column for every field, and the readers' messages in its cells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from nicegui import ui
+
+from dh2urdf.manipulator import Convention
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.studio.reading import CellProblem
+    from dh2urdf.studio.session import Session
+
+_HEADERS = {
+    "joint": "name",
+    "alpha": "α",
+    "theta": "θ",
+    "lower": "q min",
+    "upper": "q max",
+    "com_x": "com x",
+    "com_y": "com y",
+    "com_z": "com z",
+}
+_WIDTHS = {"joint": 100, "type": 80, "link": 90, "lower": 60, "upper": 60}
+_WIDTH = 70
+_LENGTHS = ("a", "d", "radius", "com_x", "com_y", "com_z")
+_ANGLES = ("alpha", "theta")
+_TOLD = {
+    "joint": "name of the joint",
+    "type": "revolute (R), prismatic (P), continuous (C) or fixed (F)",
+    "a": "length of the common normal, along x",
+    "alpha": "twist: angle about x from one joint axis to the next",
+    "d": "offset along the joint axis z",
+    "theta": "angle about the joint axis z; the joint value is added to it",
+    "offset": "added to the joint value",
+    "sign": "1, or -1 where the joint counts the other way",
+    "lower": "smallest joint value",
+    "upper": "largest joint value",
+}
+
+
+class TableGrid:
+    """The rows of a session's table, to edit.
+
+    Args:
+        on_edit: is called with row, field and text of a cell that was typed.
+        on_typing: is called with row, field and text of a cell that is being typed.
+        on_end: is called when typing has ended.
+        on_pick: is called with the number of the row that has the cursor.
+        on_paste: is called with row, field and text where cells are pasted.
+        on_move: is called with two numbers where a row was dragged from one place to another.
+    """
+
+    def __init__(
+        self,
+        *,
+        on_edit: Callable[[int, str, str], None],
+        on_typing: Callable[[int, str, str], None],
+        on_end: Callable[[], None],
+        on_pick: Callable[[int | None], None],
+        on_paste: Callable[[int, str, str], None],
+        on_move: Callable[[int, int], None],
+    ) -> None:
+        self._header: tuple[Any, ...] = ()
+        self._rows: list[dict[str, Any]] = []
+        self._grid = ui.aggrid(
+            {
+                "columnDefs": [],
+                "rowData": [],
+                ":getRowId": "params => String(params.data.id)",
+                "defaultColDef": {
+                    "editable": True,
+                    "sortable": False,
+                    "resizable": True,
+                    "suppressMovable": True,
+                    "suppressHeaderMenuButton": True,
+                    "cellClassRules": {
+                        ":dh-wrong": "params => dhGrid.wrong(params)",
+                        ":dh-remarked": "params => dhGrid.remarked(params)",
+                        ":dh-empty": "params => dhGrid.empty(params)",
+                    },
+                    ":suppressKeyboardEvent": "params => dhGrid.keys(params)",
+                    ":tooltipValueGetter": "params => dhGrid.tooltip(params)",
+                },
+                "enableBrowserTooltips": True,
+                ":onCellMouseDown": "() => dhGrid.forgetHome()",
+                "stopEditingWhenCellsLoseFocus": True,
+                "rowDragManaged": True,
+                "suppressMoveWhenRowDragging": True,
+                "rowHeight": 28,
+                "headerHeight": 30,
+                ":onRowDragEnd": "e => emitEvent('dh-row', [Number(e.node.data.id), e.node.rowIndex])",
+                "overlayNoRowsTemplate": "<span>choose the number of axes</span>",
+            },
+            theme="balham",
+            auto_size_columns=False,
+        ).classes("dh-table")
+        grid = self._grid
+        grid.on(
+            "cellValueChanged",
+            lambda event: on_edit(int(event.args["rowId"]), event.args["colId"], event.args["newValue"] or ""),
+            ["rowId", "colId", "newValue"],
+        )
+        grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
+        grid.on("cellFocused", lambda event: on_pick(event.args["rowIndex"]), ["rowIndex"])
+        grid.on(
+            "input",
+            lambda event: on_typing(*event.args),
+            js_handler="e => { const typed = dhGrid.typing(e); if (typed) emit(typed); }",
+        )
+        grid.on(
+            "paste",
+            lambda event: on_paste(*event.args),
+            js_handler=f"""e => {{
+                const api = getElement({grid.id}).api, cell = api.getFocusedCell();
+                if (e.target.tagName === "INPUT" || !cell) return;
+                e.preventDefault();
+                emit([cell.rowIndex, cell.column.colId, e.clipboardData.getData("text/plain")]);
+            }}""",
+        )
+        ui.on("dh-row", lambda event: on_move(*event.args))
+
+    def show(self, session: Session) -> None:
+        """Shows the table of a session, and what is wrong with it."""
+        header = (session.columns, session.table.convention, session.table.length_unit, session.table.angle_unit)
+        if header != self._header:
+            self._header = header
+            self._grid.run_grid_method("setGridOption", "columnDefs", _columns(session))
+        rows = [{"id": number, **row} for number, row in enumerate(session.table.rows)]
+        if rows != self._rows:
+            self._rows = rows
+            self._grid.run_grid_method("setGridOption", "rowData", rows)
+        self.mark(session)
+
+    def typed(self, session: Session) -> None:
+        """Shows what is wrong after a cell was typed; the cells themselves are as they were typed, unless cleaned."""
+        row_count = len(self._rows)
+        rows = [{"id": number, **row} for number, row in enumerate(session.table.rows)]
+        if session.columns != self._header[0] or len(rows) != row_count:
+            self.show(session)
+            return
+        self._rows = rows
+        self.mark(session)
+
+    def refresh(self, session: Session) -> None:
+        """Sends all cells again: the grid shows something else than the table."""
+        self._rows = []
+        self.show(session)
+
+    def mark(self, session: Session) -> None:
+        """Marks the wrong cells, and the row that is picked."""
+        self._run("mark", _problems(session), session.row)
+
+    def pick(self, row: int | None) -> None:
+        """Marks the row that is picked."""
+        self._run("pick", row)
+
+    def focus(self, row: int, field: str, *, edit: bool = False) -> None:
+        """Puts the cursor into a cell."""
+        self._run("focus", row, field, edit)
+
+    def _run(self, name: str, *arguments: object) -> None:
+        import json
+
+        said = ", ".join(json.dumps(argument) for argument in arguments)
+        self._grid.client.run_javascript(
+            f"{{const api = getElement({self._grid.id})?.api; if (api) dhGrid.{name}(api, {said});}}"
+        )
+
+
+def all_problems(session: Session) -> Sequence[CellProblem]:
+    """What is wrong with a table, whoever says it."""
+    return (*session.reading.problems, *session.problems_of_making)
+
+
+def _problems(session: Session) -> dict[int, dict[str, dict[str, str]]]:
+    """The problems by row and field; errors go before notices."""
+    found: dict[int, dict[str, dict[str, str]]] = {}
+    for problem in sorted(all_problems(session), key=lambda item: item.problem.severity == "notice"):
+        if problem.row is not None:
+            cells = found.setdefault(problem.row, {})
+            cells.setdefault(problem.field or "number", {"severity": problem.problem.severity, "text": problem.text})
+    return found
+
+
+def _columns(session: Session) -> list[dict[str, Any]]:
+    number = {
+        "field": "number",
+        "colId": "number",
+        "headerName": "i",
+        ":valueGetter": "params => dhGrid.number(params)",
+        "editable": False,
+        "width": 44,
+        "pinned": "left",
+        "rowDrag": True,
+        "cellClass": "dh-number",
+        "suppressNavigable": True,
+        "resizable": False,
+    }
+    return [number, *(_column(field, session) for field in session.columns)]
+
+
+def _column(field: str, session: Session) -> dict[str, Any]:
+    table = session.table
+    header = _HEADERS.get(field, field)
+    if field in ("a", "alpha") and table.convention:
+        header += "ᵢ₋₁" if table.convention == Convention.MODIFIED else "ᵢ"
+    if field in ("d", "theta"):
+        header += "ᵢ"
+    unit = table.length_unit if field in _LENGTHS else table.angle_unit if field in _ANGLES else ""
+    column: dict[str, Any] = {
+        "field": field,
+        "colId": field,
+        "headerName": f"{header} [{unit}]" if unit else header,
+        "headerTooltip": _TOLD.get(field, field),
+        "minWidth": _WIDTHS.get(field, _WIDTH),
+        "flex": _WIDTHS.get(field, _WIDTH),
+    }
+    if field == "type":
+        column[":cellEditor"] = "dhGrid.TypeEditor"
+    return column

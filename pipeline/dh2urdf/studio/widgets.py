@@ -1,0 +1,92 @@
+"""The studio's own widgets: the scene and the sliders, each one element of the page that takes one message a change."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from nicegui.element import Element
+from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
+
+from dh2urdf.studio.scene import poses_as_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.studio.joints import Slider
+    from dh2urdf.studio.scene import Drawing, Stroke
+
+_STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
+"""What an arrow key moves a slider by, in its unit."""
+_DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
+"""Digits behind the point of what a slider shows [1]."""
+
+
+class ArmView(Element, component="arm_view.js"):
+    """The arm in 3D."""
+
+    def __init__(self, on_pick: Callable[[int | None], None]) -> None:
+        super().__init__()
+        self.on("pick", lambda event: on_pick(event.args["row"]))
+
+    def show(self, drawing: Drawing, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
+        """Another drawing."""
+        self.run_method("show", drawing.as_json(), poses_as_json(poses, strokes))
+
+    def move(self, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
+        """The same drawing in another pose."""
+        self.run_method("move", poses_as_json(poses, strokes))
+
+    def set_layers(self, layers: Iterable[str]) -> None:
+        """What is shown."""
+        self.run_method("setLayers", sorted(layers))
+
+    def highlight(self, row: int | None) -> None:
+        """The link and the frame of a row stand out."""
+        self.run_method("highlight", row)
+
+    def fit(self) -> None:
+        """The camera where it sees all of the arm."""
+        self.run_method("fit")
+
+
+class JointSliders(Element, component="joint_sliders.js"):
+    """A slider and a number for every moving joint."""
+
+    def __init__(self, on_values: Callable[[Mapping[str, float]], None]) -> None:
+        super().__init__()
+        self._sliders: tuple[Slider, ...] = ()
+        self._on_values = on_values
+        self.on("values", lambda event: self._moved(event.args["values"]))
+
+    def show(self, sliders: Sequence[Slider], q: Mapping[str, float]) -> None:
+        """Other joints, or the same in another pose [rad or m]."""
+        if tuple(sliders) == self._sliders:
+            self.answer(q)
+            return
+        self._sliders = tuple(sliders)
+        self.run_method("show", [self._as_json(slider) for slider in sliders], self._shown(q))
+
+    def answer(self, q: Mapping[str, float]) -> None:
+        """The pose that holds now [rad or m]."""
+        self.run_method("answer", self._shown(q))
+
+    def _moved(self, values: Sequence[Any]) -> None:
+        if len(values) == len(self._sliders):  # else the joints have changed meanwhile
+            pairs = zip(self._sliders, values, strict=True)
+            self._on_values({slider.name: slider.value(float(shown)) for slider, shown in pairs})
+
+    def _shown(self, q: Mapping[str, float]) -> list[float]:
+        return [slider.shown(q.get(slider.name, 0.0)) for slider in self._sliders]
+
+    @staticmethod
+    def _as_json(slider: Slider) -> dict[str, Any]:
+        unit = slider.unit.symbol
+        return {
+            "name": slider.name,
+            "lower": slider.shown(slider.lower),
+            "upper": slider.shown(slider.upper),
+            "unit": "°" if slider.unit.degrees else unit,
+            "step": _STEPS.get(unit, 0.01),
+            "digits": _DIGITS.get(unit, 4),
+        }

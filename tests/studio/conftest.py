@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import pytest
+
+from dh2urdf.registry import load
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from playwright.sync_api import Browser, Page
+
+    from dh2urdf.registry import Catalog
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
+ARGUMENTS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+TABLES = Path(__file__).parents[2] / "configs" / "tables"
+
+
+@pytest.fixture(scope="session")
+def catalog() -> Catalog:
+    return load()
+
+
+@contextmanager
+def serving(*words: str | Path) -> Iterator[str]:
+    """The address at which a command of the project serves, in a process of its own, until the end of the block."""
+    code = "from dh2urdf.cli import main; main()"
+    command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", "0"]
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would take the server for its own test.
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
+        assert server.stdout is not None
+        try:
+            found = re.search(r"http://[^/]+/", server.stdout.readline())
+            assert found, "the server did not say its address"
+            yield found[0]
+        finally:
+            server.send_signal(signal.SIGINT)
+            assert server.wait(20) == 0, "a server ends well when it is interrupted"
+
+
+@pytest.fixture(scope="session")
+def studio_address() -> Iterator[str]:
+    """A studio with an empty table."""
+    pytest.importorskip("nicegui")
+    with serving("studio") as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """The system's own Chromium, headless."""
+    api = pytest.importorskip("playwright.sync_api")
+    if not CHROMIUM:
+        pytest.skip("Chromium is not installed (apt-get install chromium)")
+    with api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+class Tab:
+    """A tab of the browser with what it asked for and what went wrong in it."""
+
+    def __init__(self, page: Page, address: str) -> None:
+        self.page = page
+        self.address = address
+        self.asked: list[str] = []
+        self.faults: list[str] = []
+        page.on("request", lambda request: self.asked.append(request.url))
+        page.on("websocket", lambda socket: self.asked.append(socket.url))
+        page.on("pageerror", lambda error: self.faults.append(str(error)))
+        page.on("console", lambda message: self.faults.append(message.text) if message.type == "error" else None)
+
+    def open(self) -> Page:
+        self.page.goto(self.address)
+        self.page.wait_for_function("document.querySelector('.arm-view')?.drawn > 0")
+        self.page.wait_for_function("document.querySelector('.dh-table .ag-header-cell[col-id=a]')")
+        return self.page
+
+    # --- What stands on the page ---
+
+    def cell(self, row: int, field: str) -> Any:
+        return self.page.locator(f".dh-table .ag-row[row-index='{row}'] .ag-cell[col-id='{field}']")
+
+    def cells(self, row: int, *fields: str) -> list[str]:
+        return [self.cell(row, field).inner_text() for field in fields]
+
+    def type_into(self, row: int, field: str, text: str) -> None:
+        self.cell(row, field).click()
+        self.page.keyboard.type(text)
+        self.page.keyboard.press("Enter")
+
+    @property
+    def status(self) -> str:
+        return str(self.page.locator(".studio-status").first.inner_text())
+
+    def wait_for_status(self, text: str) -> None:
+        script = "text => document.querySelector('.studio-status').textContent.includes(text)"
+        self.page.wait_for_function(script, arg=text)
+
+    def open_exhibit(self, name: str) -> None:
+        """Opens a table of the gallery."""
+        self.page.get_by_role("button", name="Open", exact=True).click()
+        self.page.locator(f".studio-exhibit[data-name='{name}']").click()
+        self.page.wait_for_function(f"document.querySelector('.studio-name input').value === '{name}'")
+        self.wait_for_status("the arm is the table's")
+
+    def save(self, what: str) -> tuple[str, bytes]:
+        """Chooses an entry of the menu; gives the name and the bytes that are downloaded."""
+        with self.page.expect_download() as saving:
+            self.page.get_by_role("button", name="Save").click()
+            self.page.locator(".q-menu").get_by_text(what, exact=True).click()
+        return saving.value.suggested_filename, saving.value.path().read_bytes()
+
+    def sliders(self) -> list[float]:
+        return [float(slider.input_value()) for slider in self.page.locator(".joint-slider input[type=range]").all()]
+
+    def pose(self, name: str) -> list[list[float]]:
+        """The matrix that three.js draws a node with, row by row."""
+        script = """name => {
+            const scene = document.querySelector('.arm-view').scene;
+            scene.updateMatrixWorld();
+            return scene.getObjectByName(name).matrixWorld.elements.slice();
+        }"""
+        numbers = self.page.evaluate(script, name)
+        return [[numbers[4 * column + row] for column in range(4)] for row in range(4)]
+
+    def nodes(self) -> list[str]:
+        """The names of what is in the scene."""
+        script = "document.querySelector('.arm-view').scene.children[0].children.map(node => node.name)"
+        return list(self.page.evaluate(script))
+
+    def foreign(self) -> list[str]:
+        """What it asked for from elsewhere."""
+        here = urlsplit(self.address).netloc
+        return [url for url in self.asked if urlsplit(url).scheme not in ("data", "blob") and urlsplit(url).netloc != here]
+
+
+@pytest.fixture
+def new_tab(chromium: Browser) -> Iterator[Callable[..., Tab]]:
+    """Opens tabs, each in a browser profile of its own unless one is given; none asks for anything from elsewhere."""
+    tabs: list[Tab] = []
+    contexts: list[Any] = []
+
+    def open_tab(address: str, *, context: Any = None, width: int = 1280, height: int = 720) -> Tab:
+        if context is None:
+            context = chromium.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
+            context.set_default_timeout(15_000)
+            contexts.append(context)
+        tab = Tab(context.new_page(), address)
+        tabs.append(tab)
+        return tab
+
+    yield open_tab
+    for tab in tabs:
+        assert tab.foreign() == []
+        assert tab.faults == []
+    for context in contexts:
+        context.close()

@@ -28,6 +28,7 @@ COMMANDS = {
     "run": "Do a whole run that a YAML file describes.",
     "convert": "Turn one table into a robot description.",
     "studio": "Type a table in the browser, see the arm move, press Generate.",
+    "view": "Show robots of URDF, xacro, tables and cells in the browser.",
     "plugins": "List every installed stage and its options.",
     "schema": "Print the JSON Schema of run files or tables.",
 }

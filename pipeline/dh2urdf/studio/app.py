@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from nicegui import app, ui
 
 from dh2urdf.studio.page import StudioPage
 from dh2urdf.studio.session import Session
+from dh2urdf.studio.view_page import ViewPage
+from dh2urdf.studio.viewing import View
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.registry import Catalog
+    from dh2urdf.studio.scene import Figure
     from dh2urdf.table_text import TableText
 
 MOST_SESSIONS = 100
@@ -23,19 +26,34 @@ _HERE = Path(__file__).parent
 _OWNER = "dh2urdf_tab"
 
 
-class Sessions:
-    """The sessions by tab.
+class _Copied(Protocol):
+    def copy(self: S) -> S: ...
+
+
+S = TypeVar("S", bound=_Copied)
+
+
+class Sessions(Generic[S]):
+    """What tabs show, by tab.
 
     Args:
-        new: makes the session of a new tab.
+        new: makes what a new tab shows.
     """
 
-    def __init__(self, new: Callable[[], Session]) -> None:
+    def __init__(self, new: Callable[[], S]) -> None:
         self._new = new
-        self._of: OrderedDict[str, Session] = OrderedDict()
+        self._of: OrderedDict[str, S] = OrderedDict()
 
-    def of(self, tab: str, before: str | None = None) -> Session:
-        """The session of a tab.
+    async def of_this_tab(self) -> S:
+        """What the tab shows that asks for a page, as soon as it has said which it is."""
+        await ui.context.client.connected(timeout=30.0)
+        tab, stored = str(ui.context.client.tab_id), app.storage.tab
+        session = self.of(tab, stored.get(_OWNER))
+        stored[_OWNER] = tab
+        return session
+
+    def of(self, tab: str, before: str | None = None) -> S:
+        """What a tab shows.
 
         Args:
             tab: the tab.
@@ -62,12 +80,17 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
     @ui.page("/")
     async def studio() -> None:
         dress()
-        await ui.context.client.connected(timeout=30.0)
-        tab = str(ui.context.client.tab_id)
-        stored = app.storage.tab
-        session = sessions.of(tab, stored.get(_OWNER))
-        stored[_OWNER] = tab
-        await StudioPage(session).start()
+        await StudioPage(await sessions.of_this_tab()).start()
+
+
+def build_view(figures: Sequence[Figure]) -> None:
+    """Declares the page that shows some robots."""
+    views = Sessions(lambda: View(figures))
+
+    @ui.page("/")
+    async def view() -> None:
+        dress()
+        await ViewPage(await views.of_this_tab()).start()
 
 
 def dress() -> None:

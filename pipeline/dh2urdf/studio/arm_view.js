@@ -191,9 +191,16 @@ export default {
       tube.name = `${field} ${row + 1}`;
       const text = this.label(label, "parameters", `arm-view-label arm-view-stroke arm-view-${field}`);
       text.position.copy(vectors.length > 2 ? vectors[Math.floor(vectors.length / 2)] : vectors[0].clone().lerp(vectors[1], 0.5));
-      text.visible = true;
       tube.add(text);
+      this.emphasise(tube);
       return tube;
+    },
+
+    // Where a row is picked, only its own parameters are told.
+    emphasise(tube) {
+      const on = this.row === null || tube.userData.row === this.row;
+      tube.material.opacity = on ? 1 : 0.3;
+      tube.children[0].visible = on;
     },
 
     setLayers(layers) {
@@ -207,6 +214,7 @@ export default {
     // The link and the frame of a row stand out; null for none.
     highlight(row) {
       this.row = row;
+      for (const tube of this.strokes.children) this.emphasise(tube);
       for (const node of this.nodes) {
         const on = row !== null && node.userData.row === row;
         node.traverse((object) => {
@@ -214,7 +222,6 @@ export default {
             object.material.emissive = on ? HIGHLIGHT : new THREE.Color(0);
             object.material.emissiveIntensity = on ? 0.65 : 1;
           } else if (object.isMesh && object.userData.layer === "frames") {
-            object.scale.setScalar(1);
             object.material.opacity = row === null || on ? 1 : 0.35;
           } else if (object.isCSS2DObject) {
             object.element.classList.toggle("arm-view-picked", on);

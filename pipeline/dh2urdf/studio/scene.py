@@ -234,7 +234,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[Node]:
     robot, table = figure.robot, figure.manipulator
     rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
     above = {joint.child: joint for joint in robot.joints}
-    size = FRAME_SIZE * reach
+    size = FRAME_SIZE * (max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach)
     for link in robot.links:
         joint = above.get(link.name)
         row = rows.get(joint.name) if joint else None

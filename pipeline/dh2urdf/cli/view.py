@@ -1,0 +1,45 @@
+"""`dh2urdf view`: robots of any kind of file in one scene in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from dh2urdf.cli import EXIT_STATUS
+
+
+@click.command(name="view", epilog=EXIT_STATUS)
+@click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="FILE…")
+@click.option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
+@click.option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
+def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bool) -> int:  # noqa: FBT001 - click hands flags over so
+    """Show robots in the browser: sliders, joint axes, frames, collision shapes.
+
+    A FILE is a robot description that an emitter reads back (URDF, xacro), a table, or a run file, of which the cells
+    are shown, or the arms where it has none. Several are shown in one scene. The address of the page is printed;
+    Ctrl-C ends it.
+
+    \b
+    dh2urdf view ur5.urdf
+    dh2urdf view ur5.csv panda.yaml robot.urdf.xacro
+    dh2urdf view pair.yaml
+    """
+    from dh2urdf.registry import load
+    from dh2urdf.studio.server import require_nicegui, serve
+    from dh2urdf.studio.viewing import load_figures
+
+    require_nicegui("view")
+    figures = load_figures(files, load())
+    from dh2urdf.studio.app import build_view
+
+    serve(
+        lambda: build_view(figures),
+        host=host,
+        port=port,
+        browser=not no_browser,
+        said=lambda address: click.echo(f"the view is at {address} (Ctrl-C ends it)"),
+        title="dh2urdf view",
+    )
+    return 0

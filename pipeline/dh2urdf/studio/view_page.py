@@ -1,0 +1,106 @@
+"""The page of `dh2urdf view`: robots in one scene, with a slider for every joint."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from nicegui import ui
+
+from dh2urdf.studio import dialogs, joints, viewing
+from dh2urdf.studio.widgets import ArmView, JointSliders
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from dh2urdf.studio.viewing import View
+
+_LAYER_NAMES = {"links": "links", "axes": "joint axes", "frames": "frames", "parameters": "a α d θ", "collision": "collision"}
+MOST_TIPS = 12
+"""Ends of arms whose poses are told [1]."""
+
+
+class ViewPage:
+    """What a tab shows of its view."""
+
+    def __init__(self, view: View) -> None:
+        """Lays the page out; `start` fills it."""
+        self.view = view
+        ui.on_exception(dialogs.show_fault)
+        with ui.element("div").classes("studio view"):
+            with ui.element("header").classes("studio-head"):
+                ui.html("<b>dh2urdf</b> view", sanitize=False).classes("studio-title")
+                ui.label(viewing.told(view.figures))
+            with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
+                with ui.element("div").classes("studio-row"):
+                    for told, poses in (("zero", joints.zero), ("random pose", joints.anywhere)):
+                        button = ui.button(told, on_click=lambda poses=poses: self._move_to(poses))
+                        button.props("outline dense no-caps size=sm")
+                self._sliders = JointSliders(on_values=self._moved)
+                self._numbers = ui.html(sanitize=False).classes("studio-numbers")
+            with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
+                self._lay_scene()
+
+    def _lay_scene(self) -> None:
+        self._scene = ArmView(on_pick=lambda row: self._scene.highlight(row))
+        with ui.element("div").classes("studio-over top"):
+            tables = any(figure.manipulator for figure in self.view.figures)
+            for layer, told in _LAYER_NAMES.items():
+                if layer != "parameters" or tables:
+                    box = ui.checkbox(told, value=layer in self.view.layers).props("dense size=xs")
+                    box.on_value_change(lambda event, layer=layer: self._choose_layer(layer, shown=event.value))
+            if len(self.view.figures) > 1:
+                choice = ui.toggle({True: "side by side", False: "at one place"}, value=self.view.apart)
+                choice.props("dense unelevated no-caps").on_value_change(self._choose_place)
+            button = ui.button(icon="center_focus_strong", on_click=lambda: self._scene.fit())
+            button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
+        if unseen := self.view.drawing.unseen:
+            with ui.element("div").classes("studio-over bottom"):
+                ui.label(f"{len(unseen)} mesh files are not drawn: frames, axes and other shapes are.")
+
+    async def start(self) -> None:
+        """Shows the view for the first time."""
+        self._scene.set_layers(self.view.layers)
+        self._show()
+        self._scene.fit()
+
+    def _show(self) -> None:
+        view = self.view
+        self._scene.show(view.drawing, view.drawing.poses(view.q), self._strokes())
+        self._sliders.show(view.sliders, view.q)
+        self._show_numbers()
+
+    def _show_pose(self) -> None:
+        self._scene.move(self.view.drawing.poses(self.view.q), self._strokes())
+        self._sliders.answer(self.view.q)
+        self._show_numbers()
+
+    def _strokes(self) -> Any:  # noqa: ANN401 - strokes of the drawing
+        return self.view.drawing.strokes(self.view.q) if "parameters" in self.view.layers else ()
+
+    def _show_numbers(self) -> None:
+        lines = []
+        for name, pose in list(self.view.tips())[:MOST_TIPS]:
+            xyz = ", ".join(f"{x + 0.0:.4f}" for x in pose.translation)
+            rpy = ", ".join(f"{math.degrees(x) + 0.0:.2f}" for x in pose.rpy)
+            lines.append(f"<div><b>{escape(name)}</b><br>xyz {xyz} m<br>rpy {rpy} °</div>")
+        self._numbers.set_content("".join(lines))
+
+    def _choose_layer(self, layer: str, *, shown: bool) -> None:
+        self.view.layers = self.view.layers | {layer} if shown else self.view.layers - {layer}
+        self._scene.set_layers(self.view.layers)
+        self._show_pose()
+
+    def _choose_place(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        self.view.place(apart=bool(event.value))
+        self._show()
+        self._scene.fit()
+
+    def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
+        self.view.move(poses(self.view.sliders))
+        self._show_pose()
+
+    def _moved(self, values: Mapping[str, float]) -> None:
+        self.view.move(values)
+        self._show_pose()

@@ -1,0 +1,204 @@
+"""What `dh2urdf view` shows: robots of descriptions, of tables and of run files' cells, in one scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.cells import with_tables
+from dh2urdf.config import is_run_file, load_config
+from dh2urdf.conversion import Call, blaming, make_cell, make_robot, read_items
+from dh2urdf.errors import ConfigError, InputError, ManipulatorError
+from dh2urdf.gathering import Gathering
+from dh2urdf.kinematics import link_poses
+from dh2urdf.options import make_options
+from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import Rejected
+from dh2urdf.studio import joints
+from dh2urdf.studio.reading import transform_call
+from dh2urdf.studio.scene import Drawing, Figure, extent
+from dh2urdf.textfiles import check_file
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.registry import Catalog
+    from dh2urdf.robot import Robot
+    from dh2urdf.studio.joints import Slider
+
+MOST_FIGURES = 50
+"""Robots that one scene shows [1]."""
+_RUN_SUFFIXES = (".yaml", ".yml", ".json")
+
+
+def load_figures(paths: Sequence[Path], catalog: Catalog) -> tuple[Figure, ...]:
+    """The robots of some files.
+
+    Raises:
+        InputError: a file cannot be read; the problems of all files are said at once.
+    """
+    found: list[Figure] = []
+    problems: list[Problem] = []
+    for path in paths:
+        try:
+            found += _figures(path, catalog)
+        except (InputError, ManipulatorError) as error:
+            problems += [problem.about(mark=Mark(file=str(path))) for problem in error.problems]
+    if problems:
+        raise InputError(problems)
+    if len(found) > MOST_FIGURES:
+        raise InputError(
+            Problem(message=f"these are {len(found)} robots", accepted=f"at most {MOST_FIGURES} in one scene")
+        )
+    if len(found) == 1:
+        return (replace(found[0], name="", title=""),)
+    return tuple(_with_own_names(found))
+
+
+def _figures(path: Path, catalog: Catalog) -> Iterator[Figure]:
+    """The robots of one file.
+
+    Raises:
+        InputError: it cannot be read.
+        ManipulatorError: it is no robot, or no robot can be made of it.
+    """
+    check_file(path, InputError)
+    if path.suffix.lower() in _RUN_SUFFIXES and is_run_file(path):
+        yield from _of_run(path, catalog)
+        return
+    suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
+    if path.name.lower().endswith(tuple(suffixes)):
+        reader = catalog.reader_for(path)
+        transform = transform_call(catalog, "exact")
+        for item in read_items(reader, path, reader.options()):
+            arm = _accepted(item)
+            yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
+        return
+    emitter = catalog.emitter_for(path)
+    if emitter.read_back is None:
+        raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
+    with blaming("emitter", emitter.name):
+        robot = emitter.read_back(path)
+    yield Figure(robot=robot, title=robot.name or path.stem)
+
+
+def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
+    """The cells of a run file; of one that has none, its manipulators."""
+    config = load_config(path)
+    if config.problems:
+        raise ConfigError(config.problems)
+    stage = catalog.get("transform", config.transform.stage)
+    where = f"transform {stage.name!r}"
+    options = make_options(stage.options, config.transform.options, mark=config.transform.mark, where=where)
+    transform = Call(stage=stage, options=options)
+    gathering = Gathering(arm.of for cell in config.cells for arm in cell.arms)
+    arms: list[Manipulator | Rejected] = []
+    for given in config.inputs:
+        for file in given.paths:
+            reader = catalog.get("reader", given.stage) if given.stage else catalog.reader_for(file)
+            chosen = make_options(reader.options, given.options, mark=given.mark, where=f"reader {reader.name!r}")
+            for item in read_items(reader, file, chosen):
+                gathering.see(item)
+                if len(arms) <= MOST_FIGURES:
+                    arms.append(item)
+    for cell in with_tables(config.cells, gathering):
+        if isinstance(cell, Rejected):
+            raise InputError(cell.problems)
+        robot, _ = make_cell(cell, transform)
+        yield Figure(robot=robot, title=robot.name)
+    if not config.cells:
+        for arm in map(_accepted, arms):
+            yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
+
+
+def _accepted(item: Manipulator | Rejected) -> Manipulator:
+    if isinstance(item, Rejected):
+        raise InputError(item.problems)
+    return item
+
+
+def _with_own_names(figures: Sequence[Figure]) -> Iterator[Figure]:
+    """Figures with a name each, so that no two nodes are called alike."""
+    taken: set[str] = set()
+    for figure in figures:
+        name, number = figure.title, 1
+        while name in taken:
+            number += 1
+            name = f"{figure.title} {number}"
+        taken.add(name)
+        yield replace(figure, name=f"{name}/", title=name)
+
+
+class View:
+    """What a tab of `dh2urdf view` shows.
+
+    Attributes:
+        figures: the robots.
+        layers: what is shown.
+        apart: whether the robots stand side by side, or all at one place.
+        sliders: the joints of all robots.
+        q: their values by name [rad or m].
+        drawing: the robots, as they are drawn.
+    """
+
+    def __init__(self, figures: Sequence[Figure]) -> None:
+        self.figures = tuple(figures)
+        self.layers: frozenset[str] = frozenset(("links", "axes"))
+        self.apart = True
+        moving = [
+            replace(joint, name=figure.name + joint.name) for figure in figures for joint in figure.robot.moving_joints
+        ]
+        self.sliders: tuple[Slider, ...] = joints.sliders(moving, angle_unit="deg")
+        self.q = joints.zero(self.sliders)
+        self.drawing = Drawing()
+        self.place(apart=True)
+
+    def copy(self) -> View:
+        """Another view of the same robots."""
+        return View(self.figures)
+
+    def place(self, *, apart: bool) -> None:
+        """Puts the robots side by side, or all at one place."""
+        self.apart = apart
+        self.drawing = Drawing.of(list(_placed(self.figures)) if apart else self.figures)
+
+    def move(self, values: Mapping[str, float]) -> None:
+        """Joint values by name [rad or m]; they are kept inside the limits."""
+        self.q = joints.kept({**self.q, **values}, self.sliders)
+
+    def tips(self) -> Iterator[tuple[str, RigidTransform]]:
+        """The links at the ends, with their poses in the robots' roots."""
+        for figure in self.figures:
+            own = {joint.name: self.q[figure.name + joint.name] for joint in figure.robot.moving_joints}
+            poses = link_poses(figure.robot, own)
+            for name in ends(figure.robot):
+                yield figure.name + name, poses.get(name, IDENTITY)
+
+
+def ends(robot: Robot) -> tuple[str, ...]:
+    """The links that stand for the ends of arms: those called tool0, or else those that hold no other."""
+    holding = {joint.parent for joint in robot.joints}
+    last = [link.name for link in robot.links if link.name not in holding]
+    tools = [link.name for link in robot.links if link.name.endswith("tool0")]
+    return tuple(tools or last)
+
+
+def _placed(figures: Sequence[Figure]) -> Iterator[Figure]:
+    """Robots in a row along y, as far from each other as their arms do not touch when they are stretched."""
+    edge = 0.0
+    for number, figure in enumerate(figures):
+        half = 0.6 * max(extent(figure.robot), 0.1)
+        edge += half if number else 0.0
+        yield replace(figure, place=RigidTransform(IDENTITY.rotation, (0.0, edge, 0.0)))
+        edge += half
+
+
+def told(figures: Sequence[Figure]) -> str:
+    """The robots in a line."""
+    names = [figure.title or figure.robot.name for figure in figures]
+    return ", ".join(shown(name)[1:-1] for name in names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")  # noqa: PLR2004 - a line
+
+

@@ -1,0 +1,121 @@
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import LinkGeometry
+from dh2urdf.quantities import evaluate
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Mark
+from dh2urdf.table_text import Place, TableText, WrittenTable, number_in, table_text, transform_text, yaml_word
+from dh2urdf.units import UNITS
+
+if TYPE_CHECKING:
+    from conftest import ReferenceRobot
+
+FINITE = st.floats(-1e6, 1e6, allow_subnormal=False)
+
+
+@given(FINITE, st.sampled_from(["m", "cm", "mm", "rad"]))
+def test_a_number_reads_back_to_the_same_double(value: float, unit: str) -> None:
+    """In metres, their decimal parts and radians, the text of a value loses no bit."""
+    assert evaluate(number_in(value, UNITS[unit]), UNITS[unit].dimension, UNITS[unit]).value == value
+
+
+@given(FINITE)
+def test_degrees_read_back_to_a_rounding(value: float) -> None:
+    """Degrees are rounded once more; no double of degrees may mean the very same radians."""
+    read = evaluate(number_in(value, UNITS["deg"]), UNITS["deg"].dimension, UNITS["deg"]).value
+    assert math.isclose(read, value, rel_tol=4e-16)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (math.pi / 2, "rad", "pi/2"),
+        (-math.pi, "rad", "-pi"),
+        (3 * math.pi / 4, "rad", "3*pi/4"),
+        (-math.pi / 6, "rad", "-pi/6"),
+        (1.5708, "rad", "1.5708"),
+        (0.0, "rad", "0"),
+        (-0.0, "m", "0"),
+        (math.pi / 2, "deg", "90"),
+        (math.radians(-12.5), "deg", "-12.5"),
+        (0.10915, "mm", "109.15"),
+        (-0.425, "cm", "-42.5"),
+        (1e-9, "m", "0.000000001"),
+        (1000.0, "m", "1000"),
+    ],
+)
+def test_numbers_are_written_as_people_write_them(value: float, unit: str, text: str) -> None:
+    """Multiples of π by name, whole degrees, decimal points that are only moved."""
+    assert number_in(value, UNITS[unit]) == text
+
+
+def test_a_transform_says_what_is_not_zero() -> None:
+    """The identity is no text; what else is said of the base stands beside it."""
+    m, rad = UNITS["m"], UNITS["rad"]
+    assert transform_text(RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0)), m, rad) == ""
+    assert transform_text(RigidTransform.from_xyz_rpy((0.0, 0.0, 0.3)), m, rad) == "{xyz: [0, 0, 0.3]}"
+    turned = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, math.pi))
+    body = {"mass": 4.0, "geometry": LinkGeometry(shape="box", radius=0.1)}
+    assert transform_text(turned, m, rad, **body) == (
+        "{rpy: [0, 0, pi], mass: 4, geometry: {shape: box, radius: 0.1}}"
+    )
+
+
+def test_columns_are_those_in_use(reference_robots: list[ReferenceRobot]) -> None:
+    """A column for every field that a row says anything of, and for those that no table may lack."""
+    assert TableText().columns() == ("a", "alpha", "d")
+    assert TableText(rows=({"joint": "x", "mass": "3"},)).columns() == ("joint", "a", "alpha", "d", "mass")
+    for robot in reference_robots:
+        rows = table_text(robot.manipulator).rows
+        assert len(rows) == len(robot.manipulator.rows)
+
+
+@pytest.mark.parametrize("word", ["pi/2", "-425 mm", "90°", "ur5", "q1 + pi/2", "0.5"])
+def test_a_plain_word_stays_bare(word: str) -> None:
+    """What people type into cells needs no quotes in YAML."""
+    assert yaml_word(word) == word
+
+
+@pytest.mark.parametrize("word", ["", "a: b", "#1", "null", "True", "x ", "[0]", "~", "-", "- a", "a, b", "{x}"])
+def test_a_word_that_means_something_else_is_quoted(word: str) -> None:
+    """What YAML would take for something else than the text stands in quotes."""
+    assert yaml_word(word) != word
+
+
+class TestPlaces:
+    written = WrittenTable(
+        content=b"",
+        places=(
+            Place(line=1, column=1, row=None, field="convention"),
+            Place(line=3, column=1, row=0, field="a"),
+            Place(line=3, column=5, row=0, field="d"),
+        ),
+    )
+
+    @pytest.mark.parametrize(
+        ("line", "column", "found"),
+        [
+            (3, 1, (0, "a")),
+            (3, 5, (0, "d")),
+            (3, 7, (0, "d")),
+            (3, None, (0, None)),
+            (1, 15, (None, "convention")),
+            (2, 1, (None, None)),
+            (9, 1, (None, None)),
+            (None, None, (None, None)),
+        ],
+    )
+    def test_a_mark_means_a_cell(self, line: int | None, column: int | None, found: Any) -> None:
+        """A place in the file leads to row and field; that of a line to its row."""
+        assert self.written.at(Mark(file="x", line=line, column=column)) == found
+
+    def test_no_mark_means_nothing(self) -> None:
+        """What has no place is about no cell."""
+        assert self.written.at(None) == (None, None)

@@ -1,0 +1,120 @@
+"""Tables as texts: written in a format and told again by it, letter for letter."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.source import Mark
+from dh2urdf.table_text import FIELDS, TableText, table_text
+from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from conftest import ReferenceRobot
+
+    from dh2urdf.stages import Reader
+
+READERS = {"csv": csv.READER, "yaml": yaml.READER}
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
+
+
+def written(table: TableText, reader: Reader[Any], folder: Path) -> Path:
+    assert reader.write is not None
+    path = folder / f"arm{reader.suffixes[0]}"
+    path.write_bytes(reader.write(table).content)
+    return path
+
+
+def read(path: Path, reader: Reader[Any]) -> Manipulator:
+    (arm,) = reader.read(path, TableOptions())
+    assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+    return arm
+
+
+@pytest.mark.parametrize("units", [("m", "rad"), ("mm", "rad"), ("cm", "rad")])
+@pytest.mark.parametrize("form", READERS)
+def test_a_manipulator_comes_back(
+    reference_robot: ReferenceRobot, form: str, units: tuple[str, str], tmp_path: Path
+) -> None:
+    """The texts of a published arm, written in either format and in any unit of length, are the same arm."""
+    arm = reference_robot.manipulator
+    found = read(written(table_text(arm, *units), READERS[form], tmp_path), READERS[form])
+    assert found.rows == arm.rows
+    assert found.convention == arm.convention
+    for one, other in ((found.base, arm.base), (found.tool, arm.tool)):
+        flat = zip((*one.rotation, *one.translation), (*other.rotation, *other.translation), strict=True)
+        assert all(abs(x - y) <= 1e-15 for x, y in flat)
+
+
+@pytest.mark.parametrize("table", sorted(TABLES.iterdir()), ids=lambda path: path.name)
+@pytest.mark.parametrize("form", READERS)
+def test_the_texts_of_a_file_come_back(table: Path, form: str, tmp_path: Path) -> None:
+    """What stands in the cells of the project's own tables is told as it stands, and written in either format."""
+    own = next(reader for reader in READERS.values() if table.suffix in reader.suffixes)
+    assert own.texts is not None
+    (texts,) = own.texts(table)
+    path = written(texts, READERS[form], tmp_path)
+    assert read(path, READERS[form]) == read(table, own)
+    told = READERS[form].texts
+    assert told is not None
+    assert list(told(path)) == [texts]
+
+
+CELLS = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]) | st.just(" "), min_size=1, max_size=12)
+ROWS = st.dictionaries(st.sampled_from(FIELDS), CELLS.map(str.strip).filter(bool), min_size=1)
+
+
+@given(st.lists(ROWS, min_size=1, max_size=4), st.sampled_from(["csv", "yaml"]))
+def test_any_cells_come_back(rows: list[dict[str, str]], form: str) -> None:
+    """Whatever is typed into cells, wrong or right, stands in the file so that the format tells it again."""
+    table = TableText(name="x", convention="standard", rows=tuple(rows))
+    with tempfile.TemporaryDirectory() as folder:
+        path = written(table, READERS[form], Path(folder))
+        told = READERS[form].texts
+        assert told is not None
+        (found,) = told(path)
+    # An empty text and one that is not there are the same, and so are spaces around one.
+    assert [dict(sorted(row.items())) for row in found.rows] == [dict(sorted(row.items())) for row in rows]
+
+
+def test_places_are_those_of_the_reader(tmp_path: Path) -> None:
+    """Where the written CSV says that a cell is, there the reader finds what is wrong with it."""
+    rows = ({"joint": 'a "b", c', "a": "0", "alpha": "wrong", "d": "0"}, {"joint": "#2", "a": "1", "alpha": "0", "d": "no"})
+    table = TableText(name="x", convention="standard", base="{xyz: 3}", rows=rows)
+    assert csv.READER.write is not None
+    file = csv.READER.write(TableText(**{**_said(table), "base": ""}))
+    path = tmp_path / "x.csv"
+    path.write_bytes(file.content)
+    (arm,) = csv.READER.read(path, TableOptions())
+    assert not isinstance(arm, Manipulator)
+    assert [file.at(problem.mark) for problem in arm.problems] == [(0, "alpha"), (1, "d")]
+    assert csv.READER.write(table).at(Mark(file="x", line=3, column=9)) == (None, "base")
+
+
+def _said(table: TableText) -> dict[str, Any]:
+    return {name: getattr(table, name) for name in table.__dataclass_fields__}
+
+
+def test_several_manipulators_are_no_table_of_texts(tmp_path: Path) -> None:
+    """A CSV file with a column of robots tells no texts; its numbers are read."""
+    path = tmp_path / "two.csv"
+    path.write_text("# convention: standard\nrobot,a,alpha,d\nx,1,0,0\ny,2,0,0\n")
+    assert csv.READER.texts is not None
+    assert list(csv.READER.texts(path)) == []
+
+
+def test_headers_with_units_are_the_units_of_the_table(tmp_path: Path) -> None:
+    """`a [mm]` and `alpha [deg]` are told as the units of all lengths and angles."""
+    path = tmp_path / "mm.csv"
+    path.write_text("# convention: DH\na [mm],alpha [deg],d [mm]\n300,90,0\n")
+    assert csv.READER.texts is not None
+    (table,) = csv.READER.texts(path)
+    assert (table.convention, table.length_unit, table.angle_unit) == ("standard", "mm", "deg")
+    assert read(written(table, csv.READER, tmp_path), csv.READER).rows[0].a == 0.3

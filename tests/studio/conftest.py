@@ -32,6 +32,13 @@ def catalog() -> Catalog:
     return load()
 
 
+@pytest.fixture(scope="session", name="serving")
+def _serving() -> Callable[..., Any]:
+    """Starts a command that serves, as a context manager that gives its address."""
+    pytest.importorskip("nicegui")
+    return serving
+
+
 @contextmanager
 def serving(*words: str | Path) -> Iterator[str]:
     """The address at which a command of the project serves, in a process of its own, until the end of the block."""
@@ -107,7 +114,7 @@ class Tab:
         return str(self.page.locator(".studio-status").first.inner_text())
 
     def wait_for_status(self, text: str) -> None:
-        script = "text => document.querySelector('.studio-status').textContent.includes(text)"
+        script = "text => document.querySelector('.studio-status')?.textContent.includes(text)"
         self.page.wait_for_function(script, arg=text)
 
     def open_exhibit(self, name: str) -> None:

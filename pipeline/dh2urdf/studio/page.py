@@ -68,9 +68,11 @@ class StudioPage:
         ui.html("<b>dh2urdf</b> studio", sanitize=False).classes("studio-title")
         self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm"')
         self._name.classes("studio-name").on("change", lambda: self._say(name=self._name.value or ""))
-        self._undo = ui.button(icon="undo", on_click=lambda: self._do(self.session.undo)).props(f"{_QUIET} color=white")
+        self._undo = ui.button(icon="undo", on_click=lambda: self._do(self.session.undo))
+        self._undo.props(f'{_QUIET} color=white aria-label="undo"')
         self._undo.tooltip("undo (Ctrl+Z)")
-        self._redo = ui.button(icon="redo", on_click=lambda: self._do(self.session.redo)).props(f"{_QUIET} color=white")
+        self._redo = ui.button(icon="redo", on_click=lambda: self._do(self.session.redo))
+        self._redo.props(f'{_QUIET} color=white aria-label="redo"')
         self._redo.tooltip("redo (Ctrl+Shift+Z)")
         ui.element("div").classes("studio-space")
         ui.button("New", on_click=self._new).props(f"{_QUIET} color=white")
@@ -110,7 +112,7 @@ class StudioPage:
             on_edit=self._edited,
             on_typing=self._typing,
             on_end=self._typing_ended,
-            on_pick=self._pick,
+            on_pick=self._followed,
             on_paste=self._paste,
             on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
         )
@@ -284,12 +286,14 @@ class StudioPage:
         at = len(self.session.table.rows) if self.session.row is None else self.session.row + 1
         self.session.row = at
         self._put(edits.inserted(self.session.table, at), all_cells=True)
+        self._table.focus(at, "a")
 
     def _remove_row(self) -> None:
         rows = len(self.session.table.rows)
         if rows:
             at = rows - 1 if self.session.row is None else self.session.row
             self._put(edits.removed(self.session.table, at), all_cells=True)
+            self._table.focus(min(at, rows - 2), None)
 
     def _move_row(self, by: int) -> None:
         if (row := self.session.row) is None:
@@ -298,10 +302,15 @@ class StudioPage:
         if 0 <= row + by < len(self.session.table.rows):
             self.session.row = row + by
             self._put(edits.moved(self.session.table, row, row + by), all_cells=True)
+            self._table.focus(row + by, None)
 
     def _all_columns(self) -> None:
         self.session.all_columns = not self.session.all_columns
         self.show()
+
+    def _followed(self, row: int | None) -> None:
+        if row is not None:  # The grid loses its cursor for a moment while rows are exchanged.
+            self._pick(row)
 
     def _pick(self, row: int | None) -> None:
         if row != self.session.row:

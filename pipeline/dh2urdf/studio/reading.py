@@ -6,6 +6,7 @@ accepts, and says of a wrong cell what the command line says.
 
 from __future__ import annotations
 
+import re
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,19 +15,23 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.conversion import Call, make_robot, read_items
 from dh2urdf.errors import Dh2UrdfError, InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.source import Problem
+from dh2urdf.options import make_options
+from dh2urdf.robot import Robot
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Reader, Rejected, Transform
 from dh2urdf.studio.edits import begun
-from dh2urdf.table_text import FIELDS, TableText, table_text
+from dh2urdf.table_text import FIELDS, TableText, WrittenTable, table_text
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from dh2urdf.registry import Catalog
-    from dh2urdf.robot import Robot
-    from dh2urdf.table_text import WrittenTable
 
 READER = "csv"
 """The format in which a table is read while it is typed: the one that tells where each text stands."""
 TRANSFORM = "alpha-swap"
+_OF_THE_TABLE = ("name", "convention", "units", "base", "tool", "defaults")
+_TEXTS = ("message", "accepted", "suggestion")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,9 +108,10 @@ def read_whole(table: TableText, catalog: Catalog) -> Reading:
             (item,) = read_items(reader, path, reader.options())
         except InputError as error:
             item = Rejected(name=table.name, problems=error.problems)
-    if isinstance(item, Rejected):
-        return Reading(table=table, problems=located(item.problems, written, table))
-    return Reading(table=table, manipulator=item, problems=located(item.notices, written, table))
+    manipulator = item if isinstance(item, Manipulator) else None
+    said = item.notices if isinstance(item, Manipulator) else item.problems
+    problems = located([_without_path(problem, path, written) for problem in said], written, table)
+    return Reading(table=table, manipulator=manipulator, problems=problems)
 
 
 def _blank(row: int) -> CellProblem:
@@ -113,20 +119,34 @@ def _blank(row: int) -> CellProblem:
     return CellProblem(problem=Problem(message=message, suggestion="fill it in, or remove it"), row=row)
 
 
-def located(problems: tuple[Problem, ...], written: WrittenTable, table: TableText) -> tuple[CellProblem, ...]:
+def located(problems: Iterable[Problem], written: WrittenTable, table: TableText) -> tuple[CellProblem, ...]:
     """Problems with the cells that they are about."""
-    found = []
-    for problem in problems:
-        row, field = written.at(problem.mark)
-        name = (problem.field or "").rpartition(".")[2]
-        if row is None and problem.joint is not None:
-            row = next((index for index, texts in enumerate(table.rows) if texts.get("joint") == problem.joint), None)
-        if field is None or (row is not None and name in FIELDS and problem.mark and problem.mark.column is None):
-            field = name if name in FIELDS else field or ((problem.field or None) if row is None else None)
-        if field is not None and field.startswith("units"):
-            field = "length_unit"
-        found.append(CellProblem(problem=problem, row=row, field=field))
-    return tuple(found)
+    return tuple(_located(problem, written, table) for problem in problems)
+
+
+def _located(problem: Problem, written: WrittenTable, table: TableText) -> CellProblem:
+    row, field = written.at(problem.mark)
+    whole, _, part = (problem.field or "").partition(".")
+    if whole in _OF_THE_TABLE:
+        return CellProblem(problem=problem, field=whole)
+    if row is None and problem.joint is not None:
+        row = next((index for index, texts in enumerate(table.rows) if texts.get("joint") == problem.joint), None)
+    said = part or whole  # `limits.lower` is the field lower
+    if field is None and said in FIELDS:
+        field = said
+    return CellProblem(problem=problem, row=row, field=field)
+
+
+def _without_path(problem: Problem, path: Path, written: WrittenTable) -> Problem:
+    """A problem that speaks of rows, and not of lines of a file that nobody has seen."""
+    pattern = re.compile(rf"{re.escape(str(path))}(?::(\d+))?(?::\d+)?")
+
+    def said(match: re.Match[str]) -> str:
+        row, _ = written.at(Mark(file=str(path), line=int(match[1]))) if match[1] else (None, None)
+        return "the table" if row is None else f"row {row + 1}"
+
+    texts = {name: pattern.sub(said, text) for name in _TEXTS if (text := getattr(problem, name))}
+    return replace(problem, **texts)  # type: ignore[arg-type]  # all are texts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,8 +180,6 @@ def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Cata
 
 def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:
     """The transform with a variant, as the command line would call it."""
-    from dh2urdf.options import make_options
-
     stage = catalog.get("transform", TRANSFORM)
     return Call(
         stage=stage, options=make_options(stage.options, {"variant": variant}, where=f"transform {stage.name!r}")

@@ -75,10 +75,18 @@
     },
 
     focus(api, row, field, edit) {
+      field ??= api.getFocusedCell()?.column.colId ?? "a";
+      if (row < 0 || row >= api.getDisplayedRowCount()) return;
       api.ensureIndexVisible(row);
       api.ensureColumnVisible(field);
       api.setFocusedCell(row, field);
       if (edit) api.startEditingCell({ rowIndex: row, colKey: field });
+    },
+
+    // The letter that opens an editor is in it already: it is told like those that follow.
+    started({ event }) {
+      if (event?.key?.length !== 1) return;
+      setTimeout(() => document.activeElement.dispatchEvent(new Event("input", { bubbles: true })));
     },
 
     typing(event) {

@@ -86,6 +86,7 @@ class TableGrid:
                     ":tooltipValueGetter": "params => dhGrid.tooltip(params)",
                 },
                 "enableBrowserTooltips": True,
+                ":onCellEditingStarted": "e => dhGrid.started(e)",
                 ":onCellMouseDown": "() => dhGrid.forgetHome()",
                 "stopEditingWhenCellsLoseFocus": True,
                 "rowDragManaged": True,
@@ -158,8 +159,8 @@ class TableGrid:
         """Marks the row that is picked."""
         self._run("pick", row)
 
-    def focus(self, row: int, field: str, *, edit: bool = False) -> None:
-        """Puts the cursor into a cell."""
+    def focus(self, row: int, field: str | None, *, edit: bool = False) -> None:
+        """Puts the cursor into a cell; without a field, into the column where it is."""
         self._run("focus", row, field, edit)
 
     def _run(self, name: str, *arguments: object) -> None:

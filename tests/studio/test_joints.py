@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.manipulator import JointType, Limits
+from dh2urdf.robot import Joint
+from dh2urdf.studio import joints
+
+
+def joint(kind: JointType = JointType.REVOLUTE, lower: float | None = -1.0, upper: float | None = 2.0) -> Joint:
+    return Joint(name="x", type=kind, parent="a", child="b", limits=Limits(lower=lower, upper=upper))
+
+
+@given(st.floats(-10, 10), st.sampled_from(["m", "cm", "mm"]), st.sampled_from(["rad", "deg"]))
+def test_what_is_shown_is_the_value(value: float, length: str, angle: str) -> None:
+    """A value in the slider's unit leads back to the value, inside the limits."""
+    for kind in (JointType.REVOLUTE, JointType.PRISMATIC):
+        (slider,) = joints.sliders([joint(kind)], length, angle)
+        wanted = min(max(value, -1.0), 2.0)
+        assert math.isclose(slider.value(slider.shown(value)), wanted, rel_tol=1e-12, abs_tol=1e-12)
+
+
+def test_units_are_those_of_the_table() -> None:
+    """Degrees for what turns, millimetres for what slides."""
+    turning, sliding = joints.sliders([joint(), joint(JointType.PRISMATIC)], "mm", "deg")
+    assert turning.shown(math.pi / 2) == pytest.approx(90)
+    assert sliding.shown(0.25) == pytest.approx(250)
+
+
+def test_a_continuous_joint_has_a_turn() -> None:
+    """Without limits a slider goes half a turn to both sides."""
+    (slider,) = joints.sliders([joint(JointType.CONTINUOUS, None, None)])
+    assert (slider.lower, slider.upper) == (-math.pi, math.pi)
+
+
+def test_limits_beyond_all_bounds_are_cut() -> None:
+    """A slider from -1e300 to 1e300 would be of no use."""
+    (slider,) = joints.sliders([joint(lower=-1e300, upper=1e300)])
+    assert (slider.lower, slider.upper) == (-1000.0, 1000.0)
+
+
+def test_zero_is_what_is_nearest() -> None:
+    """Where 0 lies outside the limits, the nearest value inside is shown."""
+    sliders = joints.sliders([joint(lower=-3.0, upper=-0.5)])
+    assert joints.zero(sliders) == {"x": -0.5}
+    assert joints.kept({"x": math.nan}, sliders) == {"x": -0.5}
+
+
+def test_a_random_pose_is_inside_the_limits() -> None:
+    """Every joint is somewhere between its limits."""
+    sliders = joints.sliders([joint()])
+    values = [joints.anywhere(sliders)["x"] for _ in range(200)]
+    assert -1.0 <= min(values) < -0.5
+    assert 1.5 < max(values) <= 2.0

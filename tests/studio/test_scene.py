@@ -1,0 +1,152 @@
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from dh2urdf.kinematics import as_matrices, forward_kinematics
+from dh2urdf.manipulator import Convention
+from dh2urdf.robot import Joint, Link, Mesh, Robot, Visual
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.studio.reading import make
+from dh2urdf.studio.scene import Drawing, Figure, extent, numbers, poses_as_json, towards
+from dh2urdf.table_text import table_text
+
+if TYPE_CHECKING:
+    from conftest import ReferenceRobot
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.registry import Catalog
+
+
+def figure(arm: Manipulator, catalog: Catalog) -> Figure:
+    robot = make(arm, "exact", table_text(arm), catalog).robot
+    assert robot is not None
+    return Figure(robot=robot, manipulator=arm)
+
+
+def test_links_and_frames_stand_where_the_table_has_them(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
+    """At published joint vectors tool0 and the last DH frame times tool are the published poses."""
+    arm = reference_robot.manipulator
+    drawing = Drawing.of([figure(arm, catalog)])
+    names = [node.name for node in drawing.nodes]
+    for q, published in zip(reference_robot.q, reference_robot.poses, strict=True):
+        values = {row.joint: value for row, value in zip(arm.moving_rows, q, strict=True)}
+        poses = dict(zip(names, drawing.poses(values), strict=True))
+        assert np.allclose(as_matrices(poses["tool0"]), published, atol=1e-9)
+        assert np.allclose(as_matrices(poses[f"frame {len(arm.rows)}"] @ arm.tool), published, atol=1e-9)
+
+
+def test_strokes_are_the_parameters(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
+    """A segment is as long as its d or a, an arc turns by its angle, and they lead from frame to frame."""
+    arm = reference_robot.manipulator
+    drawing = Drawing.of([figure(arm, catalog)])
+    values = {row.joint: 0.1 * number + 0.2 for number, row in enumerate(arm.moving_rows)}
+    poses = dict(zip((node.name for node in drawing.nodes), drawing.poses(values), strict=True))
+    strokes = drawing.strokes(values)
+    for stroke in strokes:
+        row = arm.rows[stroke.row]
+        points = np.array(stroke.points)
+        if stroke.field == "a":
+            assert math.isclose(np.linalg.norm(points[1] - points[0]), abs(row.a), rel_tol=1e-9)
+        if stroke.field == "alpha":
+            turned = _turned(points)
+            assert math.isclose(turned, abs(math.remainder(row.alpha, 2 * math.pi)), abs_tol=1e-6)
+    for number in range(len(arm.rows)):
+        ends = {stroke.field: np.array(stroke.points) for stroke in strokes if stroke.row == number}
+        order = ("d", "a") if arm.convention is Convention.STANDARD else ("a", "d")
+        path = [ends[field] for field in order if field in ends]
+        if path:
+            assert np.allclose(path[0][0], poses[f"frame {number}"].translation, atol=1e-9)
+            assert np.allclose(path[-1][1], poses[f"frame {number + 1}"].translation, atol=1e-9)
+
+
+def _turned(points: np.ndarray) -> float:
+    """The angle of an arc of equal steps: chords of one circle."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    first, second = points[0], points[1]
+    middle = points[len(points) // 2]
+    if len(points) == 3:
+        middle = points[1]
+    a, b, c = (np.linalg.norm(x - y) for x, y in ((first, middle), (middle, points[-1]), (first, points[-1])))
+    assert np.allclose(steps, steps[0])
+    assert second is not None
+    cosine = (a * a + b * b - c * c) / (2 * a * b)
+    return 2 * (math.pi - math.acos(max(-1.0, min(1.0, cosine))))
+
+
+def test_figures_stand_at_their_places(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
+    """Two robots of one kind have names of their own, and stand apart by their places."""
+    from dataclasses import replace
+
+    one = figure(reference_robots[0].manipulator, catalog)
+    other = replace(one, name="other/", place=RigidTransform.from_xyz_rpy((0.0, 2.0, 0.0)))
+    drawing = Drawing.of([one, other])
+    poses = dict(zip((node.name for node in drawing.nodes), drawing.poses({}), strict=True))
+    assert len(poses) == len(drawing.nodes)
+    here, there = poses["tool0"].translation, poses["other/tool0"].translation
+    assert np.allclose(np.subtract(there, here), [0, 2, 0])
+
+
+def test_a_drawing_is_plain_json(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
+    """All that a browser is given is numbers and texts, twelve numbers for each node's pose."""
+    drawing = Drawing.of([figure(reference_robots[0].manipulator, catalog)])
+    sent = json.loads(json.dumps(drawing.as_json()))
+    assert [node["name"] for node in sent["nodes"]] == [node.name for node in drawing.nodes]
+    moved = json.loads(json.dumps(poses_as_json(drawing.poses({}), drawing.strokes({}))))
+    assert len(moved["poses"]) == 12 * len(drawing.nodes)
+    assert all(len(stroke["points"]) >= 2 for stroke in moved["strokes"])
+
+
+def test_meshes_are_told_and_not_drawn() -> None:
+    """A mesh file is not given to the browser; the page says that there are such."""
+    mesh = Visual(geometry=Mesh(filename="package://x/arm.stl"))
+    robot = Robot(name="x", links=(Link(name="base", visuals=(mesh,)),), joints=())
+    drawing = Drawing.of([Figure(robot=robot)])
+    assert drawing.unseen == ("package://x/arm.stl",)
+    assert [part.shape for node in drawing.nodes for part in node.parts] == []
+
+
+def test_links_in_any_order_are_drawn() -> None:
+    """A description of foreign origin may name children before parents, and joints in any order."""
+    from dh2urdf.manipulator import JointType
+    from dh2urdf.robot import Origin
+
+    links = tuple(Link(name=name) for name in ("tip", "middle", "root"))
+    joints = (
+        Joint(name="b", type=JointType.FIXED, parent="middle", child="tip", origin=Origin(xyz=(1.0, 0.0, 0.0))),
+        Joint(name="a", type=JointType.PRISMATIC, parent="root", child="middle", origin=Origin(xyz=(0.0, 1.0, 0.0))),
+    )
+    drawing = Drawing.of([Figure(robot=Robot(name="x", links=links, joints=joints))])
+    poses = dict(zip((node.name for node in drawing.nodes), drawing.poses({"a": 0.5}), strict=True))
+    assert poses["tip"].translation == (1.0, 1.0, 0.5)
+
+
+@pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.3, -2.0, 0.4)])
+def test_a_rotation_towards(direction: tuple[float, float, float]) -> None:
+    """It turns z into the direction, and is a rotation."""
+    R = np.array(towards(direction)).reshape(3, 3)
+    assert np.allclose(R @ R.T, np.eye(3))
+    assert np.isclose(np.linalg.det(R), 1.0)
+    assert np.allclose(R[:, 2], np.array(direction) / np.linalg.norm(direction))
+
+
+def test_the_extent_bounds_the_arm(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
+    """No published pose is farther away than the scene is made for."""
+    arm = reference_robot.manipulator
+    robot = figure(arm, catalog).robot
+    for q in reference_robot.q:
+        inside = all(
+            row.limits.upper is None or (row.limits.lower or 0) <= x <= row.limits.upper
+            for row, x in zip(arm.moving_rows, q, strict=True)
+        )
+        if inside:
+            assert math.hypot(*forward_kinematics(arm, q).translation) <= extent(robot) + 1e-9
+
+
+def test_poses_are_told_to_a_nanometre() -> None:
+    """Nine digits: far below what a pixel shows, and half the bytes of a double."""
+    assert numbers(RigidTransform.from_xyz_rpy((1 / 3, 0.0, 0.0)))[3] == 0.333333333

@@ -181,7 +181,9 @@ def link_poses(robot: Robot, q: Mapping[str, float]) -> dict[str, RigidTransform
     while waiting:
         for joint in below.get(parent := waiting.pop(), ()):
             if joint.child not in poses:  # What two joints hold stays with the first of them.
-                poses[joint.child] = poses[parent] @ joint.origin.transform @ joint_motion(joint, q.get(joint.name, 0.0))
+                poses[joint.child] = (
+                    poses[parent] @ joint.origin.transform @ joint_motion(joint, q.get(joint.name, 0.0))
+                )
                 waiting.append(joint.child)
     return poses
 

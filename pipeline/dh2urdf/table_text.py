@@ -159,7 +159,7 @@ def transform_text(
     mass: float | None = None,
     geometry: LinkGeometry | None = None,
 ) -> str:
-    """A rigid transform as YAML in one line, as tables have it; empty where it is the identity and nothing else is said.
+    """A rigid transform as YAML in one line, as tables have it; empty where there is nothing to say.
 
     Args:
         transform: the transform.

@@ -63,9 +63,7 @@ def test_a_transform_says_what_is_not_zero() -> None:
     assert transform_text(RigidTransform.from_xyz_rpy((0.0, 0.0, 0.3)), m, rad) == "{xyz: [0, 0, 0.3]}"
     turned = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, math.pi))
     body = {"mass": 4.0, "geometry": LinkGeometry(shape="box", radius=0.1)}
-    assert transform_text(turned, m, rad, **body) == (
-        "{rpy: [0, 0, pi], mass: 4, geometry: {shape: box, radius: 0.1}}"
-    )
+    assert transform_text(turned, m, rad, **body) == ("{rpy: [0, 0, pi], mass: 4, geometry: {shape: box, radius: 0.1}}")
 
 
 def test_columns_are_those_in_use(reference_robots: list[ReferenceRobot]) -> None:

@@ -152,7 +152,9 @@ class Tab:
     def foreign(self) -> list[str]:
         """What it asked for from elsewhere."""
         here = urlsplit(self.address).netloc
-        return [url for url in self.asked if urlsplit(url).scheme not in ("data", "blob") and urlsplit(url).netloc != here]
+        return [
+            url for url in self.asked if urlsplit(url).scheme not in ("data", "blob") and urlsplit(url).netloc != here
+        ]
 
 
 @pytest.fixture

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from dh2urdf.kinematics import as_matrices, forward_kinematics
-from dh2urdf.manipulator import Manipulator
 from dh2urdf.studio import edits, gallery, save
 from dh2urdf.studio.reading import read_whole
 from dh2urdf.studio.session import Session
@@ -19,6 +18,7 @@ from dh2urdf.table_text import TableText
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.registry import Catalog
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -81,14 +81,20 @@ def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any]) -> None
     tab.open_exhibit("ur5")
     before = tab.pose("tool0")
     tab.type_into(1, "a", "-0.9")
-    page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0').matrixWorld.elements[12] < -1")
+    page.wait_for_function(
+        "document.querySelector('.arm-view').scene.getObjectByName('tool0').matrixWorld.elements[12] < -1"
+    )
     after = tab.pose("tool0")
     page.keyboard.press("Control+z")
-    page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0').matrixWorld.elements[12] > -1")
+    page.wait_for_function(
+        "document.querySelector('.arm-view').scene.getObjectByName('tool0').matrixWorld.elements[12] > -1"
+    )
     assert tab.pose("tool0") == before
     assert tab.cells(1, "a") == ["-0.425"]
     page.keyboard.press("Control+Shift+Z")
-    page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0').matrixWorld.elements[12] < -1")
+    page.wait_for_function(
+        "document.querySelector('.arm-view').scene.getObjectByName('tool0').matrixWorld.elements[12] < -1"
+    )
     assert tab.pose("tool0") == after
     assert tab.cells(1, "a") == ["-0.9"]
 
@@ -152,7 +158,9 @@ def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any
     }"""
     page.wait_for_function(f"JSON.stringify(({script})()) === '[\"link_3\"]'")
     assert page.locator(".arm-view-picked").all_inner_texts() == ["{3}"]
-    assert "dh-picked" in page.locator(".dh-table .ag-center-cols-container .ag-row[row-index='2']").get_attribute("class")
+    assert "dh-picked" in page.locator(".dh-table .ag-center-cols-container .ag-row[row-index='2']").get_attribute(
+        "class"
+    )
 
 
 def test_parameters_are_drawn_on_request(studio_address: str, new_tab: Callable[..., Any]) -> None:
@@ -242,9 +250,13 @@ def test_rows_are_added_removed_and_moved(studio_address: str, new_tab: Callable
     tab.open_exhibit("scara")
     tab.cell(1, "joint").click()
     page.keyboard.press("Alt+ArrowUp")
-    page.wait_for_function("document.querySelector(\".ag-row[row-index='0'] .ag-cell[col-id=joint]\").innerText === 'elbow'")
+    page.wait_for_function(
+        "document.querySelector(\".ag-row[row-index='0'] .ag-cell[col-id=joint]\").innerText === 'elbow'"
+    )
     page.keyboard.press("Alt+Delete")
-    page.wait_for_function("document.querySelector(\".ag-row[row-index='0'] .ag-cell[col-id=joint]\").innerText === 'shoulder'")
+    page.wait_for_function(
+        "document.querySelector(\".ag-row[row-index='0'] .ag-cell[col-id=joint]\").innerText === 'shoulder'"
+    )
     page.keyboard.press("Alt+Insert")
     tab.wait_for_status("3 problems")
     tab.cell(1, "a").click()

@@ -35,7 +35,9 @@ ARM = Manipulator(
             limits=Limits(lower=-1.0, upper=2.0, velocity=3.0, effort=4.0),
         ),
         DHRow(joint="two", link="link_2", type=JointType.PRISMATIC, a=0.1, alpha=-1.1, d=0.0, theta=0.4, offset=0.05),
-        DHRow(joint="three", link="link_3", a=0.0, alpha=0.3, d=-0.1, offset=0.2, sign=-1, mass=1.0, com=(0.0, 0.1, 0.0)),
+        DHRow(
+            joint="three", link="link_3", a=0.0, alpha=0.3, d=-0.1, offset=0.2, sign=-1, mass=1.0, com=(0.0, 0.1, 0.0)
+        ),
     ),
     base=RigidTransform.from_xyz_rpy((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)),
     tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.1)),
@@ -126,13 +128,29 @@ class TestUnits:
     def test_cells_with_a_unit_stay(self, catalog: Catalog) -> None:
         """Only texts without a unit are written anew, symbols of the joint variable kept in them."""
         rows = (
-            {"type": "R", "a": "0.3", "alpha": "90°", "d": "120 mm", "theta": "q1 - pi/2", "lower": "-pi", "upper": "pi"},
+            {
+                "type": "R",
+                "a": "0.3",
+                "alpha": "90°",
+                "d": "120 mm",
+                "theta": "q1 - pi/2",
+                "lower": "-pi",
+                "upper": "pi",
+            },
             {"type": "P", "a": "1/4", "alpha": "-pi/2", "d": "0.1 - q2", "theta": "0", "lower": "0", "upper": "0.2"},
         )
         table = TableText(name="x", convention="standard", base="{xyz: [0, 0, 0.3]}", rows=rows)
         there = with_units(table, arm_of(table, catalog), "mm", "deg")
         assert there.rows == (
-            {"type": "R", "a": "300", "alpha": "90°", "d": "120 mm", "theta": "q1 - 90", "lower": "-180", "upper": "180"},
+            {
+                "type": "R",
+                "a": "300",
+                "alpha": "90°",
+                "d": "120 mm",
+                "theta": "q1 - 90",
+                "lower": "-180",
+                "upper": "180",
+            },
             {"type": "P", "a": "250", "alpha": "-90", "d": "-q2 + 100", "theta": "0", "lower": "0", "upper": "200"},
         )
         assert there.base == "{xyz: [0, 0, 300]}"

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from dh2urdf.registry import Catalog
 
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
-GALLERY = Path(dh2urdf.studio.__file__).parent / "gallery"
+GALLERY = Path(dh2urdf.studio.__file__).parent / "arms"
 
 
 def test_the_gallery_is_configs() -> None:

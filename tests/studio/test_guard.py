@@ -14,7 +14,9 @@ def headers(**given: str) -> dict[bytes, bytes]:
     return {name.replace("_", "-").encode(): value.encode() for name, value in given.items()}
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1:8420", "localhost:8420", "LOCALHOST:8420", "[::1]:8420", "robot-pc:8420", "10.0.0.7:8420"])
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1:8420", "localhost:8420", "LOCALHOST:8420", "[::1]:8420", "robot-pc:8420", "10.0.0.7:8420"]
+)
 def test_the_server_has_its_names(host: str) -> None:
     """Addresses and names of this machine are the server's; so is the origin made of them."""
     assert GUARD.refusal("http", headers(host=host)) is None
@@ -45,7 +47,15 @@ def test_no_other_name_leads_here(host: str) -> None:
 
 @pytest.mark.parametrize(
     "origin",
-    ["https://evil.example", "http://localhost:8421", "http://127.0.0.1", "null", "https://127.0.0.1:8420", "http://localhost:8420", ""],
+    [
+        "https://evil.example",
+        "http://localhost:8421",
+        "http://127.0.0.1",
+        "null",
+        "https://127.0.0.1:8420",
+        "http://localhost:8420",
+        "",
+    ],
 )
 def test_no_other_origin_speaks_to_it(origin: str) -> None:
     """Another origin, even on this machine, gets neither a page nor a socket."""
@@ -68,7 +78,7 @@ def test_a_socket_needs_an_origin() -> None:
         ("same-site", "no-cors", False),
     ],
 )
-def test_no_page_takes_it_for_a_part_of_itself(site: str, mode: str, allowed: bool) -> None:
+def test_no_page_takes_it_for_a_part_of_itself(site: str, mode: str, *, allowed: bool) -> None:
     """A link may lead here; a script, a picture or a fetch of a foreign page may not."""
     said = headers(host="127.0.0.1:8420", sec_fetch_site=site, sec_fetch_mode=mode)
     assert (GUARD.refusal("http", said) is None) is allowed

@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from dh2urdf.kinematics import as_matrices, forward_kinematics
 from dh2urdf.manipulator import Manipulator
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
     from dh2urdf.registry import Catalog
 
 

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "inputs"
 GOOD = TableText(
-    name="x", convention="standard", rows=({"joint": "one", "a": "0.3", "alpha": "pi/2", "d": "0"}, {"joint": "two", "a": "1", "alpha": "0", "d": "0"})
+    name="x",
+    convention="standard",
+    rows=({"joint": "one", "a": "0.3", "alpha": "pi/2", "d": "0"}, {"joint": "two", "a": "1", "alpha": "0", "d": "0"}),
 )
 
 

@@ -23,7 +23,7 @@ EXHIBITS = [item.file for item in gallery.exhibits()]
 @pytest.mark.parametrize("form", ["csv", "yaml"])
 @pytest.mark.parametrize("robot", ["urdf", "xacro"])
 def test_files_are_those_of_convert(
-    catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, variant: str, form: str, robot: str
+    catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, *, variant: str, form: str, robot: str
 ) -> None:
     """Byte by byte what `dh2urdf convert` makes of the saved table, in whichever format it was saved."""
     table = gallery.exhibit("ur5_paper.csv", catalog)

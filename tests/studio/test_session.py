@@ -108,7 +108,7 @@ def test_the_pose_is_the_dh_product(session: Session) -> None:
 
 def test_reinterpreting_keeps_the_numbers(session: Session) -> None:
     """The same numbers in the other convention are another arm; converted, they are the same arm."""
-    session.move({name: 0.2 for name in session.q})
+    session.move(dict.fromkeys(session.q, 0.2))
     before = session.pose
     assert before is not None
     rows = session.table.rows

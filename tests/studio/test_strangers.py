@@ -100,7 +100,10 @@ def hostile_page(studio_address: str) -> Iterator[str]:
     """A page of another origin that does what it can to get into the studio."""
     where = urlsplit(studio_address).netloc
     text = HOSTILE.format(
-        address=studio_address, socket=f"ws://{where}{SOCKET}", polling=POLLING[1:], script="_nicegui/auto/static/nicegui.js"
+        address=studio_address,
+        socket=f"ws://{where}{SOCKET}",
+        polling=POLLING[1:],
+        script="_nicegui/auto/static/nicegui.js",
     )
 
     class Page(BaseHTTPRequestHandler):
@@ -119,9 +122,7 @@ def hostile_page(studio_address: str) -> Iterator[str]:
         server.shutdown()
 
 
-def test_a_hostile_page(
-    studio_address: str, hostile_page: str, chromium: Browser, new_tab: Callable[..., Any]
-) -> None:
+def test_a_hostile_page(studio_address: str, hostile_page: str, chromium: Browser, new_tab: Callable[..., Any]) -> None:
     """A page that a person has open beside the studio opens no socket, reads nothing, and moves nothing."""
     tab = new_tab(studio_address)
     tab.open()
@@ -132,7 +133,7 @@ def test_a_hostile_page(
         page.goto(hostile_page)
         page.wait_for_function("document.title !== 'waiting'")
         told = page.evaluate("JSON.parse(document.title)")
-        assert told == {name: "out" for name in ("socket", "page", "blind", "post", "script")}
+        assert told == dict.fromkeys(("socket", "page", "blind", "post", "script"), "out")
         # Chromium shows an error page in the frame, which is of no origin.
         assert not any(frame.url.startswith(studio_address) for frame in page.frames[1:])
     finally:

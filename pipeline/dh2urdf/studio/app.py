@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, Self, TypeVar
 
 from nicegui import app, ui
 
@@ -27,7 +27,7 @@ _OWNER = "dh2urdf_tab"
 
 
 class _Copied(Protocol):
-    def copy(self: S) -> S: ...
+    def copy(self) -> Self: ...
 
 
 S = TypeVar("S", bound=_Copied)

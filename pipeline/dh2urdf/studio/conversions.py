@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
 from dh2urdf.number_text import format_number
-from dh2urdf.quantities import Dimension, QuantityError, evaluate
+from dh2urdf.quantities import QuantityError, evaluate
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
 from dh2urdf.table_text import TableText, dimension_of, number_in, table_text, transform_text, unit_of
 from dh2urdf.units import UNITS, Unit
@@ -186,18 +186,15 @@ def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new
     if dimension is None:
         return text
     before, after = unit_of(dimension, *old), unit_of(dimension, *new)
-    if before == after:
-        return text
     try:
         quantity = evaluate(text, dimension, before)
     except QuantityError:
         return text
-    if quantity.has_unit:
+    if quantity.has_unit or before == after:
         return text
     number = number_in(quantity.value, after)
     if quantity.variable is None:
         return number
     symbol = f"{'-' if quantity.sign < 0 else ''}{quantity.variable.text}"
-    if quantity.value == 0:
-        return symbol
-    return f"{symbol} - {number[1:]}" if number.startswith("-") else f"{symbol} + {number}"
+    added = f" - {number[1:]}" if number.startswith("-") else f" + {number}"
+    return symbol + (added if quantity.value else "")

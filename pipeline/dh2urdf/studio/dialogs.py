@@ -11,7 +11,8 @@ from nicegui import run, ui
 
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import gallery, save as saving
+from dh2urdf.studio import gallery
+from dh2urdf.studio import save as saving
 from dh2urdf.studio.reading import open_tables
 
 if TYPE_CHECKING:
@@ -166,11 +167,10 @@ async def save(session: Session, kind: str, name: str) -> None:
         return [saving.Saved(name=f"{stem}.zip", content=saving.zipped(files))]
 
     try:
-        (file,) = await run.io_bound(make)
+        for file in await run.io_bound(make) or ():
+            _hand_over(file)
     except Dh2UrdfError as error:
         await show_error("This cannot be made yet", error)
-        return
-    _hand_over(file)
 
 
 async def generate(session: Session) -> None:
@@ -180,7 +180,8 @@ async def generate(session: Session) -> None:
     except Dh2UrdfError as error:
         await show_error("The URDF cannot be generated yet", error)
         return
-    _hand_over(file)
+    if file is not None:  # as it is while the server ends
+        _hand_over(file)
 
 
 def _made(session: Session) -> str:
@@ -199,7 +200,9 @@ def _hand_over(file: Saved) -> None:
             if proof.holds
             else f"\nthe paper's variant: tool0 is up to {proof.position_error:.3g} m from the DH product"
         )
-    ui.notify(told, type="positive" if file.proof is None or file.proof.holds else "warning", multi_line=True, timeout=9000)
+    ui.notify(
+        told, type="positive" if file.proof is None or file.proof.holds else "warning", multi_line=True, timeout=9000
+    )
 
 
 # --- What went wrong --------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from dh2urdf.registry import Catalog
     from dh2urdf.table_text import TableText
 
-_FOLDER = files("dh2urdf.studio") / "gallery"
+_FOLDER = files("dh2urdf.studio") / "arms"
 
 
 class Exhibit(NamedTuple):

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import dialogs, edits, joints
+from dh2urdf.studio import dialogs, edits, joints, words
 from dh2urdf.studio.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.scene import LAYERS
-
 from dh2urdf.studio.table_grid import TableGrid, all_problems
 from dh2urdf.studio.widgets import ArmView, JointSliders
-from dh2urdf.table_text import number_in
-from dh2urdf.units import UNITS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from dh2urdf.rotations import RigidTransform
     from dh2urdf.studio.reading import CellProblem
     from dh2urdf.studio.session import Session
     from dh2urdf.table_text import TableText
@@ -144,7 +139,7 @@ class StudioPage:
             }
             self._variant = ui.toggle(_VARIANT_NAMES, on_change=self._choose_variant)
             self._variant.props('dense unelevated no-caps aria-label="variant"')
-            ui.button(icon="center_focus_strong", on_click=lambda: self._view.fit()).props(
+            ui.button(icon="center_focus_strong", on_click=self._view.fit).props(
                 'flat dense round size=sm aria-label="see all of the arm"'
             ).tooltip("see all of the arm")
         with ui.element("div").classes("studio-over bottom") as self._remark_box:
@@ -201,19 +196,19 @@ class StudioPage:
         session = self.session
         problems = all_problems(session)
         errors = [found for found in problems if found.problem.severity == "error"]
-        text, kind = _status(session, len(errors))
+        text, kind = words.status(session, len(errors))
         self._status.set_text(text)
         self._status.classes(replace=f"studio-status {kind}")
         for key, field in self._ends.items():
             wrong = next((found.text for found in errors if found.row is None and found.field == key), None)
-            field.props(f'error={"true" if wrong else "false"} no-error-icon hide-bottom-space')
+            field.props(f"error={'true' if wrong else 'false'} no-error-icon hide-bottom-space")
         self._told.clear()
         with self._told:
             for found in [*errors, *(found for found in problems if found not in errors)][:MOST_PROBLEMS]:
                 box = ui.element("div").classes(f"studio-problem {found.problem.severity}")
                 box.on("click", lambda found=found: self._go_to(found))
                 with box:
-                    ui.label(f"{_place(found, session.table)}{found.text}")
+                    ui.label(f"{words.place(found, session.table)}{found.text}")
 
     def _show_arm(self) -> None:
         session = self.session
@@ -224,15 +219,15 @@ class StudioPage:
 
     def _show_pose(self) -> None:
         session = self.session
-        self._view.move(session.drawing.poses(session.joint_values()), session.strokes())
+        self._view.pose(session.drawing.poses(session.joint_values()), session.strokes())
         self._sliders.answer(session.q)
         self._show_numbers()
 
     def _show_numbers(self) -> None:
         session = self.session
         pose = session.pose
-        self._numbers.set_content(_numbers(pose, session.table, session.reach) if pose else "")
-        remark = _remark(session)
+        self._numbers.set_content(words.numbers(pose, session.table, session.reach) if pose else "")
+        remark = words.remark(session)
         self._remark.set_text(remark)
         self._remark_box.set_visibility(bool(remark))
 
@@ -411,76 +406,3 @@ class StudioPage:
         self.show()
         self._view.highlight(self.session.row)
         self._view.fit()
-
-
-# --- Words ------------------------------------------------------------------------------------------------------------
-
-
-def _status(session: Session, errors: int) -> tuple[str, str]:
-    """What is to be said of the table in a line, and whether it is good or bad."""
-    rows, waiting = len(session.table.rows), session.reading.waiting
-    if errors:
-        told = "1 problem" if errors == 1 else f"{errors} problems"
-        return (f"{told}; the last good arm is shown" if session.arm else told), "bad"
-    if not rows:
-        return "choose the number of axes", ""
-    if not session.table.convention and waiting == rows:
-        return "choose the convention: standard (Denavit-Hartenberg, Spong) or modified (Craig)", ""
-    if waiting:
-        done = rows - waiting
-        which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
-        return f"{which} still empty" + (f"; the arm of the first {done} is shown" if done > 1 else ""), ""
-    return f"{rows} {'axis' if rows == 1 else 'axes'}; the arm is the table's", "good"
-
-
-def _place(found: CellProblem, table: TableText) -> str:
-    if found.row is None:
-        return f"{found.field}: " if found.field else ""
-    name = table.rows[found.row].get("joint", f"joint_{found.row + 1}") if found.row < len(table.rows) else ""
-    return f"row {found.row + 1}, {name}{f', {found.field}' if found.field else ''}: "
-
-
-def _numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
-    """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
-    r, t = pose
-    length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
-    factor = 10.0**-length.power
-    digits = 5 + min(0, length.power)
-    rows = [
-        " ".join(f"{_plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {_plain(t[i] * factor, max(2, digits)):>9}"
-        for i in range(3)
-    ]
-    rows.append(" ".join(f"{x:>7}" for x in "000") + f" {'1':>9}")
-    matrix = "\n".join(rows)
-    turn = ", ".join(_plain(math.degrees(x) if angle.degrees else x, 4) for x in pose.rpy)
-    sign = "°" if angle.degrees else " rad"
-    return (
-        f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{matrix}</pre>'
-        f"<div>rpy <b>{turn}</b>{sign}</div>"
-        f"<div>distance <b>{_plain(math.hypot(*t) * factor, max(2, digits))}</b> {length.symbol}, "
-        f"reach at most <b>{_plain(float(number_in(reach, length)), max(2, digits))}</b> {length.symbol}</div>"
-    )
-
-
-def _plain(number: float, digits: int) -> str:
-    text = f"{number:.{digits}f}"
-    return text.lstrip("-") if float(text) == 0 else text
-
-
-def _remark(session: Session) -> str:
-    """What is to be said of the variant on the screen."""
-    if session.arm is None or session.variant == "exact":
-        return ""
-    if session.arm.paper is None:
-        told = "; ".join(found.text.partition("\n")[0] for found in session.arm.refusal[:3])
-        return f"The paper's variant refuses this table: {told}"
-    error = session.paper_error
-    if error is None:
-        return ""
-    distance, angle = error
-    return (
-        f"The paper's links stand in a straight line: at this pose its tool0 is {distance:.4g} m and "
-        f"{math.degrees(angle):.4g}° from where the table has it."
-    )
-
-

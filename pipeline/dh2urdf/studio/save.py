@@ -18,6 +18,7 @@ from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
 from dh2urdf.errors import InputError, ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output import safe_stem
+from dh2urdf.proof import Proof
 from dh2urdf.source import Problem
 from dh2urdf.studio.reading import READER, transform_call
 from dh2urdf.table_text import yaml_word
@@ -26,7 +27,6 @@ from dh2urdf.truth import Truth
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.proof import Proof
     from dh2urdf.registry import Catalog
     from dh2urdf.stages import Emitter
     from dh2urdf.table_text import TableText

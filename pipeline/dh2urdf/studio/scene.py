@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from dh2urdf.kinematics import TOOL, dh_frames, joint_variables, link_poses
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
-from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, Z_AXIS, RigidTransform, Rotation, Vec3, add, cross, norm, scale
+from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, add, cross, norm, scale
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from dh2urdf.robot import Geometry, Link, Material
+    from dh2urdf.robot import Collision, Geometry, Link, Material, Visual
 
 Colour: TypeAlias = tuple[float, float, float]
 """Red, green, blue in 0..1."""
@@ -146,7 +146,7 @@ class Drawing:
             shape.geometry.filename: None
             for figure in figures
             for link in figure.robot.links
-            for shape in (*link.visuals, *link.collisions)
+            for shape in _shapes(link)
             if isinstance(shape.geometry, Mesh)
         }
         return cls(figures=tuple(figures), nodes=nodes, reach=max(size, SMALLEST_REACH), unseen=tuple(meshes))
@@ -261,6 +261,10 @@ def _bodies(link: Link, tint: Colour | None) -> Iterator[Part]:
         yield from _part(collision.geometry, collision.origin.transform, "collision", COLLISION, 0.45)
 
 
+def _shapes(link: Link) -> tuple[Visual | Collision, ...]:
+    return (*link.visuals, *link.collisions)
+
+
 def _colour(material: Material | None, tint: Colour | None) -> tuple[Colour, float]:
     if material is None:
         return tint or GREY, 1.0
@@ -273,9 +277,7 @@ def _part(geometry: Geometry, pose: RigidTransform, layer: str, colour: Colour, 
         case Box(size=size):
             yield Part(shape="box", size=size, pose=pose, layer=layer, colour=colour, opacity=opacity)
         case Cylinder(radius=radius, length=length):
-            yield Part(
-                shape="cylinder", size=(radius, length), pose=pose, layer=layer, colour=colour, opacity=opacity
-            )
+            yield Part(shape="cylinder", size=(radius, length), pose=pose, layer=layer, colour=colour, opacity=opacity)
         case Sphere(radius=radius):
             yield Part(shape="sphere", size=(radius,), pose=pose, layer=layer, colour=colour, opacity=opacity)
 

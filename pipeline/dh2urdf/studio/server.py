@@ -58,8 +58,7 @@ def listen(host: str, port: int | None) -> socket.socket:
             listening.close()
             raise InputError(
                 Problem(
-                    message=f"nothing can be served at {host}, port {PORT if port is None else port}: "
-                    f"{error.strerror}",
+                    message=f"nothing can be served at {host}, port {PORT if port is None else port}: {error.strerror}",
                     mark=Mark(file="command line"),
                     found=str(port),
                     accepted=f"a free port, 1 to {_LARGEST_PORT}, or 0 for any that is free",

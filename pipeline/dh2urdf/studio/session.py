@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from dh2urdf.kinematics import TOOL, KinematicChain, angle_error, forward_kinematics, position_error, reach
+from dh2urdf.kinematics import KinematicChain, angle_error, forward_kinematics, position_error, reach
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Variant = Literal["exact", "paper", "both"]
 VARIANTS: tuple[Variant, ...] = ("exact", "paper", "both")
 COLUMNS = ("joint", "type", "a", "alpha", "d", "theta", "lower", "upper")
-"""The columns of the paper's form, and limits; others are shown where the table says something in them, or on request."""
+"""The columns of the paper's form, and limits; others are shown where the table uses them, or on request."""
 _BESIDE = "paper/"
 
 
@@ -278,5 +278,3 @@ class Session:
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""
         return {**self.q, **{_BESIDE + name: value for name, value in self.q.items()}}
-
-

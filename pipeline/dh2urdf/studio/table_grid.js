@@ -48,6 +48,7 @@
 
     // Enter goes on in the next row where this one began, as in spreadsheets: 0 Tab pi/2 Tab 0.1 Enter.
     keys({ event, editing, api, node, column }) {
+      if (event.altKey && !editing) return true; // rows are added, moved and removed so
       if (event.key === "Tab") home ??= column;
       else if (event.key.startsWith("Arrow") && !editing) home = null;
       if (event.key !== "Enter" || !editing) return false;

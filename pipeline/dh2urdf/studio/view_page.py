@@ -16,7 +16,13 @@ if TYPE_CHECKING:
 
     from dh2urdf.studio.viewing import View
 
-_LAYER_NAMES = {"links": "links", "axes": "joint axes", "frames": "frames", "parameters": "a α d θ", "collision": "collision"}
+_LAYER_NAMES = {
+    "links": "links",
+    "axes": "joint axes",
+    "frames": "frames",
+    "parameters": "a α d θ",
+    "collision": "collision",
+}
 MOST_TIPS = 12
 """Ends of arms whose poses are told [1]."""
 
@@ -43,7 +49,7 @@ class ViewPage:
                 self._lay_scene()
 
     def _lay_scene(self) -> None:
-        self._scene = ArmView(on_pick=lambda row: self._scene.highlight(row))
+        self._scene = ArmView(on_pick=self._highlight)
         with ui.element("div").classes("studio-over top"):
             tables = any(figure.manipulator for figure in self.view.figures)
             for layer, told in _LAYER_NAMES.items():
@@ -53,11 +59,14 @@ class ViewPage:
             if len(self.view.figures) > 1:
                 choice = ui.toggle({True: "side by side", False: "at one place"}, value=self.view.apart)
                 choice.props("dense unelevated no-caps").on_value_change(self._choose_place)
-            button = ui.button(icon="center_focus_strong", on_click=lambda: self._scene.fit())
+            button = ui.button(icon="center_focus_strong", on_click=self._scene.fit)
             button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
         if unseen := self.view.drawing.unseen:
             with ui.element("div").classes("studio-over bottom"):
                 ui.label(f"{len(unseen)} mesh files are not drawn: frames, axes and other shapes are.")
+
+    def _highlight(self, row: int | None) -> None:
+        self._scene.highlight(row)
 
     async def start(self) -> None:
         """Shows the view for the first time."""
@@ -72,7 +81,7 @@ class ViewPage:
         self._show_numbers()
 
     def _show_pose(self) -> None:
-        self._scene.move(self.view.drawing.poses(self.view.q), self._strokes())
+        self._scene.pose(self.view.drawing.poses(self.view.q), self._strokes())
         self._sliders.answer(self.view.q)
         self._show_numbers()
 

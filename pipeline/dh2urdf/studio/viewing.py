@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 MOST_FIGURES = 50
 """Robots that one scene shows [1]."""
+TOLD_NAMES = 6
+"""Names of robots that the page's head has room for [1]."""
 _RUN_SUFFIXES = (".yaml", ".yml", ".json")
 
 
@@ -198,7 +200,6 @@ def _placed(figures: Sequence[Figure]) -> Iterator[Figure]:
 
 def told(figures: Sequence[Figure]) -> str:
     """The robots in a line."""
-    names = [figure.title or figure.robot.name for figure in figures]
-    return ", ".join(shown(name)[1:-1] for name in names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")  # noqa: PLR2004 - a line
-
-
+    names = [shown(figure.title or figure.robot.name)[1:-1] for figure in figures]
+    more = len(names) - TOLD_NAMES
+    return ", ".join(names[:TOLD_NAMES]) + (f" and {more} more" if more > 0 else "")

@@ -22,7 +22,7 @@ _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
 """Digits behind the point of what a slider shows [1]."""
 
 
-class ArmView(Element, component="arm_view.js"):
+class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # Element is any type to mypy
     """The arm in 3D."""
 
     def __init__(self, on_pick: Callable[[int | None], None]) -> None:
@@ -33,7 +33,7 @@ class ArmView(Element, component="arm_view.js"):
         """Another drawing."""
         self.run_method("show", drawing.as_json(), poses_as_json(poses, strokes))
 
-    def move(self, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
+    def pose(self, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
         """The same drawing in another pose."""
         self.run_method("move", poses_as_json(poses, strokes))
 
@@ -50,7 +50,7 @@ class ArmView(Element, component="arm_view.js"):
         self.run_method("fit")
 
 
-class JointSliders(Element, component="joint_sliders.js"):
+class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]
     """A slider and a number for every moving joint."""
 
     def __init__(self, on_values: Callable[[Mapping[str, float]], None]) -> None:

@@ -86,7 +86,10 @@ def test_any_cells_come_back(rows: list[dict[str, str]], form: str) -> None:
 
 def test_places_are_those_of_the_reader(tmp_path: Path) -> None:
     """Where the written CSV says that a cell is, there the reader finds what is wrong with it."""
-    rows = ({"joint": 'a "b", c', "a": "0", "alpha": "wrong", "d": "0"}, {"joint": "#2", "a": "1", "alpha": "0", "d": "no"})
+    rows = (
+        {"joint": 'a "b", c', "a": "0", "alpha": "wrong", "d": "0"},
+        {"joint": "#2", "a": "1", "alpha": "0", "d": "no"},
+    )
     table = TableText(name="x", convention="standard", base="{xyz: 3}", rows=rows)
     assert csv.READER.write is not None
     file = csv.READER.write(TableText(**{**_said(table), "base": ""}))

@@ -1,0 +1,84 @@
+"""What the studio says: texts of a session for its page."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from dh2urdf.table_text import number_in
+from dh2urdf.units import UNITS
+
+if TYPE_CHECKING:
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.studio.reading import CellProblem
+    from dh2urdf.studio.session import Session
+    from dh2urdf.table_text import TableText
+
+
+def status(session: Session, errors: int) -> tuple[str, str]:
+    """What is to be said of the table in a line, and whether it is good or bad."""
+    rows, waiting = len(session.table.rows), session.reading.waiting
+    if errors:
+        told = "1 problem" if errors == 1 else f"{errors} problems"
+        return (f"{told}; the last good arm is shown" if session.arm else told), "bad"
+    if not rows:
+        return "choose the number of axes", ""
+    if not session.table.convention and waiting == rows:
+        return "choose the convention: standard (Denavit-Hartenberg, Spong) or modified (Craig)", ""
+    if waiting:
+        done = rows - waiting
+        which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
+        return f"{which} still empty" + (f"; the arm of the first {done} is shown" if done > 1 else ""), ""
+    return f"{rows} {'axis' if rows == 1 else 'axes'}; the arm is the table's", "good"
+
+
+def place(found: CellProblem, table: TableText) -> str:
+    """Where a problem is, before its message."""
+    if found.row is None:
+        return f"{found.field}: " if found.field else ""
+    name = table.rows[found.row].get("joint", f"joint_{found.row + 1}") if found.row < len(table.rows) else ""
+    return f"row {found.row + 1}, {name}{f', {found.field}' if found.field else ''}: "
+
+
+def numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
+    """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
+    r, t = pose
+    length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
+    factor = 10.0**-length.power
+    digits = 5 + min(0, length.power)
+    rows = [
+        " ".join(f"{_plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {_plain(t[i] * factor, max(2, digits)):>9}"
+        for i in range(3)
+    ]
+    rows.append(" ".join(f"{x:>7}" for x in "000") + f" {'1':>9}")
+    matrix = "\n".join(rows)
+    turn = ", ".join(_plain(math.degrees(x) if angle.degrees else x, 4) for x in pose.rpy)
+    sign = "°" if angle.degrees else " rad"
+    return (
+        f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{matrix}</pre>'
+        f"<div>rpy <b>{turn}</b>{sign}</div>"
+        f"<div>distance <b>{_plain(math.hypot(*t) * factor, max(2, digits))}</b> {length.symbol}, "
+        f"reach at most <b>{_plain(float(number_in(reach, length)), max(2, digits))}</b> {length.symbol}</div>"
+    )
+
+
+def _plain(number: float, digits: int) -> str:
+    text = f"{number:.{digits}f}"
+    return text.lstrip("-") if float(text) == 0 else text
+
+
+def remark(session: Session) -> str:
+    """What is to be said of the variant on the screen."""
+    if session.arm is None or session.variant == "exact":
+        return ""
+    if session.arm.paper is None:
+        told = "; ".join(found.text.partition("\n")[0] for found in session.arm.refusal[:3])
+        return f"The paper's variant refuses this table: {told}"
+    error = session.paper_error
+    if error is None:
+        return ""
+    distance, angle = error
+    return (
+        f"The paper's links stand in a straight line: at this pose its tool0 is {distance:.4g} m and "
+        f"{math.degrees(angle):.4g}° from where the table has it."
+    )

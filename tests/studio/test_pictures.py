@@ -1,0 +1,113 @@
+"""The pictures of docs/studio: taken in the browser with `pytest --renew`, and shown on the pages."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+ROOT = Path(__file__).parents[2]
+PICTURES = ROOT / "docs" / "studio"
+LAPTOP, TABLET = (1280, 720), (820, 1180)
+
+
+def empty(_: Any) -> None:
+    """An empty table, as the studio begins."""
+
+
+def ur5(tab: Any) -> None:
+    tab.open_exhibit("ur5")
+    set_sliders(tab, [-0.6, -1.0, 1.2, -1.4, -1.57, 0.3])
+    tab.cell(1, "a").click()
+
+
+def wrong_cell(tab: Any) -> None:
+    tab.open_exhibit("ur5")
+    set_sliders(tab, [-0.6, -1.0, 1.2, -1.4, -1.57, 0.3])
+    tab.type_into(3, "alpha", "pi/x")
+    tab.wait_for_status("1 problem")
+
+
+def panda(tab: Any) -> None:
+    tab.open_exhibit("panda")
+    set_sliders(tab, [0.3, 0.5, -0.2, -1.9, 0.2, 2.2, 0.8])
+    tab.page.get_by_text("a α d θ", exact=True).click()
+    tab.cell(3, "a").click()
+
+
+def paper(tab: Any) -> None:
+    tab.open_exhibit("ur5_paper")
+    tab.page.get_by_role("button", name="side by side").click()
+    tab.page.get_by_text("from where the table has it").wait_for()
+
+
+def set_sliders(tab: Any, values: list[float]) -> None:
+    for box, value in zip(tab.page.locator(".joint-slider input[type=number]").all(), values, strict=True):
+        box.fill(str(value))
+        box.press("Enter")
+    tab.page.wait_for_timeout(300)
+    tab.page.get_by_role("button", name="see all of the arm").click()
+
+
+STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
+    "empty": (empty, LAPTOP),
+    "ur5": (ur5, LAPTOP),
+    "wrong_cell": (wrong_cell, LAPTOP),
+    "panda": (panda, LAPTOP),
+    "paper": (paper, LAPTOP),
+    "tablet": (ur5, TABLET),
+}
+ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP}
+
+
+@pytest.mark.parametrize("name", STUDIO)
+def test_pictures_of_the_studio(name: str, renew: bool, request: pytest.FixtureRequest) -> None:  # noqa: FBT001 - a fixture
+    """With `--renew` the studio is brought into the state of each picture, and the picture is taken."""
+    if not renew:
+        return
+    act, (width, height) = STUDIO[name]
+    new_tab = request.getfixturevalue("new_tab")
+    tab = new_tab(request.getfixturevalue("studio_address"), width=width, height=height)
+    tab.open()
+    act(tab)
+    take(tab, name)
+
+
+def test_picture_of_a_cell(renew: bool, request: pytest.FixtureRequest) -> None:  # noqa: FBT001 - a fixture
+    """With `--renew` a dual-arm cell is shown, and the picture is taken."""
+    if not renew:
+        return
+    with request.getfixturevalue("serving")("view", ROOT / "configs" / "pair.yaml") as address:
+        tab = request.getfixturevalue("new_tab")(address)
+        tab.page.goto(address)
+        tab.page.wait_for_function("document.querySelectorAll('.joint-slider').length === 12")
+        for box, value in zip(
+            tab.page.locator(".joint-slider input[type=number]").all(),
+            [30, -70, 80, -100, -90, 0, -30, -60, 70, -100, -90, 0],
+            strict=True,
+        ):
+            box.fill(str(value))
+            box.press("Enter")
+        tab.page.wait_for_timeout(300)
+        tab.page.get_by_role("button", name="see all").click()
+        take(tab, "dual_arm")
+
+
+def take(tab: Any, name: str) -> None:
+    tab.page.mouse.move(1, 1)
+    tab.page.wait_for_timeout(700)
+    PICTURES.mkdir(exist_ok=True)
+    tab.page.screenshot(path=PICTURES / f"{name}.png")
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_picture_is_shown(name: str) -> None:
+    """Each is there, in the size of its screen, and on the page about the studio."""
+    header = (PICTURES / f"{name}.png").read_bytes()[:24]
+    assert struct.unpack(">II", header[16:24]) == ALL[name]
+    assert f"(studio/{name}.png)" in (ROOT / "docs" / "studio.md").read_text("utf-8")

@@ -119,10 +119,12 @@ class Tab:
 
     def open_exhibit(self, name: str) -> None:
         """Opens a table of the gallery."""
+        shown = self.page.evaluate("document.querySelector('.arm-view').shown")
         self.page.get_by_role("button", name="Open", exact=True).click()
         self.page.locator(f".studio-exhibit[data-name='{name}']").click()
         self.page.wait_for_function(f"document.querySelector('.studio-name input').value === '{name}'")
         self.wait_for_status("the arm is the table's")
+        self.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
 
     def save(self, what: str) -> tuple[str, bytes]:
         """Chooses an entry of the menu; gives the name and the bytes that are downloaded."""

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -99,7 +100,9 @@ def asked(kind: str, given: dict[bytes, bytes]) -> tuple[list[Any], bool]:
     async def send(message: Any) -> None:
         sent.append(message)
 
-    asyncio.run(Guard(app, 8420)({"type": kind, "headers": list(given.items())}, receive, send))
+    handled = Guard(app, 8420)({"type": kind, "headers": list(given.items())}, receive, send)
+    with ThreadPoolExecutor(1) as thread:  # The browser of other tests has a loop in this one.
+        thread.submit(asyncio.run, handled).result()  # type: ignore[arg-type]  # it is a coroutine
     return sent, bool(reached)
 
 

@@ -118,6 +118,7 @@ export default {
       if (Math.abs(Math.log(drawing.reach / (this.reach || 1e-9))) > 0.7) this.look(drawing.reach);
       this.move(poses);
       this.highlight(this.row);
+      this.$el.shown = (this.$el.shown ?? 0) + 1;
     },
 
     // Every node's pose, and the DH parameters where they are shown; see poses_as_json.
@@ -220,7 +221,7 @@ export default {
         node.traverse((object) => {
           if (object.isMesh && object.userData.layer === "links") {
             object.material.emissive = on ? HIGHLIGHT : new THREE.Color(0);
-            object.material.emissiveIntensity = on ? 0.65 : 1;
+            object.material.emissiveIntensity = on ? 0.5 : 1;
           } else if (object.isMesh && object.userData.layer === "frames") {
             object.material.opacity = row === null || on ? 1 : 0.35;
           } else if (object.isCSS2DObject) {

@@ -8,31 +8,38 @@ export default {
         <input type="range" step="any" :min="joint.lower" :max="joint.upper" :value="values[index]"
                :aria-label="joint.name" :aria-valuetext="text(index) + ' ' + joint.unit"
                @input="set(index, $event.target.valueAsNumber)" @keydown="step(index, $event)" />
-        <input type="number" step="any" :value="text(index)" :aria-label="joint.name + ' in ' + joint.unit"
-               @change="set(index, $event.target.valueAsNumber)" @keydown.enter="$event.target.blur()" />
+        <input type="number" step="any" :value="typed[index] ?? text(index)" :aria-label="joint.name + ' in ' + joint.unit"
+               @input="typed[index] = $event.target.value" @change="enter(index, $event.target.valueAsNumber)" />
         <span class="joint-slider-unit">{{ joint.unit }}</span>
       </label>
     </div>`,
 
-  data: () => ({ joints: [], values: [] }),
+  data: () => ({ joints: [], values: [], typed: {} }), // typed: numbers that are not finished yet
 
   created() {
-    this.busy = false;
-    this.pending = false;
+    this.busy = this.pending = false;
+    this.number = 0; // of the values that were sent last
   },
 
   methods: {
     show(joints, values) {
       this.joints = joints;
       this.values = values;
+      this.typed = {};
       this.busy = this.pending = false;
     },
 
-    // The values that hold now, after what was sent has been done.
-    answer(values) {
+    // The values that hold now; the number is that of the last ones that the server has seen.
+    answer(values, number) {
+      if (number < this.number) return; // newer ones are on their way
       this.busy = false;
       if (this.pending) this.send();
       else this.values = values;
+    },
+
+    enter(index, value) {
+      delete this.typed[index];
+      this.set(index, value);
     },
 
     set(index, value) {
@@ -54,7 +61,8 @@ export default {
       this.pending = this.busy;
       if (this.busy) return;
       this.busy = true;
-      this.$emit("values", { values: [...this.values] });
+      this.number += 1;
+      this.$emit("values", { values: [...this.values], number: this.number });
     },
 
     text(index) {

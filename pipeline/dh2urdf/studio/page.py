@@ -107,8 +107,9 @@ class StudioPage:
             on_edit=self._edited,
             on_typing=self._typing,
             on_end=self._typing_ended,
-            on_pick=self._followed,
+            on_pick=self._pick,
             on_paste=self._paste,
+            on_act=self._act,
             on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
         )
         with ui.element("div").classes("studio-told").props('role="status" aria-live="polite"'):
@@ -277,6 +278,17 @@ class StudioPage:
         if table.rows and table.convention and self.session.reading.waiting == len(table.rows):
             self._table.focus(0, "a")
 
+    def _act(self, act: str, row: int) -> None:
+        """What was done to a row by key."""
+        self.session.row = row
+        match act:
+            case "add":
+                self._add_row()
+            case "remove":
+                self._remove_row()
+            case _:
+                self._move_row(-1 if act == "up" else 1)
+
     def _add_row(self) -> None:
         at = len(self.session.table.rows) if self.session.row is None else self.session.row + 1
         self.session.row = at
@@ -302,10 +314,6 @@ class StudioPage:
     def _all_columns(self) -> None:
         self.session.all_columns = not self.session.all_columns
         self.show()
-
-    def _followed(self, row: int | None) -> None:
-        if row is not None:  # The grid loses its cursor for a moment while rows are exchanged.
-            self._pick(row)
 
     def _pick(self, row: int | None) -> None:
         if row != self.session.row:
@@ -393,12 +401,6 @@ class StudioPage:
             return
         if (held.ctrl or held.meta) and key.enter:
             await self._generate()
-        elif held.alt and (key.arrow_up or key.arrow_down):
-            self._move_row(-1 if key.arrow_up else 1)
-        elif held.alt and key.insert:
-            self._add_row()
-        elif held.alt and key.delete:
-            self._remove_row()
 
     async def start(self) -> None:
         """Shows the session for the first time."""

@@ -217,7 +217,12 @@ def _typed(path: Path, reader: Reader[Any]) -> dict[str, TableText]:
 
 
 def _faithful(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> TableText:
-    """A table as it was typed, if that reads as the arm; else the texts of the arm's numbers."""
-    if typed is not None and read_whole(typed, catalog).manipulator == arm:
-        return typed
+    """A table as it was typed, names and types filled in, if that reads as the arm; else the texts of its numbers."""
+    if typed is not None:
+        rows = [
+            {"joint": row.joint, "type": "revolute", **texts} for row, texts in zip(arm.rows, typed.rows, strict=False)
+        ]
+        completed = replace(typed, rows=tuple({field: row[field] for field in FIELDS if field in row} for row in rows))
+        if read_whole(completed, catalog).manipulator == arm:
+            return completed
     return table_text(arm)

@@ -111,6 +111,7 @@ class Figure:
         place: where its root is.
         tint: a colour in place of its own ones.
         title: a text that stands at its root.
+        link_frames: whether the frames of its links are shown where it has no table.
     """
 
     robot: Robot
@@ -119,6 +120,7 @@ class Figure:
     place: RigidTransform = IDENTITY
     tint: Colour | None = None
     title: str = ""
+    link_frames: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -239,7 +241,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[Node]:
         joint = above.get(link.name)
         row = rows.get(joint.name) if joint else None
         parts = [*_bodies(link, figure.tint), *(_axis(joint, size) if joint else ())]
-        is_frame = link.name == TOOL or (table is None and joint is not None)
+        is_frame = link.name == TOOL or (table is None and joint is not None and figure.link_frames)
         if is_frame:
             parts.append(Part(shape="frame", size=(size,), layer="frames"))
         label = link.name if is_frame else ""

@@ -265,11 +265,20 @@ class Session:
             title = "the arm" if variant == "both" and arm.paper else ""
             figures.append(Figure(robot=arm.robot, manipulator=arm.manipulator, title=title))
         if variant == "paper" and arm.paper is not None:
-            figures.append(Figure(robot=arm.paper, tint=PAPER))
+            figures.append(Figure(robot=arm.paper, tint=PAPER, link_frames=False))
         if variant == "both" and arm.paper is not None:
             aside = 0.6 * max(extent(arm.robot), extent(arm.paper))
             place = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0))
-            figures.append(Figure(robot=arm.paper, name=_BESIDE, place=place, tint=PAPER, title="as the paper has it"))
+            figures.append(
+                Figure(
+                    robot=arm.paper,
+                    name=_BESIDE,
+                    place=place,
+                    tint=PAPER,
+                    title="as the paper has it",
+                    link_frames=False,
+                )
+            )
         self.drawing = Drawing.of(figures)
         table = arm.table
         self.sliders = joints.sliders(arm.robot.moving_joints, table.length_unit, table.angle_unit)

@@ -48,7 +48,16 @@
 
     // Enter goes on in the next row where this one began, as in spreadsheets: 0 Tab pi/2 Tab 0.1 Enter.
     keys({ event, editing, api, node, column }) {
-      if (event.altKey && !editing) return true; // rows are added, moved and removed so
+      if (event.altKey && !editing) {
+        const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
+        if (act) emitEvent("dh-act", [act, node.rowIndex]);
+        return true;
+      }
+      // Only what a person does moves the picked row: rows that are exchanged take the cursor along.
+      setTimeout(() => {
+        const row = api.getFocusedCell()?.rowIndex;
+        if (row !== undefined && row !== node.rowIndex) emitEvent("dh-focus", row);
+      });
       if (event.key === "Tab") home ??= column;
       else if (event.key.startsWith("Arrow") && !editing) home = null;
       if (event.key !== "Enter" || !editing) return false;
@@ -57,7 +66,12 @@
       api.setFocusedCell(row, home ?? column);
       return true;
     },
-    forgetHome: () => (home = null),
+
+
+    clicked({ rowIndex }) {
+      home = null;
+      emitEvent("dh-focus", rowIndex);
+    },
 
     // Problems by row and field, and which row is picked. What is being typed is left alone.
     mark(api, problems, picked) {
@@ -87,13 +101,14 @@
     // The letter that opens an editor is in it already: it is told like those that follow.
     started({ event }) {
       if (event?.key?.length !== 1) return;
-      setTimeout(() => document.activeElement.dispatchEvent(new Event("input", { bubbles: true })));
+      const tell = (input) => input?.dispatchEvent(new Event("input", { bubbles: true }));
+      setTimeout(() => tell(document.querySelector(".dh-table .ag-cell-inline-editing input")));
     },
 
     typing(event) {
       const cell = event.target.closest?.(".ag-cell");
       const row = cell?.closest(".ag-row");
-      return cell && row ? [Number(row.getAttribute("row-id")), cell.getAttribute("col-id"), event.target.value] : null;
+      return cell && row && typeof event.target.value === "string" ? [Number(row.getAttribute("row-id")), cell.getAttribute("col-id"), event.target.value] : null;
     },
   };
 })();

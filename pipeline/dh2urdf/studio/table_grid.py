@@ -52,6 +52,7 @@ class TableGrid:
         on_pick: is called with the number of the row that has the cursor.
         on_paste: is called with row, field and text where cells are pasted.
         on_move: is called with two numbers where a row was dragged from one place to another.
+        on_act: is called with ``up``, ``down``, ``add`` or ``remove`` and the number of a row.
     """
 
     def __init__(
@@ -63,6 +64,7 @@ class TableGrid:
         on_pick: Callable[[int | None], None],
         on_paste: Callable[[int, str, str], None],
         on_move: Callable[[int, int], None],
+        on_act: Callable[[str, int], None],
     ) -> None:
         self._header: tuple[Any, ...] = ()
         self._rows: list[dict[str, Any]] = []
@@ -87,7 +89,7 @@ class TableGrid:
                 },
                 "enableBrowserTooltips": True,
                 ":onCellEditingStarted": "e => dhGrid.started(e)",
-                ":onCellMouseDown": "() => dhGrid.forgetHome()",
+                ":onCellMouseDown": "e => dhGrid.clicked(e)",
                 "stopEditingWhenCellsLoseFocus": True,
                 "rowDragManaged": True,
                 "suppressMoveWhenRowDragging": True,
@@ -106,7 +108,7 @@ class TableGrid:
             ["rowId", "colId", "newValue"],
         )
         grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
-        grid.on("cellFocused", lambda event: on_pick(event.args["rowIndex"]), ["rowIndex"])
+        ui.on("dh-focus", lambda event: on_pick(event.args))
         grid.on(
             "input",
             lambda event: on_typing(*event.args),
@@ -122,6 +124,7 @@ class TableGrid:
                 emit([cell.rowIndex, cell.column.colId, e.clipboardData.getData("text/plain")]);
             }}""",
         )
+        ui.on("dh-act", lambda event: on_act(*event.args))
         ui.on("dh-row", lambda event: on_move(*event.args))
 
     def show(self, session: Session) -> None:

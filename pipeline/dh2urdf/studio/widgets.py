@@ -57,7 +57,8 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
         super().__init__()
         self._sliders: tuple[Slider, ...] = ()
         self._on_values = on_values
-        self.on("values", lambda event: self._moved(event.args["values"]))
+        self._number = 0
+        self.on("values", lambda event: self._moved(event.args["values"], int(event.args["number"])))
 
     def show(self, sliders: Sequence[Slider], q: Mapping[str, float]) -> None:
         """Other joints, or the same in another pose [rad or m]."""
@@ -69,9 +70,10 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
 
     def answer(self, q: Mapping[str, float]) -> None:
         """The pose that holds now [rad or m]."""
-        self.run_method("answer", self._shown(q))
+        self.run_method("answer", self._shown(q), self._number)
 
-    def _moved(self, values: Sequence[Any]) -> None:
+    def _moved(self, values: Sequence[Any], number: int) -> None:
+        self._number = number
         if len(values) == len(self._sliders):  # else the joints have changed meanwhile
             pairs = zip(self._sliders, values, strict=True)
             self._on_values({slider.name: slider.value(float(shown)) for slider, shown in pairs})

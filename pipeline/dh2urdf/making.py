@@ -171,8 +171,11 @@ class _Work:
         return kept
 
     def _is_kept(self, place: int, row: Row) -> bool:
-        key = self._key(place, noticed=bool(row["notices"]), mark=self._mark(place))
-        return bool(row["status"] == "ok" and row["key"] == key and self.earlier.has(self.batch.first + place, row))
+        try:
+            key = self._key(place, noticed=bool(row["notices"]), mark=self._mark(place))
+            return bool(row["status"] == "ok" and row["key"] == key and self.earlier.has(self.batch.first + place, row))
+        except (KeyError, TypeError):
+            return False  # It is the manifest of something else.
 
     def _mark(self, place: int) -> Mark | None:
         if place in self.marks:
@@ -386,12 +389,15 @@ class _Work:
             was_read = not isinstance(what, Rejected)
             # Who rejected it has said whom each problem is about: it may be a file, or a section of the run file.
             robot_name = what.name if was_read else None
+            problems = [problem.about(robot=robot_name, mark=mark) for problem in error.problems]
+            if place in self.drawn:  # Its table says nothing of it, and many variants have the same joints.
+                problems = [replace(problem, message=f"{what.name}: {problem.message}") for problem in problems]
             outcome = replace(
                 outcome,
                 status="failed",
                 kind=kind_of(error),
                 was_read=was_read,
-                errors=tuple(problem.about(robot=robot_name, mark=mark) for problem in error.problems),
+                errors=tuple(problems),
                 traceback=getattr(error, "traceback", "") or batch.tracebacks.get(place, ""),
             )
         finally:

@@ -85,6 +85,11 @@ class Result:
         self.keeps_kinematics = keeps_kinematics
 
     @property
+    def made(self) -> int:
+        """How many manipulators were worked at."""
+        return sum(self.statuses.values()) - self.statuses["kept"]
+
+    @property
     def exit_status(self) -> int:
         """0 where all is done, 1 where a manipulator failed."""
         return int(self.statuses["failed"] > 0)
@@ -276,7 +281,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                 write_all(rows.fileno(), report.rows)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(report)
+            unread.append(replace(report, rows=b""))
             if readable:
                 for each in unread:
                     if note:

@@ -61,8 +61,10 @@ def numbers(row: DHRow) -> list[DHRow]:
     """The row with another value in each place that holds a number, one at a time."""
     plain = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction")
     changed = [replace(row, **{name: getattr(row, name) + 1e-9}) for name in plain]
-    for name in ("lower", "upper", "velocity", "effort"):
-        changed.append(replace(row, limits=replace(row.limits, **{name: getattr(row.limits, name) + 1e-9})))
+    changed += [
+        replace(row, limits=replace(row.limits, **{name: getattr(row.limits, name) + 1e-9}))
+        for name in ("lower", "upper", "velocity", "effort")
+    ]
     assert row.inertia is not None
     assert row.com is not None
     for field in fields(Inertia):

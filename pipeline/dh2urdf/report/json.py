@@ -43,8 +43,7 @@ def timing(result: Result) -> dict[str, Any]:
     """How long a run and its steps took, added up over all its workers [s]."""
     steps = dict(result.seconds)
     total = steps.pop("total", 0.0)
-    count = sum(result.statuses.values())
-    rate = count / total if total else None
+    rate = result.made / total if total else None
     return {"total": total, "per_second": rate, "steps": steps, "manipulators": result.timings[:REPORTED]}
 
 

@@ -19,6 +19,7 @@ from dh2urdf.conversion import read_items
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.gathering import Gathering
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.memory import collected_at_the_end
 from dh2urdf.output import Stems
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
@@ -195,11 +196,13 @@ def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
     waiting = items(plan, expected)
     first = 0
     for size in plan.layout.batch_sizes(_sizes(plan)):
-        some = list(islice(waiting, size))
+        with collected_at_the_end():
+            some = list(islice(waiting, size))
+            batch = _batch(first, some, stems)
         if not some:
             expected.finish(first)
             return
-        yield _batch(first, some, stems)
+        yield batch
         first += len(some)
         expected.see(first, some[-1])
 

@@ -31,6 +31,7 @@ from dh2urdf.keys import column_keys, key_of
 from dh2urdf.layouts import Layout, Place
 from dh2urdf.loading import load_written
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.memory import collected_at_the_end
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
 from dh2urdf.proof import Proof
 from dh2urdf.proof_columns import prove_columns
@@ -91,7 +92,8 @@ class Maker:
 
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""
-        return _Work(self, batch).done()
+        with collected_at_the_end():
+            return _Work(self, batch).done()
 
 
 class _Work:

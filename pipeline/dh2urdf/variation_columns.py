@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorColumns, row_places
-from dh2urdf.variations import AXES, FIELDS, TYPE, Variation, changed, drawn_notices
+from dh2urdf.variations import FIELDS, Variation, changed, drawn_notices
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +31,7 @@ def variant_columns(
     """
     import numpy as np
 
-    if any(factor.field in (TYPE, AXES) for factor in variation.factors):
+    if variation.has_many_forms:
         return None
     nominal = variation.nominal
     rows = list(nominal.rows)

@@ -162,6 +162,11 @@ class Variation:
     sampling: Sampling = Sampling.RANDOM
     mark: Mark | None = attribute(default=None, compare=False)
 
+    @property
+    def has_many_forms(self) -> bool:
+        """Whether its tables differ in more than their numbers."""
+        return any(factor.field in (TYPE, AXES) for factor in self.factors)
+
     def variants(self) -> Iterator[Variant]:
         """All its variants, one by one."""
         return (Variant(variation=self, number=number) for number in range(1, self.count + 1))
@@ -200,6 +205,8 @@ class Variant:
     def drawn(self) -> dict[str, Value]:
         """The values of its factors by their keys [SI]; not those of axes it lacks and of limits its joints lack."""
         values = self._values()
+        if not self.variation.has_many_forms:
+            return {factor.key: values[factor.key] for factor in self.variation.factors}
         axes, rows = values.get(AXES), self.variation.nominal.rows
         last = len(first_axes(rows, int(axes)) if axes else rows)
         drawn: dict[str, Value] = {}

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import RigidTransform, Rotation, norm
+from dh2urdf.mass_properties import compound, placed
+from dh2urdf.robot import Inertial
+from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -67,17 +69,39 @@ def tensor(inertia: Inertia) -> Rotation:
     )
 
 
+def carriers(robot: Robot) -> dict[str, str]:
+    """Of every link the one that carries it: the outermost of those that fixed joints hold together as one body."""
+    carrier = {link.name: link.name for link in robot.links}
+    for joint in robot.joints:  # Parents before children.
+        if joint.type is JointType.FIXED:
+            carrier[joint.child] = carrier[joint.parent]
+    return carrier
+
+
+def lumped_bodies(robot: Robot) -> dict[str, Inertial]:
+    """The mass properties of every rigid body, by the name of the link that carries it and in that link's frame.
+
+    So a simulator holds them that knows moving bodies only, and adds to each what fixed joints hold to it.
+    """
+    carrier = carriers(robot)
+    frame = {link.name: IDENTITY for link in robot.links}
+    for joint in robot.joints:
+        if joint.type is JointType.FIXED:
+            frame[joint.child] = frame[joint.parent] @ joint.origin.transform
+    parts: dict[str, list[Inertial]] = {link: [] for link in carrier.values()}
+    for link in robot.links:
+        if link.inertial and link.inertial.mass:
+            parts[carrier[link.name]].append(placed(link.inertial, frame[link.name]))
+    return {name: compound(bodies) if bodies else Inertial(mass=0.0) for name, bodies in parts.items()}
+
+
 def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
     """The pairs of links whose contact would be a collision: they move against each other, and no joint joins them.
 
     Links that fixed joints hold together are one body; a body and the next one always meet at their joint.
     """
-    body = {link.name: link.name for link in robot.links}
-    neighbours = set()
-    for joint in robot.joints:  # Parents before children.
-        if joint.type is JointType.FIXED:
-            body[joint.child] = body[joint.parent]
-        neighbours.add((body[joint.parent], body[joint.child]))
+    body = carriers(robot)
+    neighbours = {(body[joint.parent], body[joint.child]) for joint in robot.joints}
     solid = [link.name for link in robot.links if link.collisions]
     return [
         (first, second)

@@ -215,13 +215,15 @@ class Loader(Generic[O]):
         options: its options dataclass.
         load: loads the file and measures it. It is called in a child process of its own, so it may crash or leave;
             what it prints, from C too, is taken into the report. It raises `dh2urdf.errors.LoaderError` where the
-            simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` where it is not installed.
+            simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` or `MissingProgramError` where it
+            is not installed or does not run.
         poses: how many joint vectors to measure with these options.
         picture: whether these options ask for a picture.
         read_output: the findings in what the simulator printed while `load` ran: its warnings, without those that it
             gives for good files too. Called with the whole output after the child process has ended, well or badly.
         require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `load`
-            needs with these options is not installed, without importing it (`importlib.util.find_spec`).
+            needs with these options is not installed, without importing it (`importlib.util.find_spec`), and
+            `MissingProgramError` where it is a program that is not.
         time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
             ends it, by closing a window.
     """

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import LoadRequest
 
 _WITHOUT_EXTENT = 1e-12
-"""What a pose of an arm without extent is allowed [m]."""
+"""What a pose of an arm without extent is allowed, and a centre of mass in the origin [m]."""
 _SHOWN_PAIRS = 5
 
 
@@ -51,6 +51,8 @@ class Precision(NamedTuple):
         position: a position, as a share of the arm's reach [1].
         angle: an orientation [rad].
         name: in words.
+        inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
+            link's origin, where the simulator holds the inertia about that [1].
     """
 
     number: float
@@ -59,6 +61,7 @@ class Precision(NamedTuple):
     position: float
     angle: float
     name: str
+    inertia_about_origin: float = 0.0
 
 
 DOUBLE = Precision(number=1e-14, axis=1e-14, inertia=1e-13, position=1e-13, angle=1e-12, name="double precision")
@@ -135,10 +138,15 @@ class Comparison:
             found, wanted = held[name], tensor(body.inertia)
             errors = {
                 "mass": (abs(found.mass - body.mass), self.precision.number * body.mass, "kg"),
-                "com": (norm(subtract(found.com, body.com)), self.precision.number * norm(body.com), "m"),
+                "com": (
+                    norm(subtract(found.com, body.com)),
+                    self.precision.number * norm(body.com) + _WITHOUT_EXTENT,
+                    "m",
+                ),
                 "inertia": (
                     max(abs(is_ - was) for is_, was in zip(found.inertia, wanted, strict=True)),
-                    self.precision.inertia * (wanted[0] + wanted[4] + wanted[8]),
+                    self.precision.inertia * (wanted[0] + wanted[4] + wanted[8])
+                    + self.precision.inertia_about_origin * body.mass * norm(body.com) ** 2,
                     "kg·m²",
                 ),
             }

@@ -1,0 +1,100 @@
+"""The loader `drake`: loads the written URDF into Drake's MultibodyPlant, measures the arm, reads what Drake logs."""
+
+from __future__ import annotations
+
+import logging
+import re
+import sys
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import Loader, LoadReport
+from dh2urdf_plugins.loaders.drake_arm import Arm
+from dh2urdf_plugins.loaders.packages import Packages
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import LoadRequest
+
+_PACKAGES = Packages("drake", {"pydrake": "drake"})
+_LOGGED = "Drake logged "
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrakeOptions:
+    """What is done in Drake."""
+
+    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
+
+    def __post_init__(self) -> None:
+        if self.poses < 1:
+            raise ValueError("poses is a number from 1 on")
+
+
+def require(_options: DrakeOptions) -> None:
+    """Ask whether Drake is there, without importing it.
+
+    Raises:
+        MissingDependencyError: it is not installed.
+    """
+    _PACKAGES.require("pydrake")
+
+
+def load(request: LoadRequest, _options: DrakeOptions) -> LoadReport:
+    """Load a URDF into Drake and measure it.
+
+    Raises:
+        LoaderError: Drake cannot load the file, or holds another arm than the one that was written.
+        MissingDependencyError: Drake is not installed.
+    """
+    _PACKAGES.load("pydrake")
+    # Drake's C++ hands its messages to this logger, whose last resort would print them without their level.
+    to_output = logging.StreamHandler(sys.stderr)
+    to_output.setFormatter(logging.Formatter(f"{_LOGGED}%(levelname)s: %(message)s"))
+    logger = logging.getLogger("drake")
+    logger.handlers, logger.propagate = [to_output], False
+    return Arm(request).report()
+
+
+_LEVEL = re.compile(rf"{_LOGGED}([A-Z]+): ")
+
+
+def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
+    """What Drake logged or printed, each line once, in the order of printing; of a good file it prints nothing."""
+    problems = {}
+    for line in filter(None, map(str.strip, output.splitlines())):
+        level = _LEVEL.match(line)
+        text = _LEVEL.sub("", line).replace(f"{request.path.resolve()}:", "line ", 1)
+        problems[text] = Problem(
+            message=f"Drake printed {shown(text, 300)}",
+            severity="error" if level and level[1] in {"ERROR", "CRITICAL"} else "notice",
+            robot=request.robot.name,
+        )
+    return tuple(problems.values())
+
+
+def poses(options: DrakeOptions) -> int:
+    """How many joint vectors are measured."""
+    return options.poses
+
+
+def _no_picture(_options: DrakeOptions) -> bool:
+    return False
+
+
+def _time_limit(_options: DrakeOptions) -> float:
+    return 300.0
+
+
+LOADER = Loader(
+    name="drake",
+    summary="loads a URDF into Drake, compares the arm with the table, lets it hold its weight",
+    load=load,
+    options=DrakeOptions,
+    formats=("urdf",),
+    poses=poses,
+    picture=_no_picture,
+    read_output=read_output,
+    require=require,
+    time_limit=_time_limit,
+)

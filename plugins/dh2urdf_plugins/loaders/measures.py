@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import compound, placed
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, norm
+from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, Vec3, norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 SINGLE_PRECISION = 2.0**-23
 """Distance of 1 to the next number in single precision [1]."""
+DOUBLE_PRECISION = 2.0**-52
+"""Distance of 1 to the next number in double precision [1]."""
 
 HOLD_SECONDS = 2.0
 """How long the hold test lasts [s]."""
@@ -55,8 +57,8 @@ def pose_error(measured: RigidTransform, expected: Sequence[float]) -> tuple[flo
     The angle follows from the Frobenius norm of the difference of the rotations, 2√2·sin(angle/2), which unlike the
     usual trace form is exact for small angles too.
     """
-    rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
-    chord = math.dist(measured.rotation, rotation) / math.sqrt(8.0)
+    expected_rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
+    chord = math.dist(measured.rotation, expected_rotation) / math.sqrt(8.0)
     return math.dist(measured.translation, expected[3:12:4]), 2.0 * math.asin(min(1.0, chord))
 
 
@@ -67,6 +69,18 @@ def tensor(inertia: Inertia) -> Rotation:
         *(inertia.ixy, inertia.iyy, inertia.iyz),
         *(inertia.ixz, inertia.iyz, inertia.izz),
     )
+
+
+def vector(array: Any) -> Vec3:  # noqa: ANN401 - an array of shape (3,)
+    """The three numbers of an array as plain ones, none of them −0.0."""
+    x, y, z = (float(element) + 0.0 for element in array)
+    return (x, y, z)
+
+
+def rotation(matrix: Any) -> Rotation:  # noqa: ANN401 - an array of shape (3, 3) or (9,)
+    """The nine numbers of a matrix as plain ones, row by row, none of them −0.0."""
+    a, b, c, d, e, f, g, h, i = (float(element) + 0.0 for element in matrix.reshape(9))
+    return (a, b, c, d, e, f, g, h, i)
 
 
 def carriers(robot: Robot) -> dict[str, str]:

@@ -42,9 +42,9 @@ def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
 @hookimpl
 def dh2urdf_loaders() -> Iterable[Loader[Any]]:
     """The simulators."""
-    from dh2urdf_plugins.loaders import pybullet
+    from dh2urdf_plugins.loaders import coppeliasim, drake, gazebo, pybullet
 
-    return (pybullet.LOADER,)
+    return (pybullet.LOADER, drake.LOADER, gazebo.LOADER, coppeliasim.LOADER)
 
 
 @hookimpl

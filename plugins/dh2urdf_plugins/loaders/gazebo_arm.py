@@ -111,7 +111,7 @@ class Arm:
 
 
 def precision(robot: Robot) -> Precision:
-    """sdformat's arithmetic: double precision, written in 16 digits; and less near the singular pitch.
+    """What sdformat's arithmetic is: double precision, written in 16 digits, and less near the singular pitch.
 
     It reads a joint's roll, pitch and yaw, keeps a quaternion, and writes them anew. It takes the pitch from an asin:
     near ±π/2 that loses as many digits as the cosine of the pitch is small, half of all at the worst. (Exactly there

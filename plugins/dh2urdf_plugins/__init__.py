@@ -42,9 +42,16 @@ def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
 @hookimpl
 def dh2urdf_loaders() -> Iterable[Loader[Any]]:
     """The simulators."""
-    from dh2urdf_plugins.loaders import coppeliasim, drake, gazebo, pybullet
+    from dh2urdf_plugins.loaders import coppeliasim, drake, gazebo, mujoco, pinocchio, pybullet
 
-    return (pybullet.LOADER, drake.LOADER, gazebo.LOADER, coppeliasim.LOADER)
+    return (
+        pybullet.LOADER,
+        mujoco.LOADER,
+        pinocchio.LOADER,
+        drake.LOADER,
+        gazebo.LOADER,
+        coppeliasim.LOADER,
+    )
 
 
 @hookimpl

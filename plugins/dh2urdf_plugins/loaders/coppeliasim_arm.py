@@ -11,7 +11,6 @@ What its importer makes of a URDF follows from its source, https://github.com/Co
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
@@ -96,24 +95,35 @@ class Arm:
             raise LoaderError(
                 "CoppeliaSim is running a simulation: stop it, so that joints can be put where they belong"
             )
-        before = set(self._scene())
-        self._import()
-        self.handles = [handle for handle in self._scene() if handle not in before]
-        if not self.handles:
-            raise LoaderError(self.comparison.problem(message="CoppeliaSim imported nothing; its console says why"))
-        joint = self._constant("object_joint_type", "sceneobject_joint")
-        shape = self._constant("object_shape_type", "sceneobject_shape")
-        self.joints: dict[str, int] = {}
-        self.shapes: dict[str, int] = {}
-        for handle in self.handles:
-            kind, name = self.ask(self.sim.getObjectType, handle), self.ask(self.sim.getObjectAlias, handle)
-            if kind in {joint, shape}:  # Else it is the force sensor of a fixed joint.
-                (self.joints if kind == joint else self.shapes)[name] = handle
+        self.before = set(self._scene())
+        try:
+            self._import()
+            self.joints, self.shapes = self._imported_objects()
+        except LoaderError:
+            self.close()
+            raise
 
     def close(self) -> None:
-        """Take the arm out of the scene."""
-        if not self.connection.lost:
-            self.ask(self.sim.removeObjects, self.handles)
+        """Take out of the scene what was not there before."""
+        if not self.connection.lost and (handles := self._imported()):
+            self.ask(self.sim.removeObjects, handles)
+
+    def _imported(self) -> list[int]:
+        return [handle for handle in self._scene() if handle not in self.before]
+
+    def _imported_objects(self) -> tuple[dict[str, int], dict[str, int]]:
+        """The handles of the joints and of the shapes, by name; a fixed joint is neither, but a force sensor."""
+        kinds: dict[int, dict[str, int]] = {
+            self._constant("object_joint_type", "sceneobject_joint"): {},
+            self._constant("object_shape_type", "sceneobject_shape"): {},
+        }
+        for handle in (handles := self._imported()):
+            named = kinds.get(self.ask(self.sim.getObjectType, handle), {})
+            named[self.ask(self.sim.getObjectAlias, handle)] = handle
+        if not handles:
+            raise LoaderError(self.comparison.problem(message="CoppeliaSim imported nothing; its console says why"))
+        joints, shapes = kinds.values()
+        return joints, shapes
 
     def report(self) -> LoadReport:
         """Measure everything.
@@ -126,19 +136,24 @@ class Arm:
         self._put(start)
         child = {joint.name: frames[joint.child] for joint in self.robot.moving_joints}
         joints = tuple(self._held_joint(name, child.get(name, IDENTITY)) for name in self.joints)
+        if problems := [*self.comparison.joints(joints), *self._lost_tips()]:
+            raise LoaderError(problems)
         bodies = self._held_bodies(frames)
+        poses = self.comparison.poses(self._frames)  # Before the masses: in a wrong frame all of them are wrong.
         written = {link.name: link.inertial for link in self.robot.links if link.inertial and link.inertial.mass}
         masses, problems = self.comparison.masses(bodies, written)
-        if problems := [*self.comparison.joints(joints), *problems, *self._lost_tips()]:
+        if problems:
             raise LoaderError(problems)
+        masses["mass"] = sum(body.mass for body in bodies.values())
         number = self.ask(self.sim.getInt32Param, self.sim.intparam_program_version)
-        report = LoadReport(
+        return LoadReport(
             simulator="CoppeliaSim",
             version=f"{number // 10000}.{number // 100 % 100}.{number % 100}",
             joints=joints,
-            **masses | {"mass": sum(body.mass for body in bodies.values())},
+            findings=self._findings(bodies),
+            **masses,
+            **poses,
         )
-        return replace(report, **self.comparison.poses(self._frames), findings=self._findings(bodies))
 
     def _scene(self) -> list[int]:
         """The handles of all objects of the scene."""
@@ -173,11 +188,12 @@ class Arm:
         kind = self.ask(sim.getJointType, handle)
         cyclic, interval = self.ask(sim.getJointInterval, handle)
         lower, upper = interval[0], interval[0] + interval[1]
-        _, _, z = zip(*[iter(self._frame(handle).rotation)] * 3, strict=True)
+        r = self._frame(handle).rotation
+        axis = rotate(transpose(child.rotation), (r[2], r[5], r[8]))
         return {
             "name": name,
             "type": "continuous" if cyclic else names.get(kind, f"number {kind}"),
-            "axis": tuple(round(element, 12) + 0.0 for element in rotate(transpose(child.rotation), z)),
+            "axis": tuple(round(element, 12) + 0.0 for element in axis),
             "lower": None if cyclic else lower,
             # It holds the range: an upper limit of 0 comes back with a rounding.
             "upper": None if cyclic else 0.0 if abs(upper) <= 1e-12 * interval[1] else upper,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import LoadRequest
 
 _PACKAGES = Packages("drake", {"pydrake": "drake"})
-_LOGGED = "Drake logged "
+_MARK = "Drake logged "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,27 +50,36 @@ def load(request: LoadRequest, _options: DrakeOptions) -> LoadReport:
     _PACKAGES.load("pydrake")
     # Drake's C++ hands its messages to this logger, whose last resort would print them without their level.
     to_output = logging.StreamHandler(sys.stderr)
-    to_output.setFormatter(logging.Formatter(f"{_LOGGED}%(levelname)s: %(message)s"))
+    to_output.setFormatter(logging.Formatter(f"{_MARK}%(levelname)s: %(message)s"))
     logger = logging.getLogger("drake")
     logger.handlers, logger.propagate = [to_output], False
     return Arm(request).report()
 
 
-_LEVEL = re.compile(rf"{_LOGGED}([A-Z]+): ")
+_LOGGED = re.compile(rf"{_MARK}([A-Z]+): ")
 
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
-    """What Drake logged or printed, each line once, in the order of printing; of a good file it prints nothing."""
-    problems = {}
+    """What Drake logged, each message once, in the order of logging; of a good file it says nothing.
+
+    A message may have many lines; a line that nobody logged is a message of its own.
+    """
+    messages: list[tuple[str, str]] = []
     for line in filter(None, map(str.strip, output.splitlines())):
-        level = _LEVEL.match(line)
-        text = _LEVEL.sub("", line).replace(f"{request.path.resolve()}:", "line ", 1)
-        problems[text] = Problem(
-            message=f"Drake printed {shown(text, 300)}",
-            severity="error" if level and level[1] in {"ERROR", "CRITICAL"} else "notice",
+        logged = _LOGGED.match(line)
+        if messages and messages[-1][0] and not logged:
+            messages[-1] = (messages[-1][0], f"{messages[-1][1]} {line}")
+        else:
+            messages.append((logged[1] if logged else "", _LOGGED.sub("", line)))
+    place = f"{request.path.resolve()}:"
+    return tuple(
+        Problem(
+            message=f"Drake printed {shown(text.replace(place, 'line ', 1), 300)}",
+            severity="error" if level in {"ERROR", "CRITICAL"} else "notice",
             robot=request.robot.name,
         )
-    return tuple(problems.values())
+        for level, text in dict.fromkeys(messages)
+    )
 
 
 def poses(options: DrakeOptions) -> int:

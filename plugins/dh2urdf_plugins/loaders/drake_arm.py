@@ -14,10 +14,19 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.rotations import RigidTransform, Rotation
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.loaders.comparison import DOUBLE, Body, Comparison
-from dh2urdf_plugins.loaders.measures import GRAVITY, HOLD_SECONDS, HOLD_STAYS, hold_start, touching_pairs
+from dh2urdf_plugins.loaders.measures import (
+    GRAVITY,
+    HOLD_SECONDS,
+    HOLD_STAYS,
+    hold_start,
+    rotation,
+    touching_pairs,
+    vector,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -31,6 +40,8 @@ YIELD = HOLD_STAYS / 10
 """Displacement at which a motor of the hold test gives its full effort [rad or m]: it acts as a stiff spring."""
 OVERLAP = 1e-5
 """How far collision shapes overlap at least to be a finding [m]: ten times the tolerance of Drake's search (FCL)."""
+
+_SHOWN_JOINTS = 8
 
 
 class Arm:
@@ -62,6 +73,7 @@ class Arm:
         self.masses, more_problems = self.comparison.masses(self._held_bodies())
         if problems := [*problems, *more_problems]:
             raise LoaderError(problems)
+        self.idle = self._without_actuator()
         self._fix_root()
         self._add_motors()
         self.plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
@@ -86,7 +98,7 @@ class Arm:
         if not self.joints:
             return report
         hold, findings = self._hold()
-        return replace(report, hold=hold, findings=findings)
+        return replace(report, hold=hold, findings=(*self.idle, *findings))
 
     def _guarded(self, call: Callable[[], Any], doing: str) -> None:
         """Call into Drake, and tell its errors as ours."""
@@ -130,6 +142,21 @@ class Arm:
     def _actuators(self) -> Iterable[Any]:
         return map(self.plant.get_joint_actuator, self.plant.GetJointActuatorIndices())
 
+    def _without_actuator(self) -> tuple[Problem, ...]:
+        """The joints that a controller in Drake cannot move, and whose efforts it has therefore not kept."""
+        idle = [joint["name"] for joint in self.parsed_joints if "effort" not in joint]
+        if not idle:
+            return ()
+        names = ", ".join(map(shown, idle[:_SHOWN_JOINTS])) + (" …" if len(idle) > _SHOWN_JOINTS else "")
+        return (
+            self.comparison.problem(
+                message=f"Drake has no actuators, and drops the efforts, of {len(idle)} joints: {names}",
+                severity="notice",
+                suggestion="Drake takes an actuator of a URDF from a `transmission` element; or add it by "
+                "`MultibodyPlant.AddJointActuator`",
+            ),
+        )
+
     def _fix_root(self) -> None:
         """Weld the root to the world; a root of the name ``world`` is the world."""
         root = self.bodies[self.robot.root]
@@ -148,7 +175,7 @@ class Arm:
             spatial = body.default_spatial_inertia()
             com = spatial.get_com()
             about_com = spatial.Shift(com).CalcRotationalInertia().CopyToFullMatrix3()
-            bodies[name] = Body(float(spatial.get_mass()), _vector(com), _elements(about_com))
+            bodies[name] = Body(float(spatial.get_mass()), vector(com), rotation(about_com))
         return bodies
 
     def _put(self, q: Sequence[float]) -> None:
@@ -165,7 +192,7 @@ class Arm:
         frames = {}
         for name in links:
             pose = self.plant.EvalBodyPoseInWorld(self.state, self.bodies[name])
-            frames[name] = RigidTransform(_elements(pose.rotation().matrix()), _vector(pose.translation()))
+            frames[name] = RigidTransform(rotation(pose.rotation().matrix()), vector(pose.translation()))
         return frames
 
     # The hold test
@@ -239,13 +266,3 @@ class Arm:
         shapes = GeometrySet(self.scene.model_inspector().GetAllGeometryIds())
         context = self.scene.GetMyMutableContextFromRoot(self.context)
         self.scene.collision_filter_manager(context).Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))
-
-
-def _vector(array: Any) -> tuple[float, float, float]:  # noqa: ANN401 - an array of shape (3,)
-    x, y, z = (float(element) + 0.0 for element in array)
-    return (x, y, z)
-
-
-def _elements(matrix: Any) -> Rotation:  # noqa: ANN401 - an array of shape (3, 3)
-    a, b, c, d, e, f, g, h, i = (float(element) + 0.0 for element in matrix.reshape(9))
-    return (a, b, c, d, e, f, g, h, i)

@@ -102,6 +102,7 @@ def _missing() -> MissingProgramError:
     return MissingProgramError("loader 'gazebo'", "the command `gz sdf` or `ign sdf` of sdformat", REMEDY)
 
 
+_COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 _LEVEL = re.compile(r"\b(Error|Warning)\b")
 _EXPECTED = re.compile(r"backtrace generation will be disabled")  # said by `ign` of itself, whatever it does
 
@@ -112,7 +113,7 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     A message may go on in lines that are indented.
     """
     messages: list[str] = []
-    for line in output.splitlines():
+    for line in _COLOUR.sub("", output).splitlines():
         if line[:1].isspace() and messages:
             messages[-1] += f" {line.strip()}"
         elif line.strip():

@@ -168,7 +168,8 @@ class LoadReport:
         angle_tolerance: what `angle_error` may be [rad].
         q: the joint vector of the largest position error.
         poses: how many joint vectors were measured.
-        hold: the hold test: seconds, largest joint displacement, whether the arm stayed, contacts within the arm.
+        hold: the hold test: seconds, largest joint displacement, whether the arm stayed, contacts within the arm; of a
+            library that simulates nothing, the largest share of an effort that gravity asks, and whether that is there.
         findings: what a person should know.
         output: what the simulator printed.
         picture: name of the picture that was written.

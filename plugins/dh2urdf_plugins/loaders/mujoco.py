@@ -51,19 +51,21 @@ def load(request: LoadRequest, _options: MuJoCoOptions) -> LoadReport:
         LoaderError: MuJoCo cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: MuJoCo, or Pillow for a picture, is not installed.
     """
+    if request.picture:
+        _PACKAGES.load("PIL.Image")
     mujoco = _import(graphics() if request.picture else "disable")
     mujoco.set_mju_user_warning(_print_warning)
     arm = Arm(mujoco, request)
     report = arm.report()
     if request.picture:
-        _PACKAGES.load("PIL.Image")
         try:
             write_picture(mujoco, request.path, arm, request.picture)
         except NoGraphicsError as error:
             finding = arm.comparison.problem(
                 message=f"MuJoCo took no picture: {error}",
                 severity="notice",
-                suggestion="install EGL (Debian, Ubuntu: apt-get install libegl1 libgl1), or say `picture: false`",
+                suggestion="install EGL (Debian and Ubuntu: apt-get install libegl1 libopengl0 libgl1-mesa-dri), "
+                "or say `picture: false`",
             )
             return replace(report, findings=(*report.findings, finding))
         report = replace(report, picture=request.picture.name)

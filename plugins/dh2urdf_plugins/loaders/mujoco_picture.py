@@ -21,7 +21,7 @@ _SUPERSAMPLING = 2  # rendered larger, then averaged, besides the samples of Ope
 _LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}  # MuJoCo's name of a way to render, and the library that it needs
 _FLOOR = (0.86, 0.88, 0.91, 1.0)
 _SKY = ((0.97, 0.98, 1.0), (0.90, 0.92, 0.95))  # above and below
-_THICKER = 0.003  # by what share a link is drawn thicker than the one before
+_THICKER = 0.003  # by what share a link is drawn thicker than the one before: more than its facets are flat
 _VISUALS, _FLOORS = 1, 2  # groups of shapes; MuJoCo puts what a URDF says to collide into group 0
 
 
@@ -68,7 +68,7 @@ def _lit_model(mujoco: Any, file: Path, view: View) -> Any:  # noqa: ANN401 - a 
     spec.stat.center, spec.stat.extent = view.target, view.distance / 4
     spec.visual.global_.fovy = math.degrees(FIELD_OF_VIEW)
     spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH * _SUPERSAMPLING, HEIGHT * _SUPERSAMPLING
-    spec.visual.quality.shadowsize = 8192
+    spec.visual.quality.shadowsize, spec.visual.quality.numslices = 8192, 96
     spec.visual.headlight.ambient = (0.45, 0.45, 0.45)
     spec.visual.headlight.diffuse = (0.25, 0.25, 0.25)
     spec.visual.headlight.specular = (0.0, 0.0, 0.0)

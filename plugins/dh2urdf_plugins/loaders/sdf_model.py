@@ -119,7 +119,8 @@ def parse_sdf(text: bytes) -> SdfModel:
     """The first model of an SDF text.
 
     Raises:
-        ValueError: the text is not XML, holds no model, or joints in a loop; in words, to follow "it wrote".
+        ValueError: the text is not XML, holds no model, or joints that lead to no link or in a loop; in words, to
+            follow "it wrote".
     """
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
     try:
@@ -136,6 +137,8 @@ def parse_sdf(text: bytes) -> SdfModel:
         for kind in ("link", "joint", "frame")
         for element in model.findall(kind)
     }
+    if not {end for joint in joints for end in (joint.parent, joint.child)} <= {*links, WORLD}:
+        raise ValueError("a joint between other things than links")
     return SdfModel(links, joints, _outwards(joints), poses)
 
 

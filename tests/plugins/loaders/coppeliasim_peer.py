@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 from xml.etree import ElementTree as ET
 
-import cbor
 import numpy as np
 import zmq
+from coppeliasim_zmqremoteapi_client import cbor
 
 SHAPE, JOINT, FORCE_SENSOR = 0, 1, 12
 REVOLUTE, PRISMATIC = 10, 11

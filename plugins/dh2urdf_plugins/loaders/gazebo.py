@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 COMMANDS = ("gz", "ign")
 """What the command of sdformat is a subcommand of: in Gazebo from Garden on (and Gazebo classic), and before."""
 REMEDY = (
-    "apt-get install ignition-tools libsdformat-dev (Debian 12), "
-    "or gz-tools2 libsdformat14-dev or later from packages.osrfoundation.org"
+    "apt-get install ignition-tools libsdformat-dev (Debian 12), or install Gazebo (gazebosim.org), "
+    "which brings it along"
 )
 
 
@@ -138,6 +138,10 @@ def _no_picture(_options: GazeboOptions) -> bool:
     return False
 
 
+def _time_limit(_options: GazeboOptions) -> float:
+    return 300.0
+
+
 LOADER = Loader(
     name="gazebo",
     summary="has Gazebo's sdformat convert and check a URDF, and compares the model with the table",
@@ -148,4 +152,5 @@ LOADER = Loader(
     picture=_no_picture,
     read_output=read_output,
     require=require,
+    time_limit=_time_limit,
 )

@@ -33,10 +33,10 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
-    """URDF and xacro macros."""
-    from dh2urdf_plugins.emitters import urdf, xacro
+    """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo."""
+    from dh2urdf_plugins.emitters import mjcf, sdf, urdf, xacro
 
-    return (urdf.EMITTER, xacro.EMITTER)
+    return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER)
 
 
 @hookimpl

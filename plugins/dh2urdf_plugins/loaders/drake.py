@@ -1,4 +1,4 @@
-"""The loader `drake`: loads the written URDF into Drake's MultibodyPlant, measures the arm, reads what Drake logs."""
+"""The loader `drake`: loads the written URDF or SDF into Drake, measures the arm, reads what Drake logs."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def require(_options: DrakeOptions) -> None:
 
 
 def load(request: LoadRequest, _options: DrakeOptions) -> LoadReport:
-    """Load a URDF into Drake and measure it.
+    """Load a URDF or SDF into Drake and measure it.
 
     Raises:
         LoaderError: Drake cannot load the file, or holds another arm than the one that was written.
@@ -97,10 +97,10 @@ def _time_limit(_options: DrakeOptions) -> float:
 
 LOADER = Loader(
     name="drake",
-    summary="loads a URDF into Drake, compares the arm with the table, lets it hold its weight",
+    summary="loads URDF or SDF into Drake, compares the arm with the table, lets it hold its weight",
     load=load,
     options=DrakeOptions,
-    formats=("urdf",),
+    formats=("urdf", "sdf"),
     poses=poses,
     picture=_no_picture,
     read_output=read_output,

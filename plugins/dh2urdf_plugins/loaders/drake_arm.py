@@ -158,19 +158,25 @@ class Arm:
         )
 
     def _fix_root(self) -> None:
-        """Weld the root to the world; a root of the name ``world`` is the world."""
-        root = self.bodies[self.robot.root]
-        if root.index() != self.plant.world_body().index():
-            self.plant.WeldFrames(self.plant.world_frame(), root.body_frame())
+        """Weld the root to the world, unless the file has it there; a root of the name ``world`` is the world."""
+        root, world = self._frame(self.robot.root), self.plant.world_body()
+        if root.body().index() not in {body.index() for body in self.plant.GetBodiesWeldedTo(world)}:
+            self.plant.WeldFrames(self.plant.world_frame(), root)
+
+    def _frame(self, name: str) -> Any:  # noqa: ANN401 - a module without type information
+        """The frame of a link, which of an SDF may be a frame on another body."""
+        return self.bodies[name].body_frame() if name in self.bodies else self.plant.GetFrameByName(name)
 
     # Masses and poses
 
     def _held_bodies(self) -> dict[str, Body]:
-        """The links as Drake has them."""
-        bodies = {}
+        """The links as Drake has them, a mere frame without mass."""
+        nothing = Body(0.0, (0.0, 0.0, 0.0), (0.0,) * 9)
+        names = [link.name for link in self.robot.links if link.name not in self.bodies]
+        bodies = {name: nothing for name in names if self.plant.HasFrameNamed(name)}
         for name, body in self.bodies.items():
             if body.index() == self.plant.world_body().index():  # It has no mass of its own.
-                bodies[name] = Body(0.0, (0.0, 0.0, 0.0), (0.0,) * 9)
+                bodies[name] = nothing
                 continue
             spatial = body.default_spatial_inertia()
             com = spatial.get_com()
@@ -191,7 +197,7 @@ class Arm:
         self._put(q)
         frames = {}
         for name in links:
-            pose = self.plant.EvalBodyPoseInWorld(self.state, self.bodies[name])
+            pose = self._frame(name).CalcPoseInWorld(self.state)
             frames[name] = RigidTransform(rotation(pose.rotation().matrix()), vector(pose.translation()))
         return frames
 

@@ -1,7 +1,8 @@
 """The loader `gazebo`: has sdformat, the reader of Gazebo, convert and check the written file, and measures the model.
 
-Gazebo reads a URDF through sdformat, which turns it into SDF: what it drops, lumps or changes there is missing in
-Gazebo. sdformat has a command, `gz sdf` (`ign sdf` up to Gazebo Fortress), which needs no Gazebo and no display.
+Gazebo reads SDF by sdformat, and a URDF too, which sdformat turns into SDF: what it drops, lumps or changes there is
+missing in Gazebo. sdformat has a command, `gz sdf` (`ign sdf` up to Gazebo Fortress), which needs no Gazebo and no
+display.
 """
 
 from __future__ import annotations
@@ -144,10 +145,10 @@ def _time_limit(_options: GazeboOptions) -> float:
 
 LOADER = Loader(
     name="gazebo",
-    summary="has Gazebo's sdformat convert and check a URDF, and compares the model with the table",
+    summary="has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
     load=load,
     options=GazeboOptions,
-    formats=("urdf",),
+    formats=("sdf", "urdf"),
     poses=poses,
     picture=_no_picture,
     read_output=read_output,

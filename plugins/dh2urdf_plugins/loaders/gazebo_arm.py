@@ -78,7 +78,7 @@ class Arm:
         return {
             name: compound(parts) if parts else Inertial(mass=0.0)
             for name, parts in carried.items()
-            if parts or name != WORLD  # The world is no link of the model.
+            if parts or name not in {WORLD, *self.model.poses} - {*self.model.links}  # No link need be in a mere frame.
         }
 
     def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:

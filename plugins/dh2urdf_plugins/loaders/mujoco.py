@@ -1,4 +1,4 @@
-"""The loader `mujoco`: loads the written URDF into MuJoCo, measures the arm, and takes what MuJoCo says of it."""
+"""The loader `mujoco`: loads the written MJCF or URDF, measures the arm, and takes what MuJoCo says of it."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def require(options: MuJoCoOptions) -> None:
 
 
 def load(request: LoadRequest, _options: MuJoCoOptions) -> LoadReport:
-    """Load a URDF into MuJoCo and measure it.
+    """Load an MJCF or a URDF into MuJoCo and measure it.
 
     A picture that cannot be taken, where there is no graphics library, is a finding.
 
@@ -117,10 +117,10 @@ def _time_limit(_options: MuJoCoOptions) -> float:
 
 LOADER = Loader(
     name="mujoco",
-    summary="loads a URDF into MuJoCo, compares the arm with the table, lets it hold its weight, takes a picture",
+    summary="loads MJCF or URDF into MuJoCo, compares the arm with the table, lets it hold its weight, takes a picture",
     load=load,
     options=MuJoCoOptions,
-    formats=("urdf",),
+    formats=("mjcf", "urdf"),
     poses=poses,
     picture=picture,
     read_output=read_output,

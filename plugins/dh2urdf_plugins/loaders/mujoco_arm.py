@@ -16,7 +16,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.rotations import RigidTransform, multiply, transpose
+from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.loaders.comparison import Body, Comparison
@@ -68,6 +68,8 @@ class Arm:
             raise LoaderError(self.comparison.problem(message=f"MuJoCo cannot load the file: {said}")) from error
         self.data = mujoco.MjData(self.model)
         self.bodies = {self.model.body(number).name: number for number in range(self.model.nbody)}
+        sites = {self.model.site(number).name: number for number in range(self.model.nsite)}
+        self.sites = {name: number for name, number in sites.items() if name not in self.bodies}
         self.joints = {self.model.joint(number).name: number for number in range(self.model.njnt)}
         self._refuse_fused_links()
 
@@ -101,18 +103,25 @@ class Arm:
         return [int(model.joint(joint.name).qposadr[0]) for joint in self.robot.moving_joints]
 
     def frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
-        """The frames of some links in the world at a joint vector."""
-        self.data.qpos[self.addresses(self.model)] = q
-        self.mujoco.mj_kinematics(self.model, self.data)
-        frames = ((name, self.bodies[name]) for name in links)
-        return {
-            name: RigidTransform(rotation(self.data.xmat[body]), vector(self.data.xpos[body])) for name, body in frames
-        }
+        """The frames of some links, sites among them, in the world at a joint vector."""
+        data = self.data
+        data.qpos[self.addresses(self.model)] = q
+        self.mujoco.mj_kinematics(self.model, data)
+        frames = {}
+        for name in links:
+            if name in self.sites:
+                site = self.sites[name]
+                frames[name] = RigidTransform(rotation(data.site_xmat[site]), vector(data.site_xpos[site]))
+            else:
+                body = self.bodies[name]
+                frames[name] = RigidTransform(rotation(data.xmat[body]), vector(data.xpos[body]))
+        return frames
 
     # What was loaded
 
     def _refuse_fused_links(self) -> None:
-        if fused := [shown(link.name) for link in self.robot.links if link.name not in self.bodies]:
+        held = {*self.bodies, *self.sites}
+        if fused := [shown(link.name) for link in self.robot.links if link.name not in held]:
             raise LoaderError(
                 self.comparison.problem(
                     message=f"MuJoCo has fused links into those that hold them, or lost them: {', '.join(fused)}",
@@ -126,27 +135,32 @@ class Arm:
         limited = bool(model.jnt_limited[number])
         kinds = {int(types.mjJNT_HINGE): "revolute" if limited else "continuous", int(types.mjJNT_SLIDE): "prismatic"}
         kind = int(model.jnt_type[number])
+        limits = [model.jnt_actfrcrange[number][1]] if model.jnt_actfrclimited[number] else []
+        moved_by = model.actuator_trnid[:, 0] == number
+        limits += list(model.actuator_forcerange[moved_by & (model.actuator_forcelimited != 0), 1])
         return {
             "name": model.joint(number).name,
             "type": kinds.get(kind, types(kind).name),
             "axis": vector(model.jnt_axis[number]),
             "lower": float(model.jnt_range[number][0]) if limited else None,
             "upper": float(model.jnt_range[number][1]) if limited else None,
-            "effort": float(model.jnt_actfrcrange[number][1]) if model.jnt_actfrclimited[number] else None,
+            "effort": float(min(limits)) if limits else None,
         }
 
     def _held_bodies(self) -> dict[str, Body]:
-        """The links as MuJoCo has them; the inertia is turned back from its principal axes."""
+        """The links as MuJoCo has them, a site without mass; inertias are turned back from their principal axes."""
         import numpy as np
 
-        bodies = {}
+        bodies = {name: Body(0.0, ZERO, (0.0,) * 9) for name in self.sites}
         for name, number in self.bodies.items():
             matrix = np.zeros(9)
             self.mujoco.mju_quat2Mat(matrix, self.model.body_iquat[number])
             axes = rotation(matrix)
             a, b, c = vector(self.model.body_inertia[number])
             tensor = multiply(multiply(axes, (a, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, c)), transpose(axes))
-            bodies[name] = Body(float(self.model.body_mass[number]), vector(self.model.body_ipos[number]), tensor)
+            mass = float(self.model.body_mass[number])
+            # The centre of no mass is wherever MuJoCo's compiler left it.
+            bodies[name] = Body(mass, vector(self.model.body_ipos[number]) if mass else ZERO, tensor)
         return bodies
 
     # The hold test
@@ -178,20 +192,24 @@ class Arm:
     def _with_motors(self, path: Path) -> Any:  # noqa: ANN401 - MuJoCo's model
         """The model with a position servo on every joint, which MuJoCo itself keeps within the effort it read.
 
-        The servo is a stiff spring and damper. The damper is integrated implicitly: with a time constant of half a
-        time step or more, the two are stable at any stiffness.
+        A servo that the file has is taken as it is; a motor gets a control. The servo is a stiff spring and damper. The
+        damper is integrated implicitly: with a time constant of half a time step or more, the two are stable at any
+        stiffness.
         """
         mujoco = self.mujoco
         spec = mujoco.MjSpec.from_file(str(path.resolve()))
+        own = {actuator.target: actuator for actuator in spec.actuators}
         for joint in self.robot.moving_joints:
-            if not (effort := joint.limits.effort):
+            servo = own.get(joint.name)
+            if not (effort := joint.limits.effort) or (servo and servo.biastype == mujoco.mjtBias.mjBIAS_AFFINE):
                 continue
             stiffness = effort / YIELD
-            servo = spec.add_actuator(name=f"hold {joint.name}", target=joint.name)
+            servo = servo or spec.add_actuator(name=f"hold {joint.name}", target=joint.name)
             servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
             servo.gaintype, servo.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
             servo.gainprm[0] = stiffness
             servo.biasprm[1], servo.biasprm[2] = -stiffness, -stiffness * SETTLING
+            servo.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
         return spec.compile()
 
     def _overlaps(self, data: Any) -> list[tuple[str, str]]:  # noqa: ANN401 - MuJoCo's data

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.emitters.profiles import PROFILE_HELP, PROFILES, ProfileName, adapted, append_transmissions
 from dh2urdf_plugins.emitters.urdf_tree import Notation, append_mujoco_options, append_robot, serialise
 from dh2urdf_plugins.urdf_reader import read_urdf
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.robot import Robot
 
 LONGEST_LINE = 8000
@@ -24,23 +27,25 @@ LONGEST_LINE = 8000
 class UrdfOptions:
     """What a URDF is written for."""
 
-    profile: Literal["portable"] = field(
-        default="portable", metadata={"help": "readers that the file is for; portable: all of them"}
-    )
+    profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
 
 
-def emit(robot: Robot, stem: str, _options: UrdfOptions) -> tuple[EmittedFile]:
+def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     """The URDF of a robot, as ``<stem>.urdf``.
 
     Raises:
         EmitterError: XML cannot hold one of its names, a name makes a line longer than readers take, or the robot lacks
             what URDF requires.
     """
-    notation = Notation()
+    notation, profile = Notation(), PROFILES[options.profile]
+    robot = adapted(robot, profile)
     root = etree.Element("robot", name=notation.text(robot.name))
-    append_mujoco_options(root)
+    if profile.mujoco_element:
+        append_mujoco_options(root)
     append_robot(root, robot, notation)
     content = serialise(root, robot.comment)
+    if profile.transmissions:
+        append_transmissions(root, robot, notation)
     _check_lines(content)
     return (EmittedFile(name=f"{stem}.urdf", content=content),)
 

@@ -26,6 +26,14 @@ from dh2urdf.number_text import format_number
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.emitters.profiles import (
+    PROFILE_HELP,
+    PROFILES,
+    Profile,
+    ProfileName,
+    adapted,
+    append_transmissions,
+)
 from dh2urdf_plugins.emitters.urdf_tree import (
     Notation,
     append_comment,
@@ -38,6 +46,7 @@ from dh2urdf_plugins.xacro_reader import read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from dh2urdf.robot import Arm, Parameter, Robot
 
@@ -62,6 +71,7 @@ class XacroOptions:
         default=False, metadata={"help": "write the macro and its call into one file instead of two"}
     )
 
+    profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
 
 class XacroNotation(Notation):
     """Names carry the prefix; numbers that follow the table are formulas over the macro's properties."""
@@ -133,20 +143,24 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
         EmitterError: XML cannot hold one of its names, a parameter's name is not one of a xacro property, or the robot
             lacks what URDF requires.
     """
-    notation = XacroNotation()
+    notation, profile = XacroNotation(), PROFILES[options.profile]
+    robot = adapted(robot, profile)
     macros = _macros(robot, stem)
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
         _append(top, "arg", name="prefix", default="")
-    append_mujoco_options(top)
+    if profile.mujoco_element:
+        append_mujoco_options(top)
     library = top if options.single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
     if not options.single_file:
         # xacro takes a file name for a pattern.
         _append(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
     for name, kind in macros.items():
-        _append_macro(library, kind, name)
+        _append_macro(library, kind, name, profile)
     if robot.arms:
-        etree.SubElement(top, "link", {"name": notation.text(robot.root)})
+        root = etree.SubElement(top, "link", {"name": notation.text(robot.root)})
+        if robot.links[0].inertial:
+            append_inertial(root, robot.links[0].inertial, notation)
         for arm in robot.arms:
             name = next(name for name, kind in macros.items() if kind is arm.kind)
             _append_placed_call(top, name, arm, notation)
@@ -201,7 +215,7 @@ def _as_text(text: str) -> str:
     return text if "_" in text.strip("'") or text == "world" else f"'{text}'"
 
 
-def _append_macro(parent: etree._Element, robot: Robot, name: str) -> None:
+def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile) -> None:
     notation = XacroNotation(robot.parameters)
     append_comment(
         parent,
@@ -212,7 +226,9 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str) -> None:
     _append_properties(macro, robot.parameters)
     _append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
-    if robot.links[0].inertial is None:
+    if profile.transmissions:
+        append_transmissions(macro, robot, notation)
+    if robot.links[0].inertial is None and profile.frame_inertials:
         # A link without an inertial weighs 1 kg in PyBullet, unless it is the root, and KDL warns of a root with one.
         mounted = etree.Element(f"{{{NAMESPACE}}}unless", {"value": "${parent == ''}"})
         append_inertial(mounted, Inertial(mass=0.0), notation)

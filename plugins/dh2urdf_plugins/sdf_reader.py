@@ -75,16 +75,16 @@ class _Place(NamedTuple):
     """Where a link, joint or frame of a model is.
 
     Attributes:
+        kind: which of the three.
         reference: the frame that its pose is relative to.
         pose: its frame in that one.
-        moves_with: what it is rigidly joined to: itself, where it is a link.
-        is_joint: whether it is a joint.
+        moves_with: what a joint or frame is rigidly joined to.
     """
 
+    kind: str
     reference: str
     pose: RigidTransform
     moves_with: str
-    is_joint: bool
 
 
 class _Reader:
@@ -111,14 +111,11 @@ class _Reader:
     # Frames
 
     def _place(self, element: etree._Element) -> _Place:
-        name = self._name(element)
-        if element.tag == "link":
-            default, moves_with = MODEL, name
-        else:
-            default = moves_with = self._word(element, "child") if element.tag == "joint" else _attached_to(element)
+        # A link has no such attribute, and is placed in the model; so is a frame that has none.
+        moves_with = self._word(element, "child") if element.tag == "joint" else element.get("attached_to") or MODEL
         pose = element.find("pose")
         named = None if pose is None else pose.get("relative_to")
-        return _Place(named or default, self._pose(element), moves_with, is_joint=element.tag == "joint")
+        return _Place(element.tag, named or moves_with, self._pose(element), moves_with)
 
     def _held(self, element: etree._Element) -> list[Joint]:
         """The joints, one after the other, that hold a link or frame."""
@@ -141,19 +138,19 @@ class _Reader:
 
     def _holder(self, place: _Place, body: str) -> str:
         """What holds a link or frame: the frame that it is posed in, where that is on the same body, else the body."""
-        is_link = place.reference in self._places and not self._places[place.reference].is_joint
+        is_link = place.reference in self._places and self._places[place.reference].kind != "joint"
         return place.reference if is_link and self._body(place.reference) == body else body
 
     def _body(self, name: str) -> str:
         """The link, or the world, that a frame is rigidly joined to."""
         way = [name]
         while way[-1] not in {WORLD, MODEL}:
-            following = self._known(way[-1]).moves_with
-            if following == way[-1]:
-                return following
-            if following in way:
-                raise self._error(self._model, f"frame {shown(following)} is attached to itself")
-            way.append(following)
+            place = self._known(way[-1])
+            if place.kind == "link":
+                return way[-1]
+            if place.moves_with in way:
+                raise self._error(self._model, f"frame {shown(place.moves_with)} is attached to itself")
+            way.append(place.moves_with)
         return WORLD
 
     def _between(self, base: str, name: str) -> RigidTransform:
@@ -327,10 +324,6 @@ class _Reader:
 
     def _error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
         return ProofError(Problem(message=message, accepted=accepted, mark=self._mark(element)))
-
-
-def _attached_to(frame: etree._Element) -> str:
-    return frame.get("attached_to") or MODEL
 
 
 def _origin(pose: RigidTransform) -> Origin:

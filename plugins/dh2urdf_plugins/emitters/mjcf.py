@@ -105,17 +105,17 @@ class _Model:
                 continue
             holder = bodies[joint.parent] if joint else world
             depth[link.name] = depth[joint.parent] + 1 if joint else 1
+            place = {"name": self._name(link, joint), **self._pose(joint.origin if joint else None)}
+            is_frame = _is_frame(link, joint)
+            if is_frame and link.name not in self._holders:
+                etree.SubElement(holder, "site", place)
+                continue
             if depth[link.name] > DEEPEST:
                 raise self._error(
                     "MuJoCo reads no chain of so many links",
                     joint,
                     accepted=f"at most {DEEPEST} links, one after the other; it reads longer ones from a URDF",
                 )
-            place = {"name": self._name(link, joint), **self._pose(joint.origin if joint else None)}
-            is_frame = _is_frame(link, joint)
-            if is_frame and link.name not in self._holders:
-                etree.SubElement(holder, "site", place)
-                continue
             body = bodies[link.name] = etree.SubElement(holder, "body", place)
             if is_frame:  # It holds something, which a site cannot, and is looked for among the sites all the same.
                 etree.SubElement(body, "site", {"name": place["name"]})

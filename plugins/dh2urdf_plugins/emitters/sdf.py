@@ -115,11 +115,13 @@ class _Model:
         return element
 
     def _append_frame(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
+        """Appends a frame; it is attached to a body, for Drake misplaces one that is attached to another frame."""
         frame = etree.SubElement(model, "frame", {"name": self._name(link.name, joint)})
         if joint:
-            if reference := self._reference(joint.parent):
-                frame.set("attached_to", reference)
-            self._append_pose(frame, joint.origin)
+            carrier, reference = self._carriers[link.name], self._reference(joint.parent)
+            if carrier != MODEL:
+                frame.set("attached_to", carrier)
+            self._append_pose(frame, joint.origin, None if reference == carrier else reference)
 
     def _reference(self, link: str) -> str | None:
         """What a pose in the frame of a link is relative to; None for the model, which stands for the world."""

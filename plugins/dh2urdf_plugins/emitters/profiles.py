@@ -17,6 +17,8 @@ from dh2urdf.robot import Arm, Collision, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
+    from collections.abc import Set as AbstractSet
+
     from dh2urdf_plugins.emitters.urdf_tree import Notation
 
 ProfileName: TypeAlias = Literal["portable", "ros", "pybullet", "mujoco", "gazebo", "coppeliasim", "drake"]
@@ -45,14 +47,14 @@ class Profile:
         default=False,
         portable="an empty root",
         otherwise="a root with an explicit mass and inertia of zero",
-        why="PyBullet warns of a link without an inertial, and KDL of a root with one",
+        why="PyBullet warns of a link without an inertial, `world` excepted, and KDL of a root with one",
     )
     base_collision: bool = _decision(
         default=True,
         portable="collision shapes of the base, where the transform made some",
         otherwise="none",
-        why="MuJoCo filters no contact between a link and a parent that stands still: the base throws the arm, and a "
-        "URDF cannot exclude a contact (MJCF can)",
+        why="MuJoCo filters no contact between a link and a parent that stands still: the base pushes the arm away, "
+        "and a URDF cannot exclude a contact (MJCF can)",
     )
     held: bool = _decision(
         default=False,
@@ -109,17 +111,14 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
     """
     if profile == PROFILES["portable"]:
         return robot
-    # Arms of one kind stay arms of one kind: xacro has one macro for each.
-    kinds = {id(arm.kind): _adapted_arm(arm.kind, profile) for arm in robot.arms}
     if not robot.arms:
         robot = _adapted_arm(robot, profile)
     else:
+        # Arms of one kind stay arms of one kind: xacro has one macro for each.
+        kinds = {id(arm.kind): _adapted_arm(arm.kind, profile) for arm in robot.arms}
         bases = {arm.prefix + link for arm in robot.arms for link in _fixed_to_root(arm.kind)}
-        links = tuple(_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links)
         arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)
-        robot = replace(robot, links=links, joints=_adapted_joints(robot, profile), arms=arms)
-    if profile.root_inertial:
-        robot = _with_root_inertial(robot)
+        robot = replace(_adapted(robot, profile, bases), arms=arms)
     return _held(robot) if profile.held and robot.root != WORLD else robot
 
 
@@ -139,10 +138,15 @@ def append_transmissions(parent: etree._Element, robot: Robot, notation: Notatio
 
 
 def _adapted_arm(robot: Robot, profile: Profile) -> Robot:
-    bases = _fixed_to_root(robot)
-    links = tuple(_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links)
-    robot = replace(robot, links=links, joints=_adapted_joints(robot, profile))
+    robot = _adapted(robot, profile, _fixed_to_root(robot))
     return _with_root_inertial(robot) if profile.root_inertial else robot
+
+
+def _adapted(robot: Robot, profile: Profile, bases: AbstractSet[str]) -> Robot:
+    links = tuple(_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links)
+    if profile.joint_friction:
+        return replace(robot, links=links)
+    return replace(robot, links=links, joints=tuple(replace(joint, friction=None) for joint in robot.joints))
 
 
 def _adapted_link(link: Link, profile: Profile, *, is_base: bool) -> Link:
@@ -154,12 +158,6 @@ def _adapted_link(link: Link, profile: Profile, *, is_base: bool) -> Link:
         shapes = tuple(Collision(geometry=visual.geometry, origin=visual.origin) for visual in link.visuals)
         link = replace(link, collisions=shapes)
     return link
-
-
-def _adapted_joints(robot: Robot, profile: Profile) -> tuple[Joint, ...]:
-    if profile.joint_friction:
-        return robot.joints
-    return tuple(replace(joint, friction=None) for joint in robot.joints)
 
 
 def _with_root_inertial(robot: Robot) -> Robot:

@@ -43,10 +43,10 @@ def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     if profile.mujoco_element:
         append_mujoco_options(root)
     append_robot(root, robot, notation)
-    content = serialise(root, robot.comment)
     if profile.transmissions:
         append_transmissions(root, robot, notation)
     _check_lines(content)
+    content = serialise(root, robot.comment)
     return (EmittedFile(name=f"{stem}.urdf", content=content),)
 
 

@@ -70,10 +70,10 @@ class XacroOptions:
     single_file: bool = field(
         default=False, metadata={"help": "write the macro and its call into one file instead of two"}
     )
-
     profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
 
 class XacroNotation(Notation):
+
     """Names carry the prefix; numbers that follow the table are formulas over the macro's properties."""
 
     def __init__(self, parameters: Sequence[Parameter] = ()) -> None:
@@ -158,9 +158,7 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
     for name, kind in macros.items():
         _append_macro(library, kind, name, profile)
     if robot.arms:
-        root = etree.SubElement(top, "link", {"name": notation.text(robot.root)})
-        if robot.links[0].inertial:
-            append_inertial(root, robot.links[0].inertial, notation)
+        etree.SubElement(top, "link", {"name": notation.text(robot.root)})
         for arm in robot.arms:
             name = next(name for name, kind in macros.items() if kind is arm.kind)
             _append_placed_call(top, name, arm, notation)

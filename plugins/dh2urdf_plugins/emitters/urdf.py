@@ -15,8 +15,6 @@ from dh2urdf_plugins.emitters.urdf_tree import Notation, append_mujoco_options, 
 from dh2urdf_plugins.urdf_reader import read_urdf
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from dh2urdf.robot import Robot
 
 LONGEST_LINE = 8000
@@ -45,8 +43,8 @@ def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     append_robot(root, robot, notation)
     if profile.transmissions:
         append_transmissions(root, robot, notation)
-    _check_lines(content)
     content = serialise(root, robot.comment)
+    _check_lines(content)
     return (EmittedFile(name=f"{stem}.urdf", content=content),)
 
 

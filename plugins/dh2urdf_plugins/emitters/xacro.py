@@ -46,7 +46,6 @@ from dh2urdf_plugins.xacro_reader import read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from pathlib import Path
 
     from dh2urdf.robot import Arm, Parameter, Robot
 
@@ -72,8 +71,8 @@ class XacroOptions:
     )
     profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
 
-class XacroNotation(Notation):
 
+class XacroNotation(Notation):
     """Names carry the prefix; numbers that follow the table are formulas over the macro's properties."""
 
     def __init__(self, parameters: Sequence[Parameter] = ()) -> None:

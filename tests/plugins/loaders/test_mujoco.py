@@ -12,6 +12,7 @@ from dh2urdf.errors import LoaderError, MissingDependencyError
 from dh2urdf.isolation import load_in_child
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.robot import Collision, Cylinder, Origin
+from dh2urdf_plugins.emitters import mjcf
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.loaders import mujoco_arm
 from dh2urdf_plugins.loaders.mujoco import LOADER, MuJoCoOptions, load, read_output
@@ -130,6 +131,38 @@ def test_what_mujoco_says_of_a_faulty_file_is_repeated(
     assert error.problems[0].message.startswith("MuJoCo cannot load the file: ")
     assert said in error.problems[0].message
     assert "\n" not in error.problems[0].message
+
+
+@pytest.fixture
+def mjcf_text(planar: Any) -> str:
+    """The planar arm as MJCF: tool0 is a site, and every joint has a servo."""
+    (file,) = mjcf.EMITTER.emit(planar.robot, "planar", mjcf.EMITTER.options())
+    return str(file.content.decode())
+
+
+def test_mjcf_is_confirmed(request_for: Any, planar: Any, mjcf_text: str) -> None:
+    """The same arm, its tool0 a site, is found right in MJCF too; its own servos hold it."""
+    report = run(request_for(mjcf_text))
+    assert (report.findings, report.output) == ((), "")
+    assert report.poses == len(planar.poses)
+    assert report.mass == pytest.approx(6.7, rel=1e-15)
+    assert report.hold["stayed"] is True
+    assert [joint["effort"] for joint in report.joints] == [60.0, 30.0, 50.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "message"),
+    [
+        ('forcerange="-60 60"', 'forcerange="-50 50"', r"effort 50\.0 where 60\.0"),
+        ('<site name="tool0"/>', '<site name="tool0" pos="0 0 0.001"/>', r"tool0 in another place, 0\.001 m"),
+        ('<site name="tool0"/>', "", "or lost them: 'tool0'"),
+    ],
+)
+def test_another_mjcf_is_refused(request_for: Any, mjcf_text: str, written: str, instead: str, message: str) -> None:
+    """A weaker actuator, and a site that is elsewhere or nowhere."""
+    assert written in mjcf_text
+    with pytest.raises(LoaderError, match=message):
+        raise refusal(request_for(mjcf_text.replace(written, instead, 1)))
 
 
 def test_fused_links_are_named(request_for: Any, planar: Any) -> None:

@@ -7,10 +7,10 @@ options dataclass that the function takes. The options' fields have defaults, an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeAlias, TypeVar
+from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Robot
@@ -102,6 +102,65 @@ class EmittedFile:
     content: bytes
 
 
+Severity: TypeAlias = Literal["error", "warning", "note"]
+SEVERITIES: tuple[Severity, ...] = get_args(Severity)
+"""From the worst on."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effect:
+    """What one consumer does with a file that has a fault.
+
+    Attributes:
+        consumer: its name, as `Inspection.consumers` has it.
+        severity: how bad that is.
+        text: what it does, as a sentence whose subject it is, without a full stop.
+    """
+
+    consumer: str
+    severity: Severity
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """Something in a file that not every consumer takes as it is meant.
+
+    Attributes:
+        rule: name of the rule that found it, in kebab-case; it stays the same from version to version.
+        message: what stands there, as one plain sentence without its place and without a full stop.
+        mend: what to do about it.
+        effects: what the consumers do that do not just take it; empty where the finding is not about them.
+        mark: where it stands.
+    """
+
+    rule: str
+    message: str
+    mend: str
+    effects: tuple[Effect, ...] = ()
+    mark: Mark | None = None
+
+    @property
+    def severity(self) -> Severity:
+        """That of the worst effect."""
+        return min((effect.severity for effect in self.effects), key=SEVERITIES.index, default="error")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inspection:
+    """What is to be said of a file of any origin.
+
+    Attributes:
+        consumers: the consumers of the format that were thought of: name, and what it stands for.
+        findings: what was found, in the order of the file.
+        robot: the links and joints of the file, as far as they can be read; None where there are none.
+    """
+
+    consumers: Mapping[str, str]
+    findings: tuple[Finding, ...]
+    robot: Robot | None = None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Emitter(Generic[O]):
     """Makes the files of a robot.
@@ -117,6 +176,8 @@ class Emitter(Generic[O]):
             every run compares its kinematics with the DH product. None where the format cannot be read.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
+        check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
+            findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
     """
 
     name: str
@@ -127,6 +188,7 @@ class Emitter(Generic[O]):
     read_back: Callable[[Path], Robot] | None = None
     one_file: Callable[[O], O] | None = None
     costly_proof: bool = False
+    check: Callable[[Path], Inspection] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,7 +15,10 @@ from dh2urdf_plugins.emitters.urdf_tree import Notation, append_mujoco_options, 
 from dh2urdf_plugins.urdf_reader import read_urdf
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.robot import Robot
+    from dh2urdf.stages import Inspection
 
 LONGEST_LINE = 8000
 """Bytes of one line [1]: PyBullet cuts a longer one in silence."""
@@ -61,6 +64,17 @@ def _check_lines(content: bytes) -> None:
             )
 
 
+def check(path: Path) -> Inspection:
+    """What there is to say of a URDF of any origin.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    from dh2urdf_plugins.lint.inspection import inspect_urdf
+
+    return inspect_urdf(path)
+
+
 EMITTER = Emitter(
     name="urdf",
     summary="URDF that every common simulator and ROS tool reads alike",
@@ -68,4 +82,5 @@ EMITTER = Emitter(
     options=UrdfOptions,
     emit=emit,
     read_back=read_urdf,
+    check=check,
 )

@@ -46,8 +46,10 @@ from dh2urdf_plugins.xacro_reader import read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from dh2urdf.robot import Arm, Parameter, Robot
+    from dh2urdf.stages import Inspection
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
 MACRO_PARAMETERS = "prefix parent:='' *origin"
@@ -280,6 +282,17 @@ def one_file(options: XacroOptions) -> XacroOptions:
     return replace(options, single_file=True)
 
 
+def check(path: Path) -> Inspection:
+    """What there is to say of a xacro, expanded, of any origin.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    from dh2urdf_plugins.lint.inspection import inspect_xacro
+
+    return inspect_xacro(path)
+
+
 EMITTER = Emitter(
     name="xacro",
     summary="a xacro macro with the table as its properties, and a file that calls it",
@@ -289,4 +302,5 @@ EMITTER = Emitter(
     read_back=read_xacro,
     one_file=one_file,
     costly_proof=True,
+    check=check,
 )

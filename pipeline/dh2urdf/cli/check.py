@@ -102,6 +102,7 @@ def _checker(catalog: Catalog, file: Path, format_name: str | None) -> Any:  # n
                 message=f"files of the format {emitter.name!r} cannot be checked",
                 mark=Mark(file=str(file)),
                 accepted=", ".join(able),
+                suggestion="`--as NAME` says what the file is, where its suffix does not",
             )
         )
     return emitter.check

@@ -85,7 +85,8 @@ def _print_table(findings: Sequence[Finding]) -> None:
 
 
 def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> Iterator[str]:
-    chain = f"{agreement.base_link} to {agreement.tip_link}, {len(agreement.joints)} joints"
+    count = len(agreement.joints)
+    chain = f"{agreement.base_link} to {agreement.tip_link}, {count} joint{'' if count == 1 else 's'}"
     if agreement.holds and agreement.difference is not None:
         yield f"the same arm as {manipulator.name} of {table} ({chain}): within {_errors(agreement.difference)}"
         return

@@ -77,14 +77,15 @@ class Notation:
         return self.numbers(angles)
 
 
-def urdf_tree(robot: Robot, name: str, notation: Notation) -> etree._Element:
-    """The whole tree of a URDF, under a name that is written already.
+def urdf_tree(robot: Robot, name: str, notation: Notation, *, mujoco: bool = True) -> etree._Element:
+    """The whole tree of a URDF, under a name that is written already; with what MuJoCo has to be told, if asked for.
 
     Raises:
         EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
     """
     root = etree.Element("robot", name=name)
-    append_mujoco_options(root)
+    if mujoco:
+        append_mujoco_options(root)
     append_robot(root, robot, notation)
     return root
 

@@ -37,7 +37,9 @@ EXAMPLE = ROOT / "tests" / "example_plugin" / "src" / "dh2urdf_example_plugin"
 HOOKS = tuple(f"dh2urdf_{kind}s" for kind in KINDS)
 
 SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake"}
-HEAVY = SIMULATORS | {"dask", "distributed", "numpy", "pyarrow", "scipy", "pydantic", "xacro", "rich", "PIL"}
+HEAVY = SIMULATORS | {
+    *("dask", "distributed", "jinja2", "matplotlib", "numpy", "pyarrow", "scipy", "pydantic", "xacro", "rich", "PIL")
+}
 
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
 
@@ -83,7 +85,7 @@ class TestImportDirection:
         """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""
         project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
         extras = project["optional-dependencies"]
-        optional = [name for stage in ("dask", "parquet", "pybullet", "remote", "sampling") for name in extras[stage]]
+        optional = [name for stage in ("dask", "parquet", "pybullet", "remote", "report", "sampling") for name in extras[stage]]
         requirements = [*project["dependencies"], *optional]
         names = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}
         packages = {{"pyyaml": "yaml", "pillow": "PIL"}.get(name, name) for name in names}

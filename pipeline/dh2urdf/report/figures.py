@@ -313,11 +313,13 @@ class _Drawing:
     """A figure of some size [inch] in the style of the page."""
 
     def __init__(self, width: float, height: float) -> None:
-        from matplotlib import rc_context
+        from matplotlib import rc_context, rcdefaults, rcParams
         from matplotlib.figure import Figure
 
-        self._style = rc_context(_STYLE)  # type: ignore[arg-type]  # of names that every version has
+        self._style = rc_context()
         self._style.__enter__()
+        rcdefaults()  # What a person has set for other drawings is restored afterwards.
+        rcParams.update(_STYLE)  # type: ignore[arg-type]  # of names that every version has
         self.figure: Figure = Figure(figsize=(width, height), dpi=110)
 
     def __enter__(self) -> Self:

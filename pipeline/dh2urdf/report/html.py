@@ -10,9 +10,11 @@ own policy lets it run no script but its own.
 
 from __future__ import annotations
 
+import logging
 import math
 import tarfile
 from base64 import b64encode
+from contextlib import contextmanager
 from dataclasses import fields
 from hashlib import sha256
 from importlib.util import find_spec
@@ -37,14 +39,16 @@ if TYPE_CHECKING:
     from dh2urdf.stores import Store
 
 PAGE = "report.html"
+HOW_TO_GET = "a page with pictures of it, report.html, needs jinja2 and matplotlib: pip install 'dh2urdf[report]'"
+"""What is said where the page cannot be written."""
 LARGEST_PICTURE = 4_000_000
 """Pictures beyond are left out of the page [B]."""
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def can_write_html() -> bool:
-    """Whether jinja2 and matplotlib are installed; they are not imported."""
-    return find_spec("jinja2") is not None and find_spec("matplotlib") is not None
+    """Whether jinja2, matplotlib and what it draws pixels with are installed; they are not imported."""
+    return all(find_spec(package) for package in ("jinja2", "matplotlib", "PIL"))
 
 
 def write_html(store: Store, rows: BinaryIO, exhibits: Exhibits, recipe: Recipe, layout: Layout) -> None:
@@ -61,7 +65,21 @@ def write_html(store: Store, rows: BinaryIO, exhibits: Exhibits, recipe: Recipe,
         OutputError: it cannot be written.
     """
     overview = Overview(rows, FULL)
-    store.write(PAGE, page(overview, exhibits, recipe, store, layout))
+    with _without_warnings():
+        content = page(overview, exhibits, recipe, store, layout)
+    store.write(PAGE, content)
+
+
+@contextmanager
+def _without_warnings() -> Iterator[None]:
+    """Keeps to itself what matplotlib says of its font cache and its folders when it is used for the first time."""
+    logger = logging.getLogger("matplotlib")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def page(overview: Overview, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:

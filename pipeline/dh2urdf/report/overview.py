@@ -151,14 +151,15 @@ class Draw:
         """Learns how far the values go."""
         if isinstance(value, str):
             self.words[value] += 1
-        else:
-            self.least, self.most = min(self.least, value), max(self.most, value)
+            return
+        self.least = min(self.least, value)
+        self.most = max(self.most, value)
 
     def count(self, value: Value) -> None:
         """Counts a value, once all have been seen."""
         if not isinstance(value, str) and self.most > self.least:
             place = int((value - self.least) / (self.most - self.least) * _BARS)
-            self.counts[min(max(place, 0), _BARS - 1)] += 1
+            self.counts[place if place < _BARS else _BARS - 1] += 1
 
     def bars(self) -> Bars | None:
         """Its distribution; None where there is none to draw."""
@@ -248,12 +249,15 @@ class Overview:
         remarks = len(row["notices"]) + sum(len(load["findings"]) for load in row["loaders"].values())
         self.remarks += remarks
         for check in checks(row):
-            errors = self.errors.setdefault(check.name, Errors(is_simulator=check.is_simulator))
+            if check.name not in self.errors:
+                self.errors[check.name] = Errors(is_simulator=check.is_simulator)
             if check.facts:
-                errors.add(row["name"], check.facts)
+                self.errors[check.name].add(row["name"], check.facts)
         for key, value in row["drawn"].items():
-            if key in self.drawn or len(self.drawn) < MOST_DRAWN:
-                self.drawn.setdefault(key, Draw(key)).see(value)
+            if key not in self.drawn and len(self.drawn) < MOST_DRAWN:
+                self.drawn[key] = Draw(key)
+            if key in self.drawn:
+                self.drawn[key].see(value)
         entries = self._failed if row["status"] == "failed" else self._others
         if len(entries) < LISTED:
             entries.append(self._entry(row, remarks))

@@ -132,7 +132,7 @@ def arm_figure(truth: Truth, key: str) -> str:
     size = max(float((high - low).max()), 1e-3)
     middle, extent = (low + high) / 2.0, np.maximum(high - low, 0.45 * size) + 0.16 * size
     with _Drawing(5.2, 3.9) as drawing:
-        axes: Any = drawing.figure.add_axes((-0.06, -0.06, 1.12, 1.16), projection="3d", proj_type="ortho")
+        axes: Any = drawing.figure.add_axes((-0.09, -0.06, 1.12, 1.16), projection="3d", proj_type="ortho")
         axes.set_box_aspect(extent / extent.max(), zoom=1.04)
         for name, centre, width in zip("xyz", middle, extent, strict=True):
             getattr(axes, f"set_{name}lim")(centre - width / 2.0, centre + width / 2.0)

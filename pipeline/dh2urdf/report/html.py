@@ -25,7 +25,7 @@ from dh2urdf.layouts import Form
 from dh2urdf.number_text import format_number
 from dh2urdf.report.exhibits import FULL, Exhibit
 from dh2urdf.report.figures import ARMS, Workspace, arm_figure, bars_figure
-from dh2urdf.report.overview import LISTED, Overview, checks
+from dh2urdf.report.overview import MOST_DRAWN, SAMPLED, Overview, checks
 from dh2urdf.source import printable
 
 if TYPE_CHECKING:
@@ -95,7 +95,8 @@ def page(overview: Overview, exhibits: Exhibits, recipe: Recipe, store: Store, l
     text = environment.get_template("page.html").render(
         version=__version__,
         overview=overview,
-        listed=LISTED,
+        sampled=SAMPLED,
+        most_drawn=MOST_DRAWN,
         shown=shown,
         shown_keys={exhibit.number: exhibit.key for exhibit in shown},
         stages=list(_stages(recipe)),
@@ -180,10 +181,14 @@ def _angle(value: float | None) -> Any:  # noqa: ANN401 - Markup
 
 
 def _error(value: float | None, unit: str = "") -> Any:  # noqa: ANN401 - Markup
-    """An error with two digits."""
+    """An error with two digits; one that is none, with three."""
     if value is None:
         return _nothing()
-    return _data(value, f"{f'{value:.1e}' if value else '0'}{unit and f' {unit}'}")
+    text = f"{value:.3g}" if not value or value >= _LARGE else f"{value:.1e}"
+    return _data(value, f"{text}{unit and f' {unit}'}")
+
+
+_LARGE = 1e-2  # [m or rad]
 
 
 def _vector(values: Any, most: int = 16) -> Any:  # noqa: ANN401 - numbers; Markup

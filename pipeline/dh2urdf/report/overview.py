@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections import Counter
 from dataclasses import dataclass, field
 from itertools import chain
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 LISTED = 1000
 """Manipulators that the table of all lists [1]: failures first, then the first others."""
+SAMPLED = 20_000
+"""Manipulators of a longer run whose drawn values are drawn as distributions [1]."""
 MOST_DRAWN = 12
 """Drawn fields that are columns of this table, or that are drawn as distributions [1]."""
 _MOST_WORDS = 12  # different texts that one field may have, in a figure
@@ -129,17 +132,13 @@ class Draw:
 
     Attributes:
         key: such as ``a_2``.
-        least: the smallest number.
-        most: the largest number.
-        words: the texts, where it is no number.
-        counts: how many numbers each bar has.
+        numbers: the values.
+        words: how often each text was drawn, where it is no number.
     """
 
     key: str
-    least: float = math.inf
-    most: float = -math.inf
+    numbers: array[float] = field(default_factory=lambda: array("d"))
     words: Counter[str] = field(default_factory=Counter)
-    counts: list[int] = field(default_factory=lambda: [0] * _BARS)
 
     @property
     def unit(self) -> str:
@@ -147,34 +146,25 @@ class Draw:
         field = FIELDS.get(self.key.rpartition("_")[0])
         return " or ".join(_UNITS.get(what, "SI") for what in (field.dimension, field.linear) if what) if field else ""
 
-    def see(self, value: Value) -> None:
-        """Learns how far the values go."""
+    def add(self, value: Value) -> None:
+        """Takes a value."""
         if isinstance(value, str):
             self.words[value] += 1
-            return
-        self.least = min(self.least, value)
-        self.most = max(self.most, value)
-
-    def count(self, value: Value) -> None:
-        """Counts a value, once all have been seen."""
-        if not isinstance(value, str) and self.most > self.least:
-            place = int((value - self.least) / (self.most - self.least) * _BARS)
-            self.counts[place if place < _BARS else _BARS - 1] += 1
+        else:
+            self.numbers.append(value)
 
     def bars(self) -> Bars | None:
         """Its distribution; None where there is none to draw."""
+        import numpy as np
+
         if self.words:
             words = self.words.most_common(_MOST_WORDS)
             return Bars(title=self.key, edges=tuple(w for w, _ in words), counts=tuple(count for _, count in words))
-        if not (self.most > self.least and math.isfinite(self.most - self.least)):
+        values = np.array(self.numbers)
+        if not values.size or not 0.0 < np.ptp(values) < math.inf:
             return None
-        step = (self.most - self.least) / _BARS
-        return Bars(
-            title=self.key,
-            edges=tuple(self.least + step * number for number in range(_BARS + 1)),
-            counts=tuple(self.counts),
-            unit=self.unit,
-        )
+        counts, edges = np.histogram(values, bins=_BARS)
+        return Bars(title=self.key, edges=tuple(edges.tolist()), counts=tuple(counts.tolist()), unit=self.unit)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,7 +202,7 @@ class Overview:
         statuses: how many are ok, failed or skipped.
         first: the rows of the first ones.
         errors: position errors by emitter and loader.
-        drawn: what was drawn, by field and joint.
+        drawn: what was drawn, by field and joint; of a long run a sample.
         files: how many files were written.
         size: and how long they are [B].
         remarks: notices and findings.
@@ -220,6 +210,8 @@ class Overview:
     """
 
     def __init__(self, rows: BinaryIO, most: int) -> None:
+        rows.seek(0)
+        self._share = SAMPLED * 2**32 // max(SAMPLED, sum(1 for _ in rows))
         self.count = 0
         self.statuses: Counter[str] = Counter()
         self.first: list[Row] = []
@@ -229,17 +221,14 @@ class Overview:
         self._failed: list[Entry] = []
         self._others: list[Entry] = []
         index = Index()
-        for row in _rows(rows):
+        rows.seek(0)
+        for line in rows:
+            row = orjson.loads(line)
             self._add(row)
             index.add(row)
             if len(self.first) < most:
                 self.first.append(row)
         self.index = index.as_json()
-        if self.drawn:
-            for row in _rows(rows):
-                for key, value in row["drawn"].items():
-                    if key in self.drawn:
-                        self.drawn[key].count(value)
 
     def _add(self, row: Row) -> None:
         self.count += 1
@@ -253,11 +242,13 @@ class Overview:
                 self.errors[check.name] = Errors(is_simulator=check.is_simulator)
             if check.facts:
                 self.errors[check.name].add(row["name"], check.facts)
+        # Multiples of the golden ratio are spread evenly, also where a grid repeats itself.
+        is_sampled = self.count * 2654435769 % 2**32 < self._share
         for key, value in row["drawn"].items():
             if key not in self.drawn and len(self.drawn) < MOST_DRAWN:
                 self.drawn[key] = Draw(key)
-            if key in self.drawn:
-                self.drawn[key].see(value)
+            if is_sampled and key in self.drawn:
+                self.drawn[key].add(value)
         entries = self._failed if row["status"] == "failed" else self._others
         if len(entries) < LISTED:
             entries.append(self._entry(row, remarks))
@@ -305,8 +296,3 @@ class Overview:
             for name, errors in self.errors.items()
             if errors.counts
         ]
-
-
-def _rows(rows: BinaryIO) -> Iterator[Row]:
-    rows.seek(0)
-    return map(orjson.loads, rows)

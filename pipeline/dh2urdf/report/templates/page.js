@@ -22,7 +22,7 @@
   headers.forEach((header, column) => {
     const button = document.createElement("button");
     button.type = "button";
-    button.append(...header.childNodes);
+    button.setAttribute("aria-label", `sort by ${header.textContent.trim()}`);
     header.append(button);
     button.addEventListener("click", () => {
       const falling = header.getAttribute("aria-sort") === "ascending";

@@ -38,7 +38,21 @@ HOOKS = tuple(f"dh2urdf_{kind}s" for kind in KINDS)
 
 SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake", "zmq"}
 HEAVY = SIMULATORS | {
-    *("dask", "distributed", "fsspec", "s3fs", "numpy", "pyarrow", "scipy", "pydantic", "xacro", "rich", "PIL")
+    *(
+        "dask",
+        "distributed",
+        "fsspec",
+        "s3fs",
+        "jinja2",
+        "matplotlib",
+        "numpy",
+        "pyarrow",
+        "scipy",
+        "pydantic",
+        "xacro",
+        "rich",
+        "PIL",
+    )
 }
 
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
@@ -85,7 +99,20 @@ class TestImportDirection:
         """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""
         project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
         extras = project["optional-dependencies"]
-        asked = (*("coppeliasim", "dask", "drake", "mujoco", "parquet", "pinocchio", "pybullet", "remote", "sampling"),)
+        asked = (
+            *(
+                "coppeliasim",
+                "dask",
+                "drake",
+                "mujoco",
+                "parquet",
+                "pinocchio",
+                "pybullet",
+                "remote",
+                "report",
+                "sampling",
+            ),
+        )
         requirements = [*project["dependencies"], *(package for extra in asked for package in extras[extra])]
         names = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}
         modules_of = {"drake": "pydrake", "pillow": "PIL", "pin": "pinocchio", "pyyaml": "yaml", "pyzmq": "zmq"}

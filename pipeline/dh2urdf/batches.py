@@ -99,6 +99,19 @@ class Batch:
     def __len__(self) -> int:
         return len(self.names)
 
+    def single(self, place: int) -> Single:
+        """What is to be made at a place."""
+        if place in self.singles:
+            return self.singles[place]
+        for first, variation, numbers in self.variants:
+            if first <= place < first + len(numbers):
+                variant = Variant(variation=variation, number=numbers[place - first])
+                try:
+                    return variant.manipulator(variant.drawn())
+                except ManipulatorError as error:
+                    return Doomed(variant.name, error, variant.mark)
+        return next(some.pick(places.index(place)) for places, some in self.columns if place in places)
+
     def part(self, start: int, stop: int) -> Batch:
         """Those from one place to before another one."""
         wanted = range(start, stop)

@@ -44,6 +44,7 @@ SECTIONS = (
     "execution",
     "proof",
     "sample",
+    "report",
 )
 DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
@@ -111,6 +112,7 @@ class RunConfig:
         proved: whose files are compared.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
         time_limit: how long one manipulator may take, simulators aside [s].
+        html: whether the run writes a page for people, where its packages are installed.
         problems: what is wrong with the file; nothing may start while there is any.
     """
 
@@ -127,6 +129,7 @@ class RunConfig:
     proved: Sample = Sample()
     sample: Sample = DEFAULT_SAMPLE
     time_limit: float = DEFAULT_TIME_LIMIT
+    html: bool = True
     problems: tuple[Problem, ...] = ()
 
 
@@ -198,6 +201,7 @@ def _written_out(root: Node) -> Node:
         "output": _mapping_of(given.get("output", _mapping({}, root)), "directory"),
         "proof": given.get("proof", _mapping({}, root)),
         "sample": given.get("sample", _mapping({}, root)),
+        "report": given.get("report", _mapping({}, root)),
     }
     return _mapping(sections, root)
 
@@ -253,6 +257,7 @@ class _Sections(SettingsReader):
         output = self.entries(sections["output"], ("directory", "layout", "size"), "output")
         proof = self.entries(sections["proof"], ("poses", "first", "every"), "proof")
         sample = self.entries(sections["sample"], ("first", "every"), "sample")
+        report = self.entries(sections["report"], ("html",), "report")
         return RunConfig(
             inputs=tuple(self._inputs(sections["inputs"])),
             transform=self._call(sections["transform"], "transform", DEFAULT_TRANSFORM)
@@ -269,6 +274,7 @@ class _Sections(SettingsReader):
             proved=self.sample(proof, "proof", Sample()),
             sample=self.sample(sample, "sample", DEFAULT_SAMPLE),
             time_limit=self.seconds(sections["execution"]),
+            html=self.switch(report.get("html"), "report.html", default=True),
             problems=tuple(self.problems),
         )
 

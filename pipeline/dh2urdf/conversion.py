@@ -21,13 +21,13 @@ from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter, Kind, Loader, Reader, Rejected, Transform
+from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from dh2urdf.proof import Poses
-    from dh2urdf.truth import Truth
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 T = TypeVar("T")
@@ -116,6 +116,17 @@ class Written:
     stage: str
     files: tuple[EmittedFile, ...]
     proof: Proof | None
+
+
+def make_item(item: Manipulator | Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
+    """The robot of a manipulator or cell, checked, and what its tables say of it.
+
+    Raises:
+        ManipulatorError: as `make_robot` and `make_cell`.
+    """
+    if isinstance(item, Cell):
+        return make_cell(item, transform)
+    return make_robot(item, transform), Truth.of(item)
 
 
 def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Robot:

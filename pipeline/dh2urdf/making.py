@@ -21,9 +21,8 @@ import orjson
 
 from dh2urdf.batch_report import BatchReport, Tally
 from dh2urdf.batches import Batch, Doomed, Single
-from dh2urdf.cells import Cell
 from dh2urdf.columns import ManipulatorColumns, in_columns
-from dh2urdf.conversion import Call, Recipe, Written, blaming, emit_robot, make_cell, make_robot
+from dh2urdf.conversion import Call, Recipe, Written, blaming, emit_robot, make_item
 from dh2urdf.earlier_files import EarlierFiles
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, TableError
 from dh2urdf.journal import Journal
@@ -37,7 +36,6 @@ from dh2urdf.proof import Proof
 from dh2urdf.proof_columns import prove_columns
 from dh2urdf.stages import EmittedFile, Emitter, Loader, Rejected
 from dh2urdf.stores import Store
-from dh2urdf.truth import Truth
 from dh2urdf.variation_columns import variant_columns
 from dh2urdf.variations import Variant
 
@@ -46,7 +44,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import RobotColumns
     from dh2urdf.laws import Value
-    from dh2urdf.robot import Robot
     from dh2urdf.source import Mark
 
 
@@ -352,7 +349,7 @@ class _Work:
             loaders = self.recipe.loaders if loads else ()
             with self._watched(loaders):
                 with _timed(seconds, "transform"):
-                    robot, truth = _robot(what, self.recipe)
+                    robot, truth = make_item(what, self.recipe.transform)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.maker.effect is Effect.LOOK:
                     return outcome
@@ -432,12 +429,6 @@ class _Work:
             yield
         finally:
             faulthandler.cancel_dump_traceback_later()
-
-
-def _robot(item: Manipulator | Cell, recipe: Recipe) -> tuple[Robot, Truth]:
-    if isinstance(item, Cell):
-        return make_cell(item, recipe.transform)
-    return make_robot(item, recipe.transform), Truth.of(item)
 
 
 @contextmanager

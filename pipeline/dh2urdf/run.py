@@ -22,6 +22,8 @@ from dh2urdf.layouts import Layout
 from dh2urdf.making import Effect, Maker, this_process
 from dh2urdf.options import make_options
 from dh2urdf.output import reporting_os_errors, write_all
+from dh2urdf.report.exhibits import Exhibits
+from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import run_report, write_reports, write_timing
 from dh2urdf.source import Problem, in_file_order
 from dh2urdf.stages import Executor, Loader, Lost, Reader
@@ -53,6 +55,7 @@ class Plan:
         executor_options: its options.
         cells: robots of several of the manipulators, made when all have been read.
         variations: manipulators drawn from others, made at the end.
+        html: whether to write a page for people, where its packages are installed.
     """
 
     inputs: tuple[tuple[Path, Reader[Any], Any], ...]
@@ -64,6 +67,7 @@ class Plan:
     executor_options: Any
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
+    html: bool = True
 
 
 class Result:
@@ -164,6 +168,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         executor_options=executor.options,
         cells=config.cells,
         variations=config.variations,
+        html=config.html,
     )
 
 
@@ -206,7 +211,7 @@ def execute(
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
-            _make(plan, Effect.LOOK, "", None, rows, result, note)
+            _make(plan, Effect.LOOK, "", None, rows, result, note, Exhibits(0))
             report = run_report(rows, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
@@ -214,13 +219,18 @@ def execute(
     with store.lock(), _earlier(store, resume=resume) as earlier, store.scratch() as folder:
         journal = next_journal(store)
         path = folder / "manifest"
+        exhibits = Exhibits()
         with path.open("w+b") as rows:
             try:
-                _make(plan, Effect.MAKE, journal, earlier, rows, result, note)
+                _make(plan, Effect.MAKE, journal, earlier, rows, result, note, exhibits)
             except TableError:  # There is nothing to go on with.
                 store.remove_tree(journal if resume else JOURNAL)
                 raise
             report = write_reports(store, rows, result)
+            if plan.html and can_write_html():
+                write_html(store, rows, exhibits, plan.recipe, plan.layout)
+            else:
+                store.remove(PAGE)  # An older one would tell of another run.
             result.seconds["total"] = time.perf_counter() - started
             write_timing(store, result)
         store.put(MANIFEST, path)
@@ -247,6 +257,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     rows: BinaryIO,
     result: Result,
     note: Note | None,
+    exhibits: Exhibits,
 ) -> None:
     """Make all manipulators, and write the rows of the manifest."""
     maker = Maker(
@@ -266,6 +277,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         for batch in batches(plan, expected):
             known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
             under_way.append(known)
+            exhibits.see(batch)
             yield known
 
     unread: list[

@@ -67,6 +67,16 @@ class SettingsReader(SectionReader):
         )
         return DEFAULT_TIME_LIMIT
 
+    def switch(self, node: Node | None, field: str, *, default: bool) -> bool:
+        """Whether something is done."""
+        if node is None or node.value is None:
+            return default
+        if not isinstance(node.value, bool):
+            message = f"{field.rpartition('.')[2]} cannot be {node.describe()}"
+            self.say(message, node, field, accepted="true, false")
+            return default
+        return node.value
+
     def whole(self, node: Node | None, field: str, least: int, most: int, default: int) -> int:
         """A whole number within bounds."""
         if node is None or node.value is None:

@@ -69,6 +69,15 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
             }
         ),
         "sample": _mapping(_sample(DEFAULT_SAMPLE, "go through expansion of xacro and simulators")),
+        "report": _mapping(
+            {
+                "html": {
+                    "type": "boolean",
+                    "default": True,
+                    "description": "whether report.html is written, where jinja2 and matplotlib are installed",
+                }
+            }
+        ),
     }
     return {
         "$schema": DIALECT,

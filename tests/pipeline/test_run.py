@@ -155,6 +155,7 @@ class Lab:
             (self.folder / f"{name}.list").write_text(text)
         (self.folder / "run.yaml").write_text(
             config + "\ntransform: draw\nemitters: pickle\nexecution: here\noutput: {directory: out}\n"
+            "report: {html: false}\n"
         )
         return make_plan(load_config(self.folder / "run.yaml"), self.catalog)
 

@@ -83,7 +83,9 @@ class TestImportDirection:
         """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""
         project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
         extras = project["optional-dependencies"]
-        optional = [name for stage in ("dask", "parquet", "pybullet", "remote", "sampling") for name in extras[stage]]
+        optional = [
+            name for stage in ("dask", "meshes", "parquet", "pybullet", "remote", "sampling") for name in extras[stage]
+        ]
         requirements = [*project["dependencies"], *optional]
         names = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}
         packages = {{"pyyaml": "yaml", "pillow": "PIL"}.get(name, name) for name in names}

@@ -20,6 +20,7 @@ from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journ
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
 from dh2urdf.making import Effect, Maker, this_process
+from dh2urdf.mesh_section import MeshCall
 from dh2urdf.options import make_options
 from dh2urdf.output import reporting_os_errors, write_all
 from dh2urdf.report.json import run_report, write_reports, write_timing
@@ -53,6 +54,7 @@ class Plan:
         executor_options: its options.
         cells: robots of several of the manipulators, made when all have been read.
         variations: manipulators drawn from others, made at the end.
+        meshes: mesh files that links are drawn and touched as.
     """
 
     inputs: tuple[tuple[Path, Reader[Any], Any], ...]
@@ -64,6 +66,7 @@ class Plan:
     executor_options: Any
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
+    meshes: tuple[MeshCall, ...] = ()
 
 
 class Result:
@@ -143,6 +146,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         proved=config.proved,
         sample=config.sample,
         time_limit=config.time_limit,
+        mesh_prefix=config.mesh_prefix,
     )
     for loader in recipe.loaders:
         loader.stage.require(loader.options)
@@ -159,6 +163,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         executor_options=executor.options,
         cells=config.cells,
         variations=config.variations,
+        meshes=config.meshes,
     )
 
 

@@ -114,8 +114,7 @@ def mesh_body(file: MeshFile, scale: Vec3) -> MeshBody:
     """
     mesh = _read(file)
     mesh.vertices = mesh.vertices * scale
-    edges = mesh.extents
-    size = 0.0 if edges is None else float(max(edges))
+    size = 0.0 if mesh.extents is None else float(max(mesh.extents))
     is_closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
     solid = _integrals(mesh.triangles, _middle(mesh.bounds)) if is_closed else None
     if solid is None or not abs(solid.mass) > _FLAT * size**3:

@@ -104,6 +104,7 @@ class TestImportDirection:
                 "coppeliasim",
                 "dask",
                 "drake",
+                "meshes",
                 "mujoco",
                 "parquet",
                 "pinocchio",

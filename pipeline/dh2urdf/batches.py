@@ -20,6 +20,7 @@ from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.gathering import Gathering
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.memory import collected_at_the_end
+from dh2urdf.mesh_section import MeshGiver
 from dh2urdf.output import Stems
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
@@ -288,11 +289,12 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
     """
     needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
     gathering = Gathering(needed)
+    meshes = MeshGiver(plan.meshes)
     count = 0
     for path, reader, options in plan.inputs:
         source, before = str(path), count
         try:
-            for what in read_items(reader, path, options):
+            for what in map(meshes.give, read_items(reader, path, options)):
                 gathering.see(what)
                 count += 1
                 yield Item(what, source)
@@ -304,6 +306,9 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
             count += 1
             yield Item(rejected, source, error.traceback if isinstance(error, StageError) else "")
         expected.finish_input()
+    for left in meshes.left_over():
+        count += 1
+        yield Item(left, _file(left.mark))
     expected.finish_inputs(count)
     for cell in with_tables(plan.cells, gathering):
         yield Item(cell, _file(cell.mark))

@@ -31,6 +31,8 @@ from dh2urdf.layouts import Layout, Place
 from dh2urdf.loading import load_written
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.memory import collected_at_the_end
+from dh2urdf.mesh_copies import MeshCopies
+from dh2urdf.meshes import located
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
 from dh2urdf.proof import Proof
 from dh2urdf.proof_columns import prove_columns
@@ -104,6 +106,7 @@ class _Work:
         self.marks: dict[int, Mark | None] = {}
         self.groups = list(batch.columns)
         self.earlier = EarlierFiles(maker.store, maker.layout, batch.first)
+        self.copies = MeshCopies(maker.store, self.earlier, self.recipe.mesh_prefix)
         with _timed(self.seconds, "draw"):
             for start, variation, numbers in batch.variants:
                 self._draw(start, [Variant(variation=variation, number=number) for number in numbers])
@@ -221,6 +224,7 @@ class _Work:
         index = self.batch.first + place
         with _timed(self.seconds, "write"):
             if target is not None:
+                self.copies.put(outcome.meshes)
                 for written in outcome.written:
                     for file in written.files:
                         where = target.put(index, file.name, file.content)
@@ -261,7 +265,8 @@ class _Work:
         try:
             with _timed(self.seconds, "transform"), blaming("transform", transform.stage.name):
                 groups = transform.stage.transform_columns(columns, transform.options)  # type: ignore[misc]
-            for members, robots in groups or ():
+            for members, made in groups or ():
+                robots = replace(made, robot=located(made.robot, self.recipe.mesh_prefix))
                 some = columns if len(members) == len(columns) else columns.take(members)
                 outcomes.update(self._alike([places[member] for member in members], some, robots))
         except ManipulatorError:
@@ -280,6 +285,7 @@ class _Work:
                 return {}
             for member, proof in self._proofs(places, columns, robots, files, emitter).items():
                 made[member].append(Written(stage=emitter.name, files=tuple(files[member]), proof=proof))
+        meshes = self.copies.of(robots.robot)
         return {
             place: Outcome(
                 name=name,
@@ -288,6 +294,7 @@ class _Work:
                 drawn=self.drawn.get(place, {}),
                 keeps_kinematics=self.recipe.keeps_kinematics,
                 written=tuple(own),
+                meshes=meshes,
             )
             for place, name, own in zip(places, columns.names, made, strict=True)
             if len(own) == len(self.recipe.emitters)
@@ -350,10 +357,11 @@ class _Work:
             with self._watched(loaders):
                 with _timed(seconds, "transform"):
                     robot, truth = make_item(what, self.recipe.transform)
+                    robot = located(robot, self.recipe.mesh_prefix)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.maker.effect is Effect.LOOK:
                     return outcome
-                with self.maker.store.scratch() as folder:
+                with self.copies.workplace(robot, loads=bool(loaders)) as folder:
                     with _timed(seconds, "emit"):
                         written = emit_robot(
                             truth,
@@ -365,7 +373,7 @@ class _Work:
                             proved=index in self.recipe.proved,
                             sampled=index in self.recipe.sample,
                         )
-                    outcome = replace(outcome, written=written)
+                    outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     for number, call in enumerate(loaders):
                         name = call.stage.name
                         picture = batch.stems[place] + (".png" if number == 0 else f".{name}.png")

@@ -20,6 +20,7 @@ from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journ
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
 from dh2urdf.making import Effect, Maker, this_process
+from dh2urdf.mesh_section import MeshCall
 from dh2urdf.options import make_options
 from dh2urdf.output import reporting_os_errors, write_all
 from dh2urdf.report.exhibits import Exhibits
@@ -56,6 +57,7 @@ class Plan:
         cells: robots of several of the manipulators, made when all have been read.
         variations: manipulators drawn from others, made at the end.
         html: whether to write a page for people, where its packages are installed.
+        meshes: mesh files that links are drawn and touched as.
     """
 
     inputs: tuple[tuple[Path, Reader[Any], Any], ...]
@@ -68,6 +70,7 @@ class Plan:
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     html: bool = True
+    meshes: tuple[MeshCall, ...] = ()
 
 
 class Result:
@@ -152,6 +155,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         proved=config.proved,
         sample=config.sample,
         time_limit=config.time_limit,
+        mesh_prefix=config.mesh_prefix,
     )
     for loader in recipe.loaders:
         loader.stage.require(loader.options)
@@ -169,6 +173,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         cells=config.cells,
         variations=config.variations,
         html=config.html,
+        meshes=config.meshes,
     )
 
 

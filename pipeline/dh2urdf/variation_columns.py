@@ -61,8 +61,7 @@ def _is_possible(row: DHRow, values: dict[str, Any]) -> Any:  # noqa: ANN401 - a
     possible: Any = True
     for name, numbers in values.items():
         possible &= np.isfinite(numbers)
-        if FIELDS[name].positive:
-            possible &= numbers > 0.0
+        possible &= FIELDS[name].takes(numbers)
     if {"lower", "upper"} & values.keys() and row.limits.lower is not None and row.limits.upper is not None:
         possible &= np.less_equal(row.limits.lower, row.limits.upper)
     return possible

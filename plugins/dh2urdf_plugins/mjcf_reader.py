@@ -205,9 +205,9 @@ class _Reader:
         effort = None
         if "actuatorfrcrange" in attributes:
             _, effort = self._numbers(element, attributes, "actuatorfrcrange", (0.0, 0.0))
-        losses = [
+        damping, friction, armature = [
             self._numbers(element, attributes, name, (0.0,))[0] if name in attributes else None
-            for name in ("damping", "frictionloss")
+            for name in ("damping", "frictionloss", "armature")
         ]
         return Joint(
             name=attributes.get("name") or f"joint of {child}",
@@ -217,8 +217,9 @@ class _Reader:
             origin=_origin(origin),
             axis=axis,
             limits=Limits(lower=lower, upper=upper, effort=effort),
-            damping=losses[0],
-            friction=losses[1],
+            damping=damping,
+            friction=friction,
+            armature=armature,
             mark=self._mark(element),
         )
 

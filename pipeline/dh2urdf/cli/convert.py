@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.tables import COMMAND_LINE, READER_OPTIONS, read_manipulator, stage_options, table_options
 from dh2urdf.conversion import Call, Recipe, make_robot, write_robot
 from dh2urdf.errors import SCREENFUL, ConfigError, RobotError, TableError, TransformError
+from dh2urdf.meshes import FILE, RELATIVE, prefix_of
 from dh2urdf.output import safe_stem
 from dh2urdf.registry import load
 from dh2urdf.source import Problem, shown
@@ -35,6 +37,7 @@ POSES = 8
 @table_options
 @click.option("--variant", metavar="V", help="exact (the arm itself) or paper (the published algorithm).")
 @click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
+@click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
 def command(
     table: Path,
@@ -88,6 +91,7 @@ def command(
         transform=Call(stage=transform, options=options["transform"]),
         emitters=(Call(stage=emitter, options=options["emitter"]),),
         poses=POSES,
+        mesh_prefix=_mesh_prefix(flags["meshes"], target),
     )
     try:
         made = make_robot(manipulator, recipe.transform)
@@ -107,6 +111,22 @@ def command(
         written = write_robot(truth, made, recipe, directory=Path(folder), stem=safe_stem(manipulator.name))
         click.echo((Path(folder) / written[0].files[0].name).read_bytes(), nl=False)
     return 0
+
+
+def _mesh_prefix(word: str | None, target: Path | None) -> str | None:
+    """What the description writes before the names of meshes; on standard output it has nothing beside it.
+
+    Raises:
+        ConfigError: the word means nothing, or copies would lie nowhere.
+    """
+    try:
+        prefix = prefix_of(word or (FILE if target is None else RELATIVE))
+    except ConfigError as error:
+        raise ConfigError(replace(problem, mark=COMMAND_LINE) for problem in error.problems) from None
+    if target is None and prefix is not None:
+        message = f"--meshes {word} copies meshes beside a file, and this goes to standard output"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=word, accepted="-o FILE, or --meshes file"))
+    return prefix
 
 
 def _stem(target: Path, emitter: Emitter[Any]) -> str:

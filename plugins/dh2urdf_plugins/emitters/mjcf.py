@@ -147,7 +147,8 @@ class _Model:
             attributes["range"] = numbers((limits.lower, limits.upper))
         if limits.effort:
             attributes["actuatorfrcrange"] = numbers((-limits.effort, limits.effort))
-        for name, value in (("damping", joint.damping), ("frictionloss", joint.friction)):
+        dynamics = (("damping", joint.damping), ("frictionloss", joint.friction), ("armature", joint.armature))
+        for name, value in dynamics:
             if value is not None:
                 attributes[name] = numbers((value,))
         return attributes

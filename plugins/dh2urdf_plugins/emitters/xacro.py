@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
+from dh2urdf.meshes import has_meshes
 from dh2urdf.number_text import format_number
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem, shown
@@ -151,7 +152,7 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
     if not robot.arms:
         _append(top, "arg", name="prefix", default="")
     if profile.mujoco_element:
-        append_mujoco_options(top)
+        append_mujoco_options(top, robot)
     library = top if options.single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
     if not options.single_file:
         # xacro takes a file name for a pattern.
@@ -222,7 +223,7 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Prof
         "without a parent the arm is mounted on nothing, and origin is not used.",
     )
     macro = _append(parent, "macro", name=name, params=MACRO_PARAMETERS)
-    _append_properties(macro, robot.parameters)
+    _append_properties(macro, robot)
     _append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
     if profile.transmissions:
@@ -234,14 +235,15 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Prof
         next(macro.iterchildren("link")).insert(0, mounted)
 
 
-def _append_properties(macro: etree._Element, parameters: Sequence[Parameter]) -> None:
+def _append_properties(macro: etree._Element, robot: Robot) -> None:
     """Appends the numbers of the table, each joint's after a comment that names it, them and their units."""
+    parameters = robot.parameters
     if not parameters:
         return
     append_comment(
         macro,
         "The table: edit the arm here. Origins and shapes follow these properties; "
-        "axes, limits, masses and inertias are numbers that do not.",
+        f"axes, limits, masses{', meshes' if has_meshes(robot) else ''} and inertias are numbers that do not.",
     )
     for joint, group in groupby(parameters, key=lambda parameter: parameter.joint):
         row = list(group)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import InputError, LoaderError, ProofError
+from dh2urdf.errors import CrashError, InputError, LoaderError, ProofError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
@@ -49,7 +49,7 @@ def inspect_xacro(path: Path) -> Inspection:
         content = run_in_child(expand, path, timeout=EXPANSION).value
     except ProofError as error:
         return _only(Hit("xacro-fails", 1, error.problems[0].message), str(path))
-    except LoaderError:
+    except (CrashError, LoaderError):
         message = f"xacro cannot expand it: it crashed, or did not finish within {EXPANSION:g} s"
         return _only(Hit("xacro-fails", 1, message), str(path))
     return _inspection(path, _PROLOGUE + content, f"{path} (expanded)")

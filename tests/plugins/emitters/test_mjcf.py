@@ -214,6 +214,13 @@ def test_one_of_everything_loads(arm: Robot) -> None:
     assert model.geom_size[box] == pytest.approx([0.2125, 0.04, 0.04])
 
 
+def test_the_rotors_are_felt(arm: Robot) -> None:
+    """MuJoCo has the armature of a joint that says one, and none of the others."""
+    joints = tuple(replace(joint, armature=0.02) if joint.name == "turn" else joint for joint in arm.joints)
+    model = model_of(without_meshes(replace(arm, joints=joints)))
+    assert [model.dof_armature[model.joint(name).dofadr[0]] for name in ("lift", "turn", "spin")] == [0, 0.02, 0]
+
+
 def test_colours_and_groups(arm: Robot) -> None:
     """What is seen has its colour and touches nothing; what touches is in group 3, which the viewer does not show."""
     model = model_of(without_meshes(arm))

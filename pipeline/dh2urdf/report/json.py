@@ -59,7 +59,7 @@ def write_reports(store: Store, rows: BinaryIO, result: Result) -> dict[str, Any
     index = Index()
     rows.seek(0)
     for row in rows:
-        index.add(orjson.loads(row))
+        index.add_line(row)
     store.write("index.json", to_text(index.as_json()))
     report = run_report(rows, result)
     store.write("report.json", to_text(report))

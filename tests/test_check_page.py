@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
+
 from dh2urdf import agreement
 from dh2urdf.cli.check import command
+from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 
 if TYPE_CHECKING:
@@ -52,6 +56,27 @@ def test_every_option_is_in_the_page() -> None:
     assert f"at {agreement.POSES + 1} joint vectors" in page
     assert (agreement.TOLERANCE, agreement.NEAR) == (1e-6, 5e-3)
     assert all(f"`{name}`" in page for name in agreement.USUAL_TIPS)
+
+
+QUOTED = re.compile(r"^(?P<file>\w+\.urdf):\d+:\d+: error: (?P<message>.*)\n(?P<more>(?:    .*\n)+)", re.MULTILINE)
+
+
+def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
+    """Findings, effects and mends; the lines may be others in another version of the package."""
+    try:
+        files = importlib.metadata.files("example-robot-data") or ()
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("example-robot-data is not installed")
+    paths = {file.name: Path(file.locate()) for file in files if file.suffix == ".urdf"}
+    quotes = list(QUOTED.finditer(PAGE.read_text("utf-8")))
+    assert len(quotes) == 4
+    for quote in quotes:
+        finding = next(each for each in inspect_urdf(paths[quote["file"]]).findings if quote["message"] in each.message)
+        said = [f"mend: {finding.mend}"]
+        for effect in finding.effects:
+            severity = "" if effect.severity == finding.severity else f" ({effect.severity})"
+            said.append(f"{effect.consumer}{severity}: {effect.text}")
+        assert {line.strip() for line in quote["more"].splitlines()} <= set(said)
 
 
 def test_the_readme_leads_to_the_page() -> None:

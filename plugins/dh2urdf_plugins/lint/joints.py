@@ -21,12 +21,12 @@ _SMALLEST_AXIS = 1e-10
 
 def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of every joint."""
-    names = {joint.name for joint in description.joints}
+    kinds = {joint.name: joint.kind for joint in description.joints}
     for joint in description.joints:
         yield from _type(joint)
         yield from _axis(joint)
         yield from _limits(joint)
-        yield from _mimic(joint, names)
+        yield from _mimic(joint, kinds)
     yield from _of_many(description)
 
 
@@ -70,16 +70,23 @@ def _limits(joint: JointNode) -> Iterator[Hit]:
         yield Hit("swapped-limits", limit, f"{about} has lower {lower:g} and upper {upper:g}")
 
 
-def _mimic(joint: JointNode, names: set[str]) -> Iterator[Hit]:
+def _mimic(joint: JointNode, kinds: dict[str, str]) -> Iterator[Hit]:
     if (mimic := joint.element.first("mimic")) is None:
         return
     leader = mimic.get("joint") or ""
-    if leader in names:
-        yield Hit("mimic-joint", mimic, f"joint {shown(joint.name)} follows joint {shown(leader)}")
+    message = f"joint {shown(joint.name)} follows joint {shown(leader)}"
+    if leader not in kinds:
+        near = did_you_mean(leader, kinds)
+        message = f"{message}, and there is no such joint"
+        yield Hit("mimic-undefined", mimic, f"{message}: {near}" if near else message)
         return
-    near = did_you_mean(leader, names)
-    message = f"joint {shown(joint.name)} follows joint {shown(leader)}, and there is no such joint"
-    yield Hit("mimic-undefined", mimic, f"{message}: {near}" if near else message)
+    is_fixed, leader_is_fixed = joint.kind == "fixed", kinds[leader] == "fixed"
+    if is_fixed and not leader_is_fixed:
+        yield Hit("mimic-while-fixed", mimic, f"{message}, and is fixed")
+    elif leader_is_fixed and not is_fixed:
+        yield Hit("mimic-of-fixed", mimic, f"{message}, which is fixed")
+    elif not is_fixed:
+        yield Hit("mimic-joint", mimic, message)
 
 
 def _of_many(description: Description) -> Iterator[Hit]:

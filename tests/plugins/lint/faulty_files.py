@@ -234,6 +234,10 @@ FAULTS: dict[str, Fault] = {
         ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <mimic joint="shoulder" multiplier="2" offset="0"/>', "<mimic"
     ),
     "mimic-undefined": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <mimic joint="shoulders"/>', "<mimic"),
+    "mimic-while-fixed": Fault(
+        '<child link="tool0"/>', '<child link="tool0"/>\n    <mimic joint="shoulder"/>', "<mimic"
+    ),
+    "mimic-of-fixed": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <mimic joint="link_2-tool0"/>', "<mimic"),
     "axis-not-unit": Fault(ELBOW_AXIS, '<axis xyz="0 2 0"/>', "0 2 0"),
     "axis-zero": Fault(ELBOW_AXIS, '<axis xyz="0 0 0"/>', '<axis xyz="0 0 0"/>'),
     "missing-axis": Fault(f"    {ELBOW_AXIS}\n", "", '<joint name="elbow"'),

@@ -12,13 +12,14 @@ from __future__ import annotations
 import argparse
 import csv
 import platform
-import random
 import sys
 import tempfile
 import time
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
+
+from arms import write_table
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers.csv import READER
@@ -28,24 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 AXES = 6
-HALF_PI = 1.5707963267948966
-ALPHAS = (HALF_PI, 0.0, 0.0, HALF_PI, -HALF_PI, 0.0)
-
-
-def write_table(path: Path, robots: int) -> None:
-    """Robots like a UR5, each with lengths of its own and a few with an oblique twist."""
-    draw = random.Random(3)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["robot", "joint", "type", "a", "alpha", "d", "theta", "lower", "upper", "velocity", "effort"])
-        for robot in range(robots):
-            for axis, alpha in enumerate(ALPHAS, start=1):
-                twist = alpha if draw.random() < 0.9 else round(draw.uniform(-1.2, 1.2), 4)
-                a, d = round(draw.uniform(-0.8, 0.8), 5), round(draw.uniform(0, 0.4), 5)
-                theta = round(draw.uniform(-1.4, 1.4), 4)
-                writer.writerow(
-                    [f"arm_{robot}", f"joint_{axis}", "revolute", a, twist, d, theta, -3.14, 3.14, 3.15, 150]
-                )
 
 
 def with_dh2urdf(path: Path) -> int:

@@ -244,7 +244,8 @@ def bucket(s3_server: str) -> str:
 def reports() -> frozenset[str]:
     """The files that tell of a run, beside those of its manipulators."""
     table = ["manifest.parquet"] if find_spec("pyarrow") else []
-    return frozenset(["manifest.jsonl", "index.json", "report.json", "timing.json", *table])
+    page = ["report.html"] if find_spec("jinja2") and find_spec("matplotlib") else []
+    return frozenset(["manifest.jsonl", "index.json", "report.json", "timing.json", *table, *page])
 
 
 class Answer(NamedTuple):

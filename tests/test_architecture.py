@@ -36,8 +36,27 @@ PLUGINS = ROOT / "plugins" / "dh2urdf_plugins"
 EXAMPLE = ROOT / "tests" / "example_plugin" / "src" / "dh2urdf_example_plugin"
 HOOKS = tuple(f"dh2urdf_{kind}s" for kind in KINDS)
 
-SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake"}
-HEAVY = SIMULATORS | {"dask", "distributed", "fastapi", "nicegui", "uvicorn", "numpy", "pyarrow", "scipy", "pydantic", "xacro", "rich", "PIL"}
+SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake", "zmq"}
+HEAVY = SIMULATORS | {
+    *(
+        "dask",
+        "distributed",
+        "fastapi",
+        "fsspec",
+        "nicegui",
+        "s3fs",
+        "jinja2",
+        "matplotlib",
+        "numpy",
+        "pyarrow",
+        "scipy",
+        "pydantic",
+        "xacro",
+        "rich",
+        "uvicorn",
+        "PIL",
+    )
+}
 
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
 
@@ -83,10 +102,26 @@ class TestImportDirection:
         """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""
         project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
         extras = project["optional-dependencies"]
-        optional = [name for stage in ("dask", "parquet", "pybullet", "remote", "sampling", "studio") for name in extras[stage]]
-        requirements = [*project["dependencies"], *optional]
+        asked = (
+            *(
+                "coppeliasim",
+                "dask",
+                "drake",
+                "meshes",
+                "mujoco",
+                "parquet",
+                "pinocchio",
+                "pybullet",
+                "remote",
+                "report",
+                "sampling",
+            "studio",
+            ),
+        )
+        requirements = [*project["dependencies"], *(package for extra in asked for package in extras[extra])]
         names = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}
-        packages = {{"pyyaml": "yaml", "pillow": "PIL"}.get(name, name) for name in names}
+        modules_of = {"drake": "pydrake", "pillow": "PIL", "pin": "pinocchio", "pyyaml": "yaml", "pyzmq": "zmq"}
+        packages = {modules_of.get(name, name) for name in names}
         allowed = packages | {"dh2urdf", "dh2urdf_plugins"} | set(sys.stdlib_module_names)
         assert importing([*modules(HOST), *modules(PLUGINS)], lambda name: name.split(".")[0] not in allowed) == []
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,9 @@ def test_its_run_files_are_right(block: str, tmp_path: Path) -> None:
     if "inputs:" not in block:
         block += "inputs: configs/tables/ur5.csv\n"
     (tmp_path / "run.yaml").write_text(block)
-    (tmp_path / "configs").symlink_to(ROOT / "configs")
+    shutil.copytree(ROOT / "configs", tmp_path / "configs")
+    for mesh in re.findall(r"configs/meshes/\w+\.stl", block):
+        (tmp_path / mesh).parent.mkdir(exist_ok=True)
+        (tmp_path / mesh).touch()
     plan = make_plan(load_config(tmp_path / "run.yaml"), load())
     assert all(path.is_file() for path, _, _ in plan.inputs)

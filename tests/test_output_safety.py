@@ -140,9 +140,7 @@ def test_a_robot_that_is_refused_keeps_the_older_file(dh2urdf: Any, tmp_path: Pa
     assert files(tmp_path) == before
 
 
-def test_in_a_run_the_bad_ones_keep_their_older_files(
-    dh2urdf: Any, tmp_path: Path, reports: frozenset[str]
-) -> None:
+def test_in_a_run_the_bad_ones_keep_their_older_files(dh2urdf: Any, tmp_path: Path, reports: frozenset[str]) -> None:
     """Of many manipulators the good ones get new files, and those of a bad one stay as an earlier run left them."""
     (tmp_path / "arms.csv").write_text(table(["one", "two", "three"]))
     run_file(tmp_path)

@@ -32,7 +32,6 @@ from dh2urdf_plugins.readers import (
     fields,
     names,
     parquet,
-    placements,
     row_cells,
     rows,
     tables,
@@ -150,6 +149,11 @@ class Outcome:
 @pytest.fixture
 def read(tmp_path: Path) -> Callable[..., Outcome]:
     """Reads a table; its file is always called `arm`, so that equal tables are equal manipulators."""
+
+    meshes = tmp_path / "meshes"
+    meshes.mkdir()
+    for name in ("base.stl", "arm.dae", "arm.stl"):
+        (meshes / name).write_text(name)
 
     def read_table(content: str | bytes, form: str = "csv", **options: str) -> Outcome:
         path = tmp_path / f"arm.{form}"
@@ -296,11 +300,20 @@ def test_every_key_of_yaml_means_what_the_page_says(read: Callable[..., Outcome]
     assert shoulder.limits == Limits(lower=-math.pi, upper=math.pi, velocity=QUARTER, effort=150)
     assert (shoulder.com, shoulder.radius, shoulder.friction) == ((-0.15, 0, 0), 0.05, 0.1)
     assert (shoulder.damping, elbow.damping) == (1.5, 0.5)
+    assert (shoulder.armature, arm.visuals, arm.collisions) == (0.02, True, True)
+    assert [Path(mesh.file.path).name for mesh in (shoulder.visual, shoulder.collision) if mesh] == [
+        "arm.dae",
+        "arm.stl",
+    ]
+    assert shoulder.visual.pose == RigidTransform.from_xyz_rpy((-0.3, 0, 0), (0, 0, QUARTER))
+    assert shoulder.visual.scale == (0.001, 0.001, 0.001)
+    assert arm.base_visual == arm.base_collision
+    assert elbow.visual is elbow.collision is None
     assert shoulder.inertia == elbow.inertia == Inertia(ixx=0.005, iyy=0.03, izz=0.03)
 
 
 def test_no_block_and_no_table_goes_untested() -> None:
-    """All fences are blocks that are known, and all tables but that of reasons have a test of their own."""
+    """All fences are blocks that are known, and all tables but those of reasons and of meshes have a test."""
     found = list(BLOCK.finditer(TEXT))
     assert TEXT.count("```") == 2 * len(found)
     assert [block["form"] for block in found if block["form"] not in ("csv", "yaml", "json")] == [
@@ -311,7 +324,7 @@ def test_no_block_and_no_table_goes_untested() -> None:
     assert len(EXAMPLES) == len(found) - 3, "two examples have one name"
     assert TEXT.count("<!-- example") == len(EXAMPLES)
     assert TEXT.count("<!-- table") == len(TABLES)
-    assert len(re.findall(r"^\|[-|]+\|$", TEXT, re.MULTILINE)) == len(TABLES) + 1
+    assert len(re.findall(r"^\|[-|]+\|$", TEXT, re.MULTILINE)) == len(TABLES) + 2
 
 
 def test_accepted_yaml_is_valid_by_the_schema() -> None:
@@ -527,7 +540,19 @@ def test_every_key_of_yaml_is_in_the_page() -> None:
     """Those of a manipulator, of its base and defaults, and of a joint."""
     keys = set(re.findall(r"(\w+):", EXAMPLES["every key"].body))
     joint = {*yaml._JOINT_KEYS, *yaml._LIMITS, *fields.INERTIA_FIELDS, "sign", "flip"}
-    assert keys == {*yaml.KEYS, *joint, "xyz", "rpy", "length", "angle", "geometry", "shape", "density"}
+    assert keys == {
+        *yaml.KEYS,
+        *joint,
+        "xyz",
+        "rpy",
+        "length",
+        "angle",
+        "geometry",
+        "shape",
+        "density",
+        "file",
+        "scale",
+    }
 
 
 def test_every_name_that_is_taken_is_in_the_page() -> None:
@@ -635,7 +660,7 @@ def test_every_bound_is_the_one_of_the_code() -> None:
     assert dict(TABLES["bounds"]) == {what: f"{bound:,}" for what, bound in bounds.items()}
     words = " ".join(TEXT.split())
     assert f"at most {errors.SCREENFUL} are printed" in words
-    assert f"more than {tables.LONGEST_ARM:g} m or a `tool` more than {placements.LONGEST['tool']:g} m away" in words
+    assert f"more than {tables.LONGEST_ARM:g} m or a `tool` more than {tables.LONGEST_ARM / 10:g} m away" in words
 
 
 def test_every_named_bound_of_the_readers_is_in_the_table() -> None:

@@ -19,6 +19,8 @@ from dh2urdf.conversion import read_items
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.gathering import Gathering
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.memory import collected_at_the_end
+from dh2urdf.mesh_section import MeshGiver
 from dh2urdf.output import Stems
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
@@ -97,6 +99,19 @@ class Batch:
 
     def __len__(self) -> int:
         return len(self.names)
+
+    def single(self, place: int) -> Single:
+        """What is to be made at a place."""
+        if place in self.singles:
+            return self.singles[place]
+        for first, variation, numbers in self.variants:
+            if first <= place < first + len(numbers):
+                variant = Variant(variation=variation, number=numbers[place - first])
+                try:
+                    return variant.manipulator(variant.drawn())
+                except ManipulatorError as error:
+                    return Doomed(variant.name, error, variant.mark)
+        return next(some.pick(places.index(place)) for places, some in self.columns if place in places)
 
     def part(self, start: int, stop: int) -> Batch:
         """Those from one place to before another one."""
@@ -195,11 +210,13 @@ def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
     waiting = items(plan, expected)
     first = 0
     for size in plan.layout.batch_sizes(_sizes(plan)):
-        some = list(islice(waiting, size))
+        with collected_at_the_end():
+            some = list(islice(waiting, size))
+            batch = _batch(first, some, stems)
         if not some:
             expected.finish(first)
             return
-        yield _batch(first, some, stems)
+        yield batch
         first += len(some)
         expected.see(first, some[-1])
 
@@ -272,11 +289,12 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
     """
     needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
     gathering = Gathering(needed)
+    meshes = MeshGiver(plan.meshes)
     count = 0
     for path, reader, options in plan.inputs:
         source, before = str(path), count
         try:
-            for what in read_items(reader, path, options):
+            for what in map(meshes.give, read_items(reader, path, options)):
                 gathering.see(what)
                 count += 1
                 yield Item(what, source)
@@ -288,6 +306,9 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
             count += 1
             yield Item(rejected, source, error.traceback if isinstance(error, StageError) else "")
         expected.finish_input()
+    for left in meshes.left_over():
+        count += 1
+        yield Item(left, _file(left.mark))
     expected.finish_inputs(count)
     for cell in with_tables(plan.cells, gathering):
         yield Item(cell, _file(cell.mark))

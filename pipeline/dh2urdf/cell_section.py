@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from math import tau
 from typing import TYPE_CHECKING
 
 from dh2urdf.cells import WORLD, ArmCall, CellCall
-from dh2urdf.quantities import Dimension, QuantityError, evaluate
+from dh2urdf.placements import PlacementReader
+from dh2urdf.quantities import Dimension
 from dh2urdf.robot import Origin
-from dh2urdf.rotations import ZERO, Vec3
-from dh2urdf.sections import SectionReader
 from dh2urdf.source import did_you_mean, shown
 
 if TYPE_CHECKING:
@@ -19,11 +17,9 @@ if TYPE_CHECKING:
 
 ARM_KEYS = ("name", "of", "prefix", "parent", "xyz", "rpy")
 ACCEPTED_PARENT = "world, or a link of another arm of the cell, such as left/tool0"
-LARGEST_ANGLE = 1000 * tau
-"""Angles beyond a thousand turns have lost too many digits [rad]."""
 
 
-class CellsReader(SectionReader):
+class CellsReader(PlacementReader):
     """Reads the cells of a run file and gathers what is wrong with them."""
 
     def read(self, section: Node) -> tuple[CellCall, ...]:
@@ -79,8 +75,8 @@ class CellsReader(SectionReader):
             self.say(f"this cannot be {prefix.describe()}", prefix, f"{field}.prefix", accepted='a text, also ""')
         parent, link = self._parent(given.get("parent"), f"{field}.parent")
         placement = Origin(
-            xyz=self._vector(given.get("xyz"), f"{field}.xyz", Dimension.LENGTH),
-            rpy=self._vector(given.get("rpy"), f"{field}.rpy", Dimension.ANGLE),
+            xyz=self.vector(given.get("xyz"), f"{field}.xyz", Dimension.LENGTH),
+            rpy=self.vector(given.get("rpy"), f"{field}.rpy", Dimension.ANGLE),
         )
         if len(self.problems) > before or name is None or of is None:
             return None
@@ -112,42 +108,6 @@ class CellsReader(SectionReader):
             near = did_you_mean(text, [WORLD]) or f"an arm's tool is {shown(f'{arm or link}/tool0')}"
             self.say(f"{shown(text)} is no parent", node, field, accepted=ACCEPTED_PARENT, suggestion=near)
         return arm, link
-
-    # --- Placements
-
-    def _vector(self, node: Node | None, field: str, dimension: Dimension) -> Vec3:
-        if node is None:
-            return ZERO
-        if not isinstance(node.value, list) or len(node.value) != 3:  # noqa: PLR2004 - the space has three dimensions
-            self.say(f"this cannot be {node.describe()}", node, field, accepted="a list of three numbers")
-            return ZERO
-        x, y, z = (self._number(item, field, dimension) for item in node.value)
-        return (x, y, z)
-
-    def _number(self, node: Node, field: str, dimension: Dimension) -> float:
-        """A length [m] or an angle [rad]; 0 where it is none."""
-        if node.text is None or node.value is None or isinstance(node.value, bool):
-            self.say(f"{node.describe()} stands where a number is needed", node, field, accepted="a number")
-            return 0.0
-        try:
-            quantity = evaluate(node.text, dimension)
-        except QuantityError as error:
-            self.say(error.message, node, field, accepted=error.accepted, suggestion=error.suggestion)
-            return 0.0
-        size = abs(quantity.value)
-        if quantity.variable:
-            self.say(f"{shown(node.text)} names a joint variable, and nothing moves here", node, field)
-        elif dimension is Dimension.ANGLE and size > tau and not quantity.has_unit:
-            self.say(
-                f"{shown(node.text)} is more than a full turn in rad",
-                node,
-                field,
-                accepted="at most 2π rad where no unit is named",
-                suggestion=f"if these are degrees, say so: '{node.text.strip()} deg'",
-            )
-        elif dimension is Dimension.ANGLE and size > LARGEST_ANGLE:
-            self.say(f"{shown(node.text)} is more than a thousand turns", node, field)
-        return quantity.value
 
     # --- The arms of one cell
 

@@ -28,16 +28,29 @@ Mask: TypeAlias = Any
 Shape: TypeAlias = tuple[int, int]
 """A collision shape: the number of its link in the robot, and its own in the link, both from 0."""
 
-_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction")
+_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
 _LIMITS = ("lower", "upper", "velocity", "effort")
 _INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 Place: TypeAlias = tuple[int | None, int | None]
 """Line and column."""
 
 _place_of = attrgetter("line", "column")
-_names_of = attrgetter("joint", "link", "type", "sign")
+_names_of = attrgetter("joint", "link", "type", "sign", "visual", "collision")
 _numbers_of = attrgetter("com", "inertia", *_NUMBERS, *(f"limits.{name}" for name in _LIMITS))
-_common_of = attrgetter("convention", "base", "tool", "geometry", "density", "base_mass", "base_geometry", "notices")
+_common_of = attrgetter(
+    "convention",
+    "base",
+    "tool",
+    "geometry",
+    "density",
+    "base_mass",
+    "base_geometry",
+    "base_visual",
+    "base_collision",
+    "visuals",
+    "collisions",
+    "notices",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,7 +141,10 @@ def in_columns(manipulators: Sequence[Manipulator]) -> list[tuple[list[int], Man
     for index, manipulator in enumerate(manipulators):
         said = tuple(chain.from_iterable(map(_numbers_of, manipulator.rows)))
         missing = bytes(map(is_, said, repeat(None)))
-        groups[_common_of(manipulator), tuple(map(_names_of, manipulator.rows)), missing].append(index)
+        names = tuple(map(_names_of, manipulator.rows))
+        # A mesh is named in one place for all of a group: what is wrong with it is said there.
+        marks = tuple([shape.mark for _, _, _, _, *shapes in names for shape in shapes if shape])
+        groups[_common_of(manipulator), names, marks, missing].append(index)
         numbers.append(said)
     return [
         (indices, _columns([manipulators[i] for i in indices], [numbers[i] for i in indices]))

@@ -22,6 +22,8 @@ from dh2urdf.conversion import Sample
 from dh2urdf.documents import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.errors import ConfigError
 from dh2urdf.layouts import Layout
+from dh2urdf.mesh_section import MeshCall, MeshesReader
+from dh2urdf.meshes import RELATIVE, prefix_of
 from dh2urdf.options import COMMAND_LINE
 from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, SettingsReader
 from dh2urdf.settings import with_setting
@@ -37,6 +39,7 @@ SECTIONS = (
     "inputs",
     "cells",
     "variations",
+    "meshes",
     "transform",
     "emitters",
     "loaders",
@@ -44,6 +47,7 @@ SECTIONS = (
     "execution",
     "proof",
     "sample",
+    "report",
 )
 DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
@@ -107,10 +111,13 @@ class RunConfig:
         layout: how it lies there.
         cells: robots of several arms that are made besides.
         variations: manipulators whose tables are drawn, that are made besides.
+        meshes: mesh files that links are drawn and touched as.
+        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
         poses: random joint vectors at which each written file is compared with its table.
         proved: whose files are compared.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
         time_limit: how long one manipulator may take, simulators aside [s].
+        html: whether the run writes a page for people, where its packages are installed.
         problems: what is wrong with the file; nothing may start while there is any.
     """
 
@@ -123,10 +130,13 @@ class RunConfig:
     layout: Layout = Layout()
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
+    meshes: tuple[MeshCall, ...] = ()
+    mesh_prefix: str | None = prefix_of(RELATIVE)
     poses: int = DEFAULT_POSES
     proved: Sample = Sample()
     sample: Sample = DEFAULT_SAMPLE
     time_limit: float = DEFAULT_TIME_LIMIT
+    html: bool = True
     problems: tuple[Problem, ...] = ()
 
 
@@ -191,6 +201,7 @@ def _written_out(root: Node) -> Node:
         "inputs": _list_of(given.get("inputs"), "path", root),
         "cells": _list_of(given.get("cells"), "name", root),
         "variations": _list_of(given.get("variations"), "of", root),
+        "meshes": _list_of(given.get("meshes"), "of", root),
         "transform": _mapping_of(given.get("transform", _text(DEFAULT_TRANSFORM, root)), "stage"),
         "emitters": _list_of(given.get("emitters", _text(DEFAULT_EMITTER, root)), "stage", root),
         "loaders": _list_of(given.get("loaders"), "stage", root),
@@ -198,6 +209,7 @@ def _written_out(root: Node) -> Node:
         "output": _mapping_of(given.get("output", _mapping({}, root)), "directory"),
         "proof": given.get("proof", _mapping({}, root)),
         "sample": given.get("sample", _mapping({}, root)),
+        "report": given.get("report", _mapping({}, root)),
     }
     return _mapping(sections, root)
 
@@ -250,9 +262,11 @@ class _Sections(SettingsReader):
     def config(self) -> RunConfig:
         """The run file."""
         sections = self.entries(self.root, SECTIONS, "")
-        output = self.entries(sections["output"], ("directory", "layout", "size"), "output")
+        output = self.entries(sections["output"], ("directory", "layout", "size", "meshes"), "output")
         proof = self.entries(sections["proof"], ("poses", "first", "every"), "proof")
         sample = self.entries(sections["sample"], ("first", "every"), "sample")
+        report = self.entries(sections["report"], ("html",), "report")
+        layout = self.layout(output)
         return RunConfig(
             inputs=tuple(self._inputs(sections["inputs"])),
             transform=self._call(sections["transform"], "transform", DEFAULT_TRANSFORM)
@@ -262,13 +276,16 @@ class _Sections(SettingsReader):
             execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR, ("time_limit",))
             or StageCall(stage=DEFAULT_EXECUTOR),
             output=self._output(output.get("directory")),
-            layout=self.layout(output),
+            layout=layout,
             cells=CellsReader(self.problems).read(sections["cells"]),
             variations=VariationsReader(self.problems).read(sections["variations"]),
+            meshes=MeshesReader(self.problems, self._folder(sections["meshes"])).read(sections["meshes"]),
+            mesh_prefix=self.mesh_prefix(output.get("meshes"), layout),
             poses=self.whole(proof.get("poses"), "proof.poses", 1, MAX_POSES, DEFAULT_POSES),
             proved=self.sample(proof, "proof", Sample()),
             sample=self.sample(sample, "sample", DEFAULT_SAMPLE),
             time_limit=self.seconds(sections["execution"]),
+            html=self.switch(report.get("html"), "report.html", default=True),
             problems=tuple(self.problems),
         )
 

@@ -14,20 +14,21 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from dh2urdf.cells import Cell, cannot_be, compose, truth_of
 from dh2urdf.errors import Dh2UrdfError, EmitterError, ManipulatorError, ProofError, RobotError, StageError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.output import put_in_place, staging, write_files
+from dh2urdf.meshes import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
+from dh2urdf.output import put_in_place, staging, write_files, write_whole
 from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
 from dh2urdf.registry import RECORDS, Catalog, load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter, Kind, Loader, Reader, Rejected, Transform
+from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from dh2urdf.proof import Poses
-    from dh2urdf.truth import Truth
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 T = TypeVar("T")
@@ -86,6 +87,7 @@ class Recipe:
         proved: whose files are compared with the table.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
         time_limit: how long one manipulator may take, simulators aside [s].
+        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
     """
 
     transform: Call[Transform[Any]]
@@ -95,6 +97,7 @@ class Recipe:
     proved: Sample = Sample()
     sample: Sample = Sample()
     time_limit: float = 300.0
+    mesh_prefix: str | None = prefix_of(RELATIVE)
 
     @property
     def keeps_kinematics(self) -> bool:
@@ -116,6 +119,17 @@ class Written:
     stage: str
     files: tuple[EmittedFile, ...]
     proof: Proof | None
+
+
+def make_item(item: Manipulator | Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
+    """The robot of a manipulator or cell, checked, and what its tables say of it.
+
+    Raises:
+        ManipulatorError: as `make_robot` and `make_cell`.
+    """
+    if isinstance(item, Cell):
+        return make_cell(item, transform)
+    return make_robot(item, transform), Truth.of(item)
 
 
 def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Robot:
@@ -161,7 +175,7 @@ def _checked(robot: Robot, mark: Mark | None) -> Robot:
 def write_robot(
     truth: Truth, robot: Robot, recipe: Recipe, *, directory: Path, stem: str, main_file: str | None = None
 ) -> tuple[Written, ...]:
-    """Emit a robot with every emitter, prove each file, and put all of them in place, or none.
+    """Emit a robot with every emitter, prove each file, and put all of them in place, with its meshes, or none.
 
     Args:
         truth: what the tables say of it.
@@ -175,8 +189,11 @@ def write_robot(
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
         OutputError: the files cannot be written.
     """
+    robot = located(robot, recipe.mesh_prefix)
     with staging(directory) as folder:
         written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
+        for file in mesh_files(robot) if recipe.mesh_prefix is not None else ():
+            write_whole(directory / copy_path(file), read_mesh(file))
         put_in_place(folder, [file.name for emitted in written for file in emitted.files], directory)
     return written
 

@@ -22,9 +22,12 @@ class EarlierFiles:
     def __init__(self, store: Store, layout: Layout, first: int) -> None:
         """Takes the store, how files lie in it, and the number of the batch's first manipulator."""
         self._store, self._layout, self._first = store, layout, first
+        self._meshes: dict[str, str] = {}
 
     def has(self, index: int, row: Row) -> bool:
         """Whether all files of a row are there, with the bytes that they were written with, and all pictures."""
+        if not all(self.has_mesh(mesh["path"], mesh["sha256"]) for mesh in row.get("meshes", ())):
+            return False
         pictures = _pictures(row)
         if self._layout.is_whole:
             contents = [self._members.get(file["path"]) for file in row["files"]]
@@ -41,6 +44,15 @@ class EarlierFiles:
         for name in _pictures(row):
             target.put(index, name, self._members[name])
         return row | {"files": files}
+
+    def has_mesh(self, path: str, digest: str) -> bool:
+        """Whether the copy of a mesh is there, with its bytes; many robots share it, and it is read once."""
+        if path not in self._meshes:
+            try:
+                self._meshes[path] = sha256(self._store.read(path)).hexdigest()
+            except OutputError:
+                self._meshes[path] = ""
+        return self._meshes[path] == digest
 
     @cached_property
     def _members(self) -> dict[str, bytes]:

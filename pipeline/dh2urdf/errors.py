@@ -21,7 +21,8 @@
     └── PluginError ............... exit 3: the run needs a plugin that is broken
         ├── BrokenPluginError        it failed while it was imported, registered or run
         ├── StageConflictError       two distributions claim one stage name
-        └── MissingDependencyError   an optional package is not installed
+        ├── MissingDependencyError   an optional package is not installed
+        └── MissingProgramError      a program besides Python's packages is not installed, or not running
 
 Every exception carries its data as attributes; its text says where, what was found, what is accepted and what to do.
 """
@@ -225,3 +226,20 @@ class MissingDependencyError(PluginError):
 
     def __str__(self) -> str:
         return f"{self.stage} needs {self.package}: pip install '{self.extra}'"
+
+
+class MissingProgramError(PluginError):
+    """A stage needs a program that no Python package brings, and it is not installed or not running.
+
+    Attributes:
+        stage: kind and name, such as ``loader 'gazebo'``.
+        program: what is missing.
+        remedy: how to install or start it.
+    """
+
+    def __init__(self, stage: str, program: str, remedy: str) -> None:
+        self.stage, self.program, self.remedy = stage, program, remedy
+        super().__init__(stage, program, remedy)
+
+    def __str__(self) -> str:
+        return f"{self.stage} needs {self.program}: {self.remedy}"

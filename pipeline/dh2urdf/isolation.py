@@ -25,8 +25,9 @@ from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
+    from dh2urdf.source import Problem
     from dh2urdf.stages import Loader, LoadReport, LoadRequest
 
 T = TypeVar("T")
@@ -130,18 +131,19 @@ def load_in_child(loader: Loader[O], request: LoadRequest, options: O) -> LoadRe
     """
     # The folder of a file in the making has another name in every run.
     folder = f"{request.path.parent}{os.sep}"
+
+    def plain(problems: Iterable[Problem]) -> tuple[Problem, ...]:
+        return tuple(replace(problem, message=problem.message.replace(folder, "")) for problem in problems)
+
     try:
         child = run_in_child(
             loader.load, request, options, timeout=loader.time_limit(options), who=f"the loader {loader.name!r}"
         )
     except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
-        problems = (*error.problems, *loader.read_output(request, output.replace(folder, "")))
-        plain = [replace(problem, message=problem.message.replace(folder, "")) for problem in problems]
-        raise type(error)(plain) from error
-    output = child.output.replace(folder, "")
-    findings = (*child.value.findings, *loader.read_output(request, output))
-    return replace(child.value, findings=findings, output=output)
+        raise type(error)(plain((*error.problems, *loader.read_output(request, output)))) from error
+    findings = plain((*child.value.findings, *loader.read_output(request, child.output)))
+    return replace(child.value, findings=findings, output=child.output.replace(folder, ""))
 
 
 def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:

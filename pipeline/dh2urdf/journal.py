@@ -103,10 +103,10 @@ def earlier_rows(store: Store) -> Iterator[Earlier]:
                     except (orjson.JSONDecodeError, KeyError, TypeError, AttributeError):
                         continue  # The line that a process wrote when it was killed.
                     places.append(size)
-                    row = line if line.endswith(b"\n") else line + b"\n"
+                    whole = line if line.endswith(b"\n") else line + b"\n"
                     with reporting_os_errors(tempfile.gettempdir()):
-                        write_all(spool.fileno(), row)
-                    size += len(row)
+                        write_all(spool.fileno(), whole)
+                    size += len(whole)
         names, lines = np.frombuffer(hashes, dtype=np.uint64), np.frombuffer(places, dtype=np.int64)
         order = np.argsort(names, kind="stable")
         yield Earlier(spool, names[order], lines[order])

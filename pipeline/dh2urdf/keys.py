@@ -34,7 +34,7 @@ def recipe_key(recipe: Recipe, catalog: Catalog) -> str:
         (kind, call.stage.name, catalog.distribution(kind, call.stage.name), repr(call.options)) for kind, call in calls
     ]
     python = sys.version_info[:2]
-    return key_of((python, stages, recipe.poses), __version__)
+    return key_of((python, stages, recipe.poses, recipe.mesh_prefix), __version__)
 
 
 def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:
@@ -53,9 +53,8 @@ def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[obj
         entries = [*_numbers_of(row), *(row.com or ()), *inertia]
         numbers += [entry for entry in entries if entry is not None]
         given = tuple([entry is not None for entry in entries])
-        forms.append((row.joint, row.link, row.type.value, row.sign, given))
-    others = (table.base, table.tool, table.geometry, table.density, table.base_mass, table.base_geometry)
-    common = key_of((table.convention.value, others, forms, table.notices), recipe)
+        forms.append((row.joint, row.link, row.type.value, row.sign, row.visual, row.collision, given))
+    common = key_of((table.convention.value, _others_of(table), forms, table.notices), recipe)
     rows = zip(columns.names, contexts, _bytes_of(numbers, len(columns)), strict=True)
     return [key_of((name, context, row), common) for name, context, row in rows]
 
@@ -65,6 +64,18 @@ def key_of(what: object, recipe: str) -> str:
     return sha256(f"{recipe} {what!r}".encode(errors="surrogatepass")).hexdigest()[:DIGITS]
 
 
+_others_of = attrgetter(
+    "base",
+    "tool",
+    "geometry",
+    "density",
+    "base_mass",
+    "base_geometry",
+    "base_visual",
+    "base_collision",
+    "visuals",
+    "collisions",
+)
 _numbers_of = attrgetter(
     "a",
     "alpha",
@@ -75,6 +86,7 @@ _numbers_of = attrgetter(
     "radius",
     "damping",
     "friction",
+    "armature",
     "limits.lower",
     "limits.upper",
     "limits.velocity",

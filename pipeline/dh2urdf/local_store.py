@@ -193,7 +193,7 @@ class LocalStore(Store):
                 try:
                     os.makedirs(self._path(WORKING), exist_ok=True)  # noqa: PTH103
                     lock = os.open(self._path(_LOCK), os.O_RDWR | os.O_CREAT, 0o666)
-                except FileNotFoundError:
+                except (FileNotFoundError, FileExistsError):  # makedirs meets a folder that is gone when it looks again
                     if not left:
                         raise
                     continue

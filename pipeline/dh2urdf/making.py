@@ -21,9 +21,8 @@ import orjson
 
 from dh2urdf.batch_report import BatchReport, Tally
 from dh2urdf.batches import Batch, Doomed, Single
-from dh2urdf.cells import Cell
 from dh2urdf.columns import ManipulatorColumns, in_columns
-from dh2urdf.conversion import Call, Recipe, Written, blaming, emit_robot, make_cell, make_robot
+from dh2urdf.conversion import Call, Recipe, Written, blaming, emit_robot, make_item
 from dh2urdf.earlier_files import EarlierFiles
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, TableError
 from dh2urdf.journal import Journal
@@ -31,12 +30,14 @@ from dh2urdf.keys import column_keys, key_of
 from dh2urdf.layouts import Layout, Place
 from dh2urdf.loading import load_written
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.memory import collected_at_the_end
+from dh2urdf.mesh_copies import MeshCopies
+from dh2urdf.meshes import located
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
 from dh2urdf.proof import Proof
 from dh2urdf.proof_columns import prove_columns
 from dh2urdf.stages import EmittedFile, Emitter, Loader, Rejected
 from dh2urdf.stores import Store
-from dh2urdf.truth import Truth
 from dh2urdf.variation_columns import variant_columns
 from dh2urdf.variations import Variant
 
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import RobotColumns
     from dh2urdf.laws import Value
-    from dh2urdf.robot import Robot
     from dh2urdf.source import Mark
 
 
@@ -91,7 +91,8 @@ class Maker:
 
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""
-        return _Work(self, batch).done()
+        with collected_at_the_end():
+            return _Work(self, batch).done()
 
 
 class _Work:
@@ -105,6 +106,7 @@ class _Work:
         self.marks: dict[int, Mark | None] = {}
         self.groups = list(batch.columns)
         self.earlier = EarlierFiles(maker.store, maker.layout, batch.first)
+        self.copies = MeshCopies(maker.store, self.earlier, self.recipe.mesh_prefix)
         with _timed(self.seconds, "draw"):
             for start, variation, numbers in batch.variants:
                 self._draw(start, [Variant(variation=variation, number=number) for number in numbers])
@@ -171,8 +173,11 @@ class _Work:
         return kept
 
     def _is_kept(self, place: int, row: Row) -> bool:
-        key = self._key(place, noticed=bool(row["notices"]), mark=self._mark(place))
-        return bool(row["status"] == "ok" and row["key"] == key and self.earlier.has(self.batch.first + place, row))
+        try:
+            key = self._key(place, noticed=bool(row["notices"]), mark=self._mark(place))
+            return bool(row["status"] == "ok" and row["key"] == key and self.earlier.has(self.batch.first + place, row))
+        except (KeyError, TypeError):
+            return False  # It is the manifest of something else.
 
     def _mark(self, place: int) -> Mark | None:
         if place in self.marks:
@@ -219,6 +224,7 @@ class _Work:
         index = self.batch.first + place
         with _timed(self.seconds, "write"):
             if target is not None:
+                self.copies.put(outcome.meshes)
                 for written in outcome.written:
                     for file in written.files:
                         where = target.put(index, file.name, file.content)
@@ -259,7 +265,8 @@ class _Work:
         try:
             with _timed(self.seconds, "transform"), blaming("transform", transform.stage.name):
                 groups = transform.stage.transform_columns(columns, transform.options)  # type: ignore[misc]
-            for members, robots in groups or ():
+            for members, made in groups or ():
+                robots = replace(made, robot=located(made.robot, self.recipe.mesh_prefix))
                 some = columns if len(members) == len(columns) else columns.take(members)
                 outcomes.update(self._alike([places[member] for member in members], some, robots))
         except ManipulatorError:
@@ -278,6 +285,7 @@ class _Work:
                 return {}
             for member, proof in self._proofs(places, columns, robots, files, emitter).items():
                 made[member].append(Written(stage=emitter.name, files=tuple(files[member]), proof=proof))
+        meshes = self.copies.of(robots.robot)
         return {
             place: Outcome(
                 name=name,
@@ -286,6 +294,7 @@ class _Work:
                 drawn=self.drawn.get(place, {}),
                 keeps_kinematics=self.recipe.keeps_kinematics,
                 written=tuple(own),
+                meshes=meshes,
             )
             for place, name, own in zip(places, columns.names, made, strict=True)
             if len(own) == len(self.recipe.emitters)
@@ -347,11 +356,12 @@ class _Work:
             loaders = self.recipe.loaders if loads else ()
             with self._watched(loaders):
                 with _timed(seconds, "transform"):
-                    robot, truth = _robot(what, self.recipe)
+                    robot, truth = make_item(what, self.recipe.transform)
+                    robot = located(robot, self.recipe.mesh_prefix)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.maker.effect is Effect.LOOK:
                     return outcome
-                with self.maker.store.scratch() as folder:
+                with self.copies.workplace(robot, loads=bool(loaders)) as folder:
                     with _timed(seconds, "emit"):
                         written = emit_robot(
                             truth,
@@ -363,7 +373,7 @@ class _Work:
                             proved=index in self.recipe.proved,
                             sampled=index in self.recipe.sample,
                         )
-                    outcome = replace(outcome, written=written)
+                    outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     for number, call in enumerate(loaders):
                         name = call.stage.name
                         picture = batch.stems[place] + (".png" if number == 0 else f".{name}.png")
@@ -386,12 +396,15 @@ class _Work:
             was_read = not isinstance(what, Rejected)
             # Who rejected it has said whom each problem is about: it may be a file, or a section of the run file.
             robot_name = what.name if was_read else None
+            problems = [problem.about(robot=robot_name, mark=mark) for problem in error.problems]
+            if place in self.drawn:  # Its table says nothing of it, and many variants have the same joints.
+                problems = [replace(problem, message=f"{what.name}: {problem.message}") for problem in problems]
             outcome = replace(
                 outcome,
                 status="failed",
                 kind=kind_of(error),
                 was_read=was_read,
-                errors=tuple(problem.about(robot=robot_name, mark=mark) for problem in error.problems),
+                errors=tuple(problems),
                 traceback=getattr(error, "traceback", "") or batch.tracebacks.get(place, ""),
             )
         finally:
@@ -424,12 +437,6 @@ class _Work:
             yield
         finally:
             faulthandler.cancel_dump_traceback_later()
-
-
-def _robot(item: Manipulator | Cell, recipe: Recipe) -> tuple[Robot, Truth]:
-    if isinstance(item, Cell):
-        return make_cell(item, recipe.transform)
-    return make_robot(item, recipe.transform), Truth.of(item)
 
 
 @contextmanager

@@ -330,6 +330,9 @@ class _Failures:
         }
 
 
+_OK = b'","status":"ok","kind":null,'
+
+
 class Index:
     """What failed in a run, and why, by kind: gathered while the rows of its manifest pass by."""
 
@@ -343,6 +346,13 @@ class Index:
         if row["status"] == "failed":
             message = row["errors"][0]["message"] if row["errors"] else ""
             self._failures.setdefault(row["kind"], _Failures()).add(row["name"], message)
+
+    def add_line(self, line: bytes) -> None:
+        """Takes one line of the manifest; of one that is ok there is nothing to read but that."""
+        if _OK in line:  # It stands in no name: quotes in texts have a backslash before them.
+            self._statuses["ok"] += 1
+        else:
+            self.add(loads(line))
 
     def as_json(self) -> dict[str, Any]:
         """The index as plain data.

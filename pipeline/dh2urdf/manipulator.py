@@ -74,6 +74,36 @@ class LinkGeometry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MeshFile:
+    """A file that holds a triangle mesh.
+
+    Attributes:
+        path: its absolute path.
+        sha256: the hash of what stands in it, in hexadecimal digits: what is made of it depends on that.
+    """
+
+    path: str
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeshShape:
+    """A mesh file as the shape of a link.
+
+    Attributes:
+        file: the file.
+        pose: the frame of the mesh in the DH frame after the link's row; of the base, in the DH frame before the first.
+        scale: factors along the axes of the mesh [1].
+        mark: where the file is named.
+    """
+
+    file: MeshFile
+    pose: RigidTransform = IDENTITY
+    scale: Vec3 = (1.0, 1.0, 1.0)
+    mark: Mark | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DHRow:
     """One row of the table: one joint and the link that it moves.
 
@@ -94,6 +124,9 @@ class DHRow:
         radius: radius of the link's shape [m].
         damping: viscous friction of the joint [N·m·s/rad or N·s/m].
         friction: static friction of the joint [N·m or N].
+        armature: inertia of the motor's rotor as the joint feels it, behind the gear [kg·m² or kg].
+        visual: the mesh that the link is seen as.
+        collision: the mesh that the link touches with.
         mark: the row in its file.
     """
 
@@ -113,6 +146,9 @@ class DHRow:
     radius: float | None = None
     damping: float | None = None
     friction: float | None = None
+    armature: float | None = None
+    visual: MeshShape | None = None
+    collision: MeshShape | None = None
     mark: Mark | None = field(default=None, compare=False)
 
 
@@ -130,6 +166,10 @@ class Manipulator:
         density: density of links without a mass [kg/m³].
         base_mass: mass of the base's body [kg].
         base_geometry: shape of the base's body.
+        base_visual: the mesh that the base is seen as.
+        base_collision: the mesh that the base touches with.
+        visuals: whether links are seen at all; None leaves it to the transform.
+        collisions: whether links touch at all; None leaves it to the transform.
         mark: the manipulator's place in its file.
         notices: what a careful person would want to know about how it was read.
     """
@@ -143,6 +183,10 @@ class Manipulator:
     density: float | None = None
     base_mass: float | None = None
     base_geometry: LinkGeometry = LinkGeometry()
+    base_visual: MeshShape | None = None
+    base_collision: MeshShape | None = None
+    visuals: bool | None = None
+    collisions: bool | None = None
     mark: Mark | None = field(default=None, compare=False)
     notices: tuple[Problem, ...] = field(default=(), compare=False)
 

@@ -10,6 +10,8 @@ import orjson
 
 from dh2urdf.conversion import Written
 from dh2urdf.laws import Value
+from dh2urdf.manipulator import MeshFile
+from dh2urdf.meshes import copy_path
 from dh2urdf.source import Problem
 from dh2urdf.stages import LoadReport
 
@@ -38,6 +40,7 @@ class Outcome:
         written: what each emitter made.
         loads: what each simulator said, by the loader's name.
         pictures: the pictures that simulators took, by their names.
+        meshes: the mesh files that its files name by their copies.
         notices: what a careful person would want to know.
         errors: why it failed.
         traceback: where a stage failed, for ``--debug``.
@@ -54,6 +57,7 @@ class Outcome:
     written: tuple[Written, ...] = ()
     loads: dict[str, LoadReport] = field(default_factory=dict)
     pictures: dict[str, bytes] = field(default_factory=dict)
+    meshes: tuple[MeshFile, ...] = ()
     notices: tuple[Problem, ...] = ()
     errors: tuple[Problem, ...] = ()
     traceback: str = ""
@@ -66,7 +70,7 @@ class Outcome:
             key: what its files depend on, as a hash.
             files: where its files are.
         """
-        return make_row(
+        row = make_row(
             name=self.name,
             status=self.status,
             kind=self.kind,
@@ -80,6 +84,9 @@ class Outcome:
             notices=[problem.as_json() for problem in self.notices],
             errors=[problem.as_json() for problem in self.errors],
         )
+        if self.meshes:
+            row["meshes"] = [{"path": copy_path(file), "sha256": file.sha256} for file in self.meshes]
+        return row
 
 
 def make_row(

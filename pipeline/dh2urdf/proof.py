@@ -79,7 +79,7 @@ def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
         robot: the robot made of them, whose joints have the limits that the tables left open.
         count: how many.
     """
-    ranges = _ranges(truth, robot)
+    ranges = joint_ranges(truth, robot)
     nearest_to_zero = tuple(min(max(0.0, lower), upper) for lower, upper in ranges)
     others = (
         tuple(lower + u * (upper - lower) for u, (lower, upper) in zip(row, ranges, strict=True))
@@ -90,7 +90,7 @@ def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
 
 def proof_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
     """The joint vectors of a proof: all zero (inside the limits or not), both ends, and `count` inside the limits."""
-    ranges = _ranges(truth, robot)
+    ranges = joint_ranges(truth, robot)
     ends = [tuple(0.0 for _ in ranges), tuple(low for low, _ in ranges), tuple(high for _, high in ranges)]
     return (*ends, *joint_vectors(truth, robot, count))
 
@@ -156,7 +156,8 @@ def _errors(truth: RigidTransform, found: RigidTransform) -> tuple[float, float]
     return (math.inf if math.isnan(position) else position, math.inf if math.isnan(angle) else angle)
 
 
-def _ranges(truth: Truth, robot: Robot) -> list[tuple[float, float]]:
+def joint_ranges(truth: Truth, robot: Robot) -> list[tuple[float, float]]:
+    """The ends of every joint's limits, as far as they are sampled [rad or m]; a full turn where there are none."""
     joints = {joint.name: joint for joint in robot.joints}
     return [_range(joints.get(name)) for name in truth.joints]
 

@@ -145,15 +145,19 @@ class Catalog:
         )
         return reader
 
-    def emitter_for(self, path: Path) -> Emitter[Any]:
+    def emitter_for(self, path: Path, advice: str = "`--to NAME` chooses an emitter") -> Emitter[Any]:
         """The emitter whose suffixes a path has; the longest suffix wins (`.urdf.xacro` is xacro).
+
+        Args:
+            path: the path.
+            advice: how a person says which is meant.
 
         Raises:
             InputError: no installed emitter writes the suffix, or several do.
             BrokenPluginError: none does, and a plugin that may provide one is broken.
             StageConflictError: two plugins claim the emitter's name.
         """
-        emitter: Emitter[Any] = self._by_suffix("emitter", path, "`--to NAME` chooses an emitter")
+        emitter: Emitter[Any] = self._by_suffix("emitter", path, advice)
         return emitter
 
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind

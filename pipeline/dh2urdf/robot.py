@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.manipulator import Inertia, JointType, Limits, MeshFile
 from dh2urdf.rotations import Z_AXIS, ZERO, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem
 
@@ -87,10 +87,17 @@ class Sphere:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """A mesh file; scale per axis [1]."""
+    """A mesh file.
+
+    Attributes:
+        filename: the file as a description names it: a path from the description's folder, or a URI.
+        scale: factors along the axes of the mesh [1].
+        file: the file that is meant, where it is at hand; the pipeline then copies it, and says how it is named.
+    """
 
     filename: str
     scale: Vec3 = (1.0, 1.0, 1.0)
+    file: MeshFile | None = field(default=None, compare=False)
 
 
 Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
@@ -160,6 +167,7 @@ class Joint:
         limits: all four for revolute and prismatic, effort and velocity for continuous, none for fixed.
         damping: viscous friction [N·m·s/rad or N·s/m].
         friction: static friction [N·m or N].
+        armature: inertia of the rotor, behind the gear [kg·m² or kg].
         mark: the row of the table that says it.
     """
 
@@ -172,6 +180,7 @@ class Joint:
     limits: Limits = Limits()
     damping: float | None = None
     friction: float | None = None
+    armature: float | None = None
     mark: Mark | None = field(default=None, compare=False)
 
 

@@ -202,7 +202,7 @@ def _reached(robot: Robot, root: str) -> set[str]:
 
 
 def _joint_problems(joint: Joint) -> Iterator[Problem]:
-    """Origin finite, axis of length 1, limits complete and in order, friction not negative."""
+    """Origin finite, axis of length 1, limits complete and in order, friction and armature not negative."""
     yield from _finite("origin", (*joint.origin.xyz, *joint.origin.rpy))
     if joint.type is not JointType.FIXED:
         length = norm(joint.axis)
@@ -210,7 +210,7 @@ def _joint_problems(joint: Joint) -> Iterator[Problem]:
             message = f"the joint's axis has the length {length:.12g}"
             yield Problem(message=message, field="axis", accepted="a vector of length 1")
     yield from _limit_problems(joint)
-    for name in ("damping", "friction"):
+    for name in ("damping", "friction", "armature"):
         value = getattr(joint, name)
         if value is not None and not 0.0 <= value < math.inf:
             message = f"{name} is {value:.12g}"
@@ -248,7 +248,7 @@ def _is_sure_joint(joint: Joint) -> Condition:
             sure &= number > 0.0
     if limits.lower is not None and limits.upper is not None:
         sure &= limits.lower <= limits.upper
-    for number in (joint.damping, joint.friction):
+    for number in (joint.damping, joint.friction, joint.armature):
         if number is not None:
             sure &= number >= 0.0
     return sure

@@ -20,8 +20,11 @@ from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journ
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
 from dh2urdf.making import Effect, Maker, this_process
+from dh2urdf.mesh_section import MeshCall
 from dh2urdf.options import make_options
 from dh2urdf.output import reporting_os_errors, write_all
+from dh2urdf.report.exhibits import Exhibits
+from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import run_report, write_reports, write_timing
 from dh2urdf.source import Problem, in_file_order
 from dh2urdf.stages import Executor, Loader, Lost, Reader
@@ -53,6 +56,8 @@ class Plan:
         executor_options: its options.
         cells: robots of several of the manipulators, made when all have been read.
         variations: manipulators drawn from others, made at the end.
+        html: whether to write a page for people, where its packages are installed.
+        meshes: mesh files that links are drawn and touched as.
     """
 
     inputs: tuple[tuple[Path, Reader[Any], Any], ...]
@@ -64,6 +69,8 @@ class Plan:
     executor_options: Any
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
+    html: bool = True
+    meshes: tuple[MeshCall, ...] = ()
 
 
 class Result:
@@ -83,6 +90,11 @@ class Result:
         self.seconds: dict[str, float] = {}
         self.timings: list[dict[str, Any]] = []
         self.keeps_kinematics = keeps_kinematics
+
+    @property
+    def made(self) -> int:
+        """How many manipulators were worked at."""
+        return sum(self.statuses.values()) - self.statuses["kept"]
 
     @property
     def exit_status(self) -> int:
@@ -143,6 +155,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         proved=config.proved,
         sample=config.sample,
         time_limit=config.time_limit,
+        mesh_prefix=config.mesh_prefix,
     )
     for loader in recipe.loaders:
         loader.stage.require(loader.options)
@@ -159,6 +172,8 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         executor_options=executor.options,
         cells=config.cells,
         variations=config.variations,
+        html=config.html,
+        meshes=config.meshes,
     )
 
 
@@ -201,7 +216,7 @@ def execute(
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
-            _make(plan, Effect.LOOK, "", None, rows, result, note)
+            _make(plan, Effect.LOOK, "", None, rows, result, note, Exhibits(0))
             report = run_report(rows, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
@@ -209,13 +224,18 @@ def execute(
     with store.lock(), _earlier(store, resume=resume) as earlier, store.scratch() as folder:
         journal = next_journal(store)
         path = folder / "manifest"
+        exhibits = Exhibits()
         with path.open("w+b") as rows:
             try:
-                _make(plan, Effect.MAKE, journal, earlier, rows, result, note)
+                _make(plan, Effect.MAKE, journal, earlier, rows, result, note, exhibits)
             except TableError:  # There is nothing to go on with.
                 store.remove_tree(journal if resume else JOURNAL)
                 raise
             report = write_reports(store, rows, result)
+            if plan.html and can_write_html():
+                write_html(store, rows, exhibits, plan.recipe, plan.layout)
+            else:
+                store.remove(PAGE)  # An older one would tell of another run.
             result.seconds["total"] = time.perf_counter() - started
             write_timing(store, result)
         store.put(MANIFEST, path)
@@ -242,6 +262,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     rows: BinaryIO,
     result: Result,
     note: Note | None,
+    exhibits: Exhibits,
 ) -> None:
     """Make all manipulators, and write the rows of the manifest."""
     maker = Maker(
@@ -261,6 +282,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         for batch in batches(plan, expected):
             known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
             under_way.append(known)
+            exhibits.see(batch)
             yield known
 
     unread: list[
@@ -276,7 +298,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                 write_all(rows.fileno(), report.rows)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(report)
+            unread.append(replace(report, rows=b""))
             if readable:
                 for each in unread:
                     if note:

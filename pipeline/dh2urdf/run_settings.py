@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.conversion import Sample
+from dh2urdf.errors import ConfigError
 from dh2urdf.layouts import DEFAULT_SIZE, LARGEST, Form, Layout
+from dh2urdf.meshes import RELATIVE, prefix_of
 from dh2urdf.sections import SectionReader
 from dh2urdf.source import did_you_mean
 
@@ -46,6 +48,17 @@ class SettingsReader(SectionReader):
             )
         return Layout(form=form, size=self.whole(size, "output.size", 1, LARGEST, DEFAULT_SIZE))
 
+    def mesh_prefix(self, node: Node | None, layout: Layout) -> str | None:
+        """What descriptions write before the name of a copied mesh; None where none is copied."""
+        in_folders = layout.form is Form.FOLDERS
+        if node is not None and node.value is not None and (word := self.name(node, "output.meshes")):
+            try:
+                return prefix_of(word, in_folders=in_folders)
+            except ConfigError as error:
+                why = error.problems[0]
+                self.say(why.message, node, "output.meshes", accepted=why.accepted)
+        return prefix_of(RELATIVE, in_folders=in_folders)
+
     def sample(self, given: dict[str, Node], field: str, default: Sample) -> Sample:
         """Which manipulators are looked at: the first of the run, and every how many-th of the rest."""
         first = self.whole(given.get("first"), f"{field}.first", 0, MOST, default.first)
@@ -66,6 +79,16 @@ class SettingsReader(SectionReader):
             accepted="seconds that one manipulator may take, a number greater than 0",
         )
         return DEFAULT_TIME_LIMIT
+
+    def switch(self, node: Node | None, field: str, *, default: bool) -> bool:
+        """Whether something is done."""
+        if node is None or node.value is None:
+            return default
+        if not isinstance(node.value, bool):
+            message = f"{field.rpartition('.')[2]} cannot be {node.describe()}"
+            self.say(message, node, field, accepted="true, false")
+            return default
+        return node.value
 
     def whole(self, node: Node | None, field: str, least: int, most: int, default: int) -> int:
         """A whole number within bounds."""

@@ -18,6 +18,8 @@ from dh2urdf.config import (
 from dh2urdf.conversion import Sample
 from dh2urdf.errors import ConfigError
 from dh2urdf.layouts import DEFAULT_SIZE, LARGEST, Form
+from dh2urdf.mesh_section import SHAPE_KEYS
+from dh2urdf.meshes import FILE, RELATIVE
 from dh2urdf.option_types import type_hints
 from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, MOST
 from dh2urdf.sampling import MOST_POINTS, Sampling
@@ -42,6 +44,7 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
         "inputs": _one_or_more(inputs, "the tables that are read"),
         "cells": _one_or_more(_cell(), "robots of several arms, with one root; none by default", least=0),
         "variations": _one_or_more(_variation(), "manipulators drawn from others; none by default", least=0),
+        "meshes": _one_or_more(_meshes(), "mesh files that links are seen as and touch with; none by default", least=0),
         "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM),
         "emitters": _one_or_more(_stage(catalog, "emitter", "what writes files"), f"{DEFAULT_EMITTER} by default"),
         "loaders": _one_or_more(_stage(catalog, "loader", "what loads the files"), "none by default", least=0),
@@ -69,6 +72,15 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
             }
         ),
         "sample": _mapping(_sample(DEFAULT_SAMPLE, "go through expansion of xacro and simulators")),
+        "report": _mapping(
+            {
+                "html": {
+                    "type": "boolean",
+                    "default": True,
+                    "description": "whether report.html is written, where jinja2 and matplotlib are installed",
+                }
+            }
+        ),
     }
     return {
         "$schema": DIALECT,
@@ -112,6 +124,12 @@ def _output() -> dict[str, Any]:
             },
             "size": _whole(1, LARGEST)
             | {"default": DEFAULT_SIZE, "description": "manipulators in one folder or shard"},
+            "meshes": {
+                "type": "string",
+                "pattern": f"^({RELATIVE}|{FILE}|package://.+)$",
+                "default": RELATIVE,
+                "description": "how descriptions name mesh files: relative, file or package://NAME",
+            },
         }
     )
 
@@ -171,6 +189,24 @@ def _cell() -> dict[str, Any]:
     arms = {"type": "array", "items": {**arm, "required": ["name", "of"]}, "minItems": 1}
     cell = _mapping({"name": _text("the cell's name, after which its files are named"), "arms": arms})
     return {**cell, "required": ["name", "arms"]}
+
+
+def _meshes() -> dict[str, Any]:
+    """The meshes of a manipulator, its base's and by joint."""
+    number = {"type": ["number", "string"], "minLength": 1}
+    vector = {"type": "array", "items": number, "minItems": 3, "maxItems": 3}
+    file = _text("a file in STL, OBJ or DAE, from the folder of the run file")
+    about = {
+        "file": file,
+        "xyz": vector | {"description": "where it stands in the DH frame after the row [m]"},
+        "rpy": vector | {"description": "how it stands there: roll, pitch, yaw [rad]"},
+        "scale": _either(number, vector) | {"description": "a factor, or one for each axis"},
+    }
+    mesh = _either(file, {**_mapping(about), "required": ["file"]})
+    shapes = _mapping(dict.fromkeys(SHAPE_KEYS, mesh))
+    joints = {"type": "object", "additionalProperties": shapes, "description": "by the names of the joints"}
+    of = _text("the manipulator of this run that has them; * stands for any text")
+    return {**_mapping({"of": of, "base": shapes, "joints": joints}), "required": ["of"]}
 
 
 def _variation() -> dict[str, Any]:

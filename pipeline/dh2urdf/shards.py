@@ -1,8 +1,8 @@
 """Tar shards: the files of many manipulators in one, as WebDataset and the tar readers of PyTorch take them.
 
-The files of one manipulator stand together, and their names are the same up to the first dot: that is how such readers
-tell one sample from the next. The bytes depend on names and contents alone: no time, no owner. A member can be read by
-itself, at the offset that the manifest has of it.
+The files of one manipulator stand together. Such readers tell one sample from the next by the names up to the first
+dot: files that differ there, as the macro of xacro does, are samples of their own. The bytes depend on names and
+contents alone: no time, no owner. A member can be read by itself, at the offset that the manifest has of it.
 """
 
 from __future__ import annotations

@@ -7,10 +7,10 @@ options dataclass that the function takes. The options' fields have defaults, an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeAlias, TypeVar
+from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args
 
 from dh2urdf.columns import ManipulatorColumns, RobotColumns
 from dh2urdf.manipulator import Manipulator
@@ -115,6 +115,65 @@ class EmittedFile:
     content: bytes
 
 
+Severity: TypeAlias = Literal["error", "warning", "note"]
+SEVERITIES: tuple[Severity, ...] = get_args(Severity)
+"""From the worst on."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effect:
+    """What one consumer does with a file that has a fault.
+
+    Attributes:
+        consumer: its name, as `Inspection.consumers` has it.
+        severity: how bad that is.
+        text: what it does, as a sentence whose subject it is, without a full stop.
+    """
+
+    consumer: str
+    severity: Severity
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """Something in a file that not every consumer takes as it is meant.
+
+    Attributes:
+        rule: name of the rule that found it, in kebab-case; it stays the same from version to version.
+        message: what stands there, as one plain sentence without its place and without a full stop.
+        mend: what to do about it.
+        effects: what the consumers do that do not just take it; empty where the finding is not about them.
+        mark: where it stands.
+    """
+
+    rule: str
+    message: str
+    mend: str
+    effects: tuple[Effect, ...] = ()
+    mark: Mark | None = None
+
+    @property
+    def severity(self) -> Severity:
+        """That of the worst effect."""
+        return min((effect.severity for effect in self.effects), key=SEVERITIES.index, default="error")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inspection:
+    """What is to be said of a file of any origin.
+
+    Attributes:
+        consumers: the consumers of the format that were thought of: name, and what it stands for.
+        findings: what was found, in the order of the file.
+        robot: the links and joints of the file, as far as they can be read; None where there are none.
+    """
+
+    consumers: Mapping[str, str]
+    findings: tuple[Finding, ...]
+    robot: Robot | None = None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Emitter(Generic[O]):
     """Makes the files of a robot.
@@ -136,6 +195,8 @@ class Emitter(Generic[O]):
         read_columns: the robots that many main files describe, in groups whose members differ in numbers only, each
             with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
             nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
+        check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
+            findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
     """
 
     name: str
@@ -148,6 +209,7 @@ class Emitter(Generic[O]):
     costly_proof: bool = False
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
+    check: Callable[[Path], Inspection] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,7 +251,8 @@ class LoadReport:
         angle_tolerance: what `angle_error` may be [rad].
         q: the joint vector of the largest position error.
         poses: how many joint vectors were measured.
-        hold: the hold test: seconds, largest joint displacement, whether the arm stayed, contacts within the arm.
+        hold: the hold test: seconds, largest joint displacement, whether the arm stayed, contacts within the arm; of a
+            library that simulates nothing, the largest share of an effort that gravity asks, and whether that is there.
         findings: what a person should know.
         output: what the simulator printed.
         picture: name of the picture that was written.
@@ -236,13 +299,15 @@ class Loader(Generic[O]):
         options: its options dataclass.
         load: loads the file and measures it. It is called in a child process of its own, so it may crash or leave;
             what it prints, from C too, is taken into the report. It raises `dh2urdf.errors.LoaderError` where the
-            simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` where it is not installed.
+            simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` or `MissingProgramError` where it
+            is not installed or does not run.
         poses: how many joint vectors to measure with these options.
         picture: whether these options ask for a picture.
         read_output: the findings in what the simulator printed while `load` ran: its warnings, without those that it
             gives for good files too. Called with the whole output after the child process has ended, well or badly.
         require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `load`
-            needs with these options is not installed, without importing it (`importlib.util.find_spec`).
+            needs with these options is not installed, without importing it (`importlib.util.find_spec`), and
+            `MissingProgramError` where it is a program that is not.
         time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
             ends it, by closing a window.
     """

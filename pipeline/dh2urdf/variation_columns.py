@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorColumns, row_places
-from dh2urdf.variations import AXES, FIELDS, TYPE, Variation, changed, drawn_notices
+from dh2urdf.variations import FIELDS, Variation, changed, drawn_notices
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +31,7 @@ def variant_columns(
     """
     import numpy as np
 
-    if any(factor.field in (TYPE, AXES) for factor in variation.factors):
+    if variation.has_many_forms:
         return None
     nominal = variation.nominal
     rows = list(nominal.rows)
@@ -61,8 +61,7 @@ def _is_possible(row: DHRow, values: dict[str, Any]) -> Any:  # noqa: ANN401 - a
     possible: Any = True
     for name, numbers in values.items():
         possible &= np.isfinite(numbers)
-        if FIELDS[name].positive:
-            possible &= numbers > 0.0
+        possible &= FIELDS[name].takes(numbers)
     if {"lower", "upper"} & values.keys() and row.limits.lower is not None and row.limits.upper is not None:
         possible &= np.less_equal(row.limits.lower, row.limits.upper)
     return possible

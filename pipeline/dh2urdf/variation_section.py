@@ -344,8 +344,9 @@ class _LawReader(SectionReader):
 
     def _positive(self, node: Node, number: float | None) -> float | None:
         """A number that the field may have."""
-        if number is not None and FIELDS[self.what].positive and number <= 0.0:
-            message = f"{self.what} must be greater than 0"
-            self.say(message, node, self.field, accepted="numbers greater than 0")
+        field = FIELDS[self.what]
+        if number is not None and not field.takes(number):
+            message = f"{self.what} must be {field.bound}"
+            self.say(message, node, self.field, accepted=f"numbers {field.bound}")
             return None
         return number

@@ -41,16 +41,29 @@ class Field(NamedTuple):
         linear: what it measures in the row of a prismatic joint, where that is something else.
         types: the types of joints that have it.
         positive: whether it must be greater than 0.
+        negative: whether it may be less than 0.
     """
 
     dimension: Dimension | None
     linear: Dimension | None = None
     types: frozenset[JointType] = frozenset(JointType)
     positive: bool = False
+    negative: bool = True
 
     def of(self, kind: JointType) -> Dimension | None:
         """What it measures in the row of a type of joint."""
         return self.linear if self.linear and kind is JointType.PRISMATIC else self.dimension
+
+    def takes(self, numbers: Any) -> Any:  # noqa: ANN401 - a number, or a column of them
+        """Whether it may have a value, for each of a column; that numbers are finite is another matter."""
+        if self.positive:
+            return numbers > 0.0
+        return (numbers >= 0.0) | self.negative
+
+    @property
+    def bound(self) -> str:
+        """What `takes` asks of a number, as the end of a sentence; empty where it takes any."""
+        return "greater than 0" if self.positive else "" if self.negative else "0 or greater"
 
 
 FIELDS = {
@@ -65,6 +78,9 @@ FIELDS = {
     "effort": Field(Dimension.EFFORT, types=_MOVING, positive=True),
     "mass": Field(Dimension.MASS, positive=True),
     "radius": Field(Dimension.LENGTH, positive=True),
+    "damping": Field(Dimension.DAMPING, types=_MOVING, negative=False),
+    "friction": Field(Dimension.EFFORT, types=_MOVING, negative=False),
+    "armature": Field(Dimension.INERTIA, Dimension.MASS, types=_MOVING, negative=False),
     TYPE: Field(None),
     AXES: Field(None),
 }
@@ -162,6 +178,11 @@ class Variation:
     sampling: Sampling = Sampling.RANDOM
     mark: Mark | None = attribute(default=None, compare=False)
 
+    @property
+    def has_many_forms(self) -> bool:
+        """Whether its tables differ in more than their numbers."""
+        return any(factor.field in (TYPE, AXES) for factor in self.factors)
+
     def variants(self) -> Iterator[Variant]:
         """All its variants, one by one."""
         return (Variant(variation=self, number=number) for number in range(1, self.count + 1))
@@ -200,6 +221,8 @@ class Variant:
     def drawn(self) -> dict[str, Value]:
         """The values of its factors by their keys [SI]; not those of axes it lacks and of limits its joints lack."""
         values = self._values()
+        if not self.variation.has_many_forms:
+            return {factor.key: values[factor.key] for factor in self.variation.factors}
         axes, rows = values.get(AXES), self.variation.nominal.rows
         last = len(first_axes(rows, int(axes)) if axes else rows)
         drawn: dict[str, Value] = {}
@@ -298,7 +321,7 @@ def retyped(row: DHRow, kind: JointType) -> DHRow:
     """A row whose joint moves in another way; where all joint values are 0, the arm stands as it did.
 
     Where rad become m or the other way round, or nothing moves any more, the offset goes into theta or d, and limits,
-    damping and friction of the other kind of motion are dropped.
+    damping, friction and armature of the other kind of motion are dropped.
     """
     if kind is row.type:
         return row
@@ -315,6 +338,7 @@ def retyped(row: DHRow, kind: JointType) -> DHRow:
         limits=Limits(),
         damping=None,
         friction=None,
+        armature=None,
     )
 
 
@@ -329,9 +353,9 @@ def _row_problems(row: DHRow, factors: Mapping[str, Factor]) -> Iterator[Problem
         value = getattr(row.limits if name in LIMITS else row, name)
         if not isinstance(value, float):
             continue
-        positive = FIELDS[name].positive
-        if not isfinite(value) or (positive and value <= 0.0):
-            accepted = "a number greater than 0" if positive else "a finite number"
+        field = FIELDS[name]
+        if not isfinite(value) or not field.takes(value):
+            accepted = f"a number {field.bound}" if field.bound else "a finite number"
             yield impossible(name, f"the {name} that was drawn is {value:.12g}", value, accepted)
     bounds = [name for name in ("lower", "upper") if name in factors]
     lower, upper = row.limits.lower, row.limits.upper

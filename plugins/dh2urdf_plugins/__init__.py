@@ -33,18 +33,25 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
-    """URDF and xacro macros."""
-    from dh2urdf_plugins.emitters import urdf, xacro
+    """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo."""
+    from dh2urdf_plugins.emitters import mjcf, sdf, urdf, xacro
 
-    return (urdf.EMITTER, xacro.EMITTER)
+    return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER)
 
 
 @hookimpl
 def dh2urdf_loaders() -> Iterable[Loader[Any]]:
     """The simulators."""
-    from dh2urdf_plugins.loaders import pybullet
+    from dh2urdf_plugins.loaders import coppeliasim, drake, gazebo, mujoco, pinocchio, pybullet
 
-    return (pybullet.LOADER,)
+    return (
+        pybullet.LOADER,
+        mujoco.LOADER,
+        pinocchio.LOADER,
+        drake.LOADER,
+        gazebo.LOADER,
+        coppeliasim.LOADER,
+    )
 
 
 @hookimpl

@@ -57,9 +57,7 @@ def whats(batch: Batch) -> dict[int, Any]:
     for places, columns in batch.columns:
         found += [(place, columns.pick(member)) for member, place in enumerate(places)]
     for start, variation, numbers in batch.variants:
-        found += [
-            (start + i, Variant(variation=variation, number=number).name) for i, number in enumerate(numbers)
-        ]
+        found += [(start + i, Variant(variation=variation, number=number).name) for i, number in enumerate(numbers)]
     assert sorted(place for place, _ in found) == list(range(len(batch)))
     return dict(sorted(found))
 

@@ -337,7 +337,10 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         (TABLE + "transform: [x]\n", "field 'transform': this cannot be a list of 1"),
         (TABLE + "emitters: [{stage: urdf, profile: x}]\n", "the options of a stage stand under `options:`"),
         (TABLE + "output: {directory: [x]}\n", "field 'output.directory': this cannot be a list of 1"),
-        (TABLE + "output: [x]\n", "field 'output': this cannot be a list of 1\n    accepted: a mapping of directory, layout"),
+        (
+            TABLE + "output: [x]\n",
+            "field 'output': this cannot be a list of 1\n    accepted: a mapping of directory, layout",
+        ),
         (TABLE + "proof: {poses: true}\n", "field 'proof.poses': poses cannot be the truth value true"),
         (TABLE + "proof: {poses: 1.5}\n", "field 'proof.poses': poses cannot be the number 1.5"),
         (TABLE + "emitter: urdf\n", "did you mean 'emitters'?"),

@@ -18,6 +18,7 @@ from dh2urdf.errors import (
     LoaderError,
     ManipulatorError,
     MissingDependencyError,
+    MissingProgramError,
     OutputError,
     PluginError,
     ProofError,
@@ -44,6 +45,7 @@ EVERY_ERROR = [
     BrokenPluginError("lab = lab.plugin", "lab 1.0", "OSError: gone", "Traceback …"),
     StageConflictError("reader", "csv", ["one 1.0", "two 1.0"]),
     MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]"),
+    MissingProgramError("loader 'gazebo'", "the command gz", "apt-get install gz"),
 ]
 by_name = pytest.mark.parametrize("error", EVERY_ERROR, ids=lambda error: type(error).__name__)
 
@@ -127,6 +129,11 @@ class TestMessages:
         """It says what to type."""
         error = MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]")
         assert str(error) == "loader 'pybullet' needs pybullet: pip install 'dh2urdf[pybullet]'"
+
+    def test_of_a_missing_program(self) -> None:
+        """It says what is missing and what to do."""
+        error = MissingProgramError("loader 'gazebo'", "the command gz", "apt-get install gz")
+        assert str(error) == "loader 'gazebo' needs the command gz: apt-get install gz"
 
     def test_of_a_conflict(self) -> None:
         """It names the stage, both distributions, and the two ways out."""

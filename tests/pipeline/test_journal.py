@@ -34,9 +34,7 @@ def write(store: Store, folder: str, file: str, *rows: bytes) -> None:
 def found(store: Store, names: Sequence[str]) -> dict[int, list[Any]]:
     """What is known of some names, as the numbers of their rows."""
     with earlier_rows(store) as earlier:
-        return {
-            place: [json.loads(row)["number"] for row in rows] for place, rows in earlier.of(names).items()
-        }
+        return {place: [json.loads(row)["number"] for row in rows] for place, rows in earlier.of(names).items()}
 
 
 class TestEarlier:
@@ -69,7 +67,9 @@ class TestEarlier:
         write(store, f"{JOURNAL}/0001", "000000000.jsonl", line("a", number=1), line("a", number=2))
         assert found(store, ["a"]) == {0: [4, 3, 2, 1, 0]}
 
-    @pytest.mark.parametrize("torn", [b'{"name": "c", "num', b'{"name"', b"{}", b"[]", b"3", b'{"name": 3}', b"\xff\xfe"])
+    @pytest.mark.parametrize(
+        "torn", [b'{"name": "c", "num', b'{"name"', b"{}", b"[]", b"3", b'{"name": 3}', b"\xff\xfe"]
+    )
     def test_a_torn_line_is_left_out(self, store: Store, torn: bytes) -> None:
         """What a process wrote when it was killed is no row; those before it are."""
         write(store, f"{JOURNAL}/0001", "000000000.jsonl", line("a", number=1), torn)
@@ -84,7 +84,10 @@ class TestEarlier:
         with earlier_rows(store) as earlier:
             assert earlier.of(["a", "b"]) == {0: (line("a", number=1),), 1: (line("b", number=2),)}
 
-    @given(st.lists(st.tuples(st.sampled_from("abcdef"), st.integers(0, 9)), max_size=30), st.lists(st.sampled_from("abcxyz")))
+    @given(
+        st.lists(st.tuples(st.sampled_from("abcdef"), st.integers(0, 9)), max_size=30),
+        st.lists(st.sampled_from("abcxyz")),
+    )
     def test_as_in_a_plain_dictionary(
         self, tmp_path_factory: pytest.TempPathFactory, rows: list[tuple[str, int]], names: list[str]
     ) -> None:
@@ -92,9 +95,7 @@ class TestEarlier:
         store = open_store(tmp_path_factory.mktemp("journal"))
         write(store, f"{JOURNAL}/0001", "000000000.jsonl", *(line(name, number=number) for name, number in rows))
         known = {name: [number for other, number in rows[::-1] if other == name] for name in "abcdef"}
-        assert found(store, names) == {
-            place: known[name] for place, name in enumerate(names) if known.get(name)
-        }
+        assert found(store, names) == {place: known[name] for place, name in enumerate(names) if known.get(name)}
 
     def test_a_full_temporary_folder_is_told(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """In one line, with the folder that is full: it is not that of the output."""

@@ -10,7 +10,17 @@ from hypothesis import strategies as st
 from dh2urdf.columns import in_columns
 from dh2urdf.config import load_config
 from dh2urdf.keys import DIGITS, column_keys, key_of
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
+from dh2urdf.manipulator import (
+    Convention,
+    DHRow,
+    Inertia,
+    JointType,
+    Limits,
+    LinkGeometry,
+    Manipulator,
+    MeshFile,
+    MeshShape,
+)
 from dh2urdf.registry import load
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.run import make_plan
@@ -37,8 +47,10 @@ FULL = DHRow(
     radius=0.05,
     damping=0.6,
     friction=0.7,
+    armature=0.8,
     limits=LIMITS,
 )
+MESH = MeshShape(file=MeshFile(path="/link.stl", sha256="0" * 64))
 BARE = DHRow(joint="elbow", link="forearm", a=0.3, alpha=0.0, d=0.0)
 ARM = Manipulator(name="arm", convention=Convention.STANDARD, rows=(FULL, BARE))
 
@@ -59,10 +71,12 @@ def key(table: Manipulator, **how: Any) -> str:
 
 def numbers(row: DHRow) -> list[DHRow]:
     """The row with another value in each place that holds a number, one at a time."""
-    plain = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction")
+    plain = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
     changed = [replace(row, **{name: getattr(row, name) + 1e-9}) for name in plain]
-    for name in ("lower", "upper", "velocity", "effort"):
-        changed.append(replace(row, limits=replace(row.limits, **{name: getattr(row.limits, name) + 1e-9})))
+    changed += [
+        replace(row, limits=replace(row.limits, **{name: getattr(row.limits, name) + 1e-9}))
+        for name in ("lower", "upper", "velocity", "effort")
+    ]
     assert row.inertia is not None
     assert row.com is not None
     for field in fields(Inertia):
@@ -103,6 +117,15 @@ OTHERS = [
     replace(ARM, density=1000.0),
     replace(ARM, base_mass=4.0),
     replace(ARM, base_geometry=LinkGeometry(shape="box")),
+    replace(ARM, base_visual=MESH),
+    replace(ARM, base_collision=MESH),
+    replace(ARM, rows=(replace(FULL, visual=MESH), BARE)),
+    replace(ARM, rows=(replace(FULL, visual=replace(MESH, file=replace(MESH.file, sha256="1" * 64))), BARE)),
+    replace(ARM, rows=(replace(FULL, visual=replace(MESH, pose=RAISED)), BARE)),
+    replace(ARM, rows=(replace(FULL, visual=replace(MESH, scale=(1.0, 1.0, 2.0))), BARE)),
+    replace(ARM, rows=(replace(FULL, collision=MESH), BARE)),
+    replace(ARM, visuals=False),
+    replace(ARM, collisions=False),
     replace(ARM, notices=(Problem(message="read with care", severity="notice"),)),
 ]
 """Manipulators each of which differs from `ARM` in one thing."""
@@ -186,6 +209,7 @@ def plan_key(tmp_path: Path) -> Any:
         "emitters: xacro",
         "loaders: pybullet",
         "proof: {poses: 33}",
+        "output: {meshes: file}",
     ],
 )
 def test_what_is_done_counts(plan_key: Any, text: str) -> None:

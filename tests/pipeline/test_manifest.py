@@ -15,6 +15,7 @@ from pyarrow import parquet
 
 from dh2urdf.manifest import LONGEST_REASON, MAX_NAMES, MAX_REASONS, ROW_GROUP, Index, can_write_parquet, pattern
 from dh2urdf.manifest import write_parquet as write
+from dh2urdf.outcome import to_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -290,3 +291,14 @@ class TestIndex:
         """Numbers and quoted texts are taken out, and nothing else: no word that only looks like one of them."""
         assert pattern(message) == what
         assert not re.search(r"\d", pattern(message))
+
+
+@given(st.lists(st.tuples(st.text() | st.just('x","status":"ok","kind":null,"'), st.booleans()), max_size=8))
+def test_lines_are_counted_as_rows_are(some: list[tuple[str, bool]]) -> None:
+    """The index of lines as a run writes them is the index of their rows, whatever manipulators are called."""
+    rows = [row(name) if good else failed(name, "proof", f"{name} is another arm") for name, good in some]
+    by_row, by_line = Index(), Index()
+    for each in rows:
+        by_row.add(each)
+        by_line.add_line(to_line(each))
+    assert by_line.as_json() == by_row.as_json()

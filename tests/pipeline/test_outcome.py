@@ -75,7 +75,13 @@ def test_a_row_has_all_that_is_known_of_a_manipulator() -> None:
         *("name", "status", "kind", "source", "key", "drawn", "keeps_kinematics", "files", "proof", "loaders"),
         *("notices", "errors"),
     ]
-    assert (row["name"], row["status"], row["kind"], row["source"], row["key"]) == ("arm", "ok", None, "arm.csv", "00ff")
+    assert (row["name"], row["status"], row["kind"], row["source"], row["key"]) == (
+        "arm",
+        "ok",
+        None,
+        "arm.csv",
+        "00ff",
+    )
     assert row["drawn"] == {"a_2": 0.4, "type_1": "prismatic"}
     assert row["files"] == [FILE]
     assert row["proof"] == {

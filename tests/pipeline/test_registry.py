@@ -361,10 +361,10 @@ class TestInstalledPluginsThatAreBroken:
         """A run that needs what only a broken plugin can provide ends with status 3, the plugin and its reason."""
         install(tmp_path / "site", "lab_formats", BROKEN["at_import"])
         (tmp_path / "arm.csv").write_text(TABLE)
-        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [sdf]\noutput: {directory: out}\n")
+        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [usd]\noutput: {directory: out}\n")
         failed = dh2urdf("run", "run.yaml", path=[tmp_path / "site"], status=3)
         assert "lab_formats 1.0 is broken: OSError: the licence server does not answer" in failed.stderr
-        assert "no other plugin provides the emitter 'sdf'" in failed.stderr
+        assert "no other plugin provides the emitter 'usd'" in failed.stderr
         assert not (tmp_path / "out").exists()
 
     def test_two_distributions_that_claim_one_name(
@@ -374,11 +374,11 @@ class TestInstalledPluginsThatAreBroken:
         source = (
             "from dh2urdf.hookspecs import hookimpl\nfrom dh2urdf.stages import Emitter, NoOptions\n"
             "@hookimpl\ndef dh2urdf_emitters():\n"
-            "    yield Emitter(name='sdf', summary='s', emit=lambda *_: [], options=NoOptions, suffixes=('.sdf',))\n"
+            "    yield Emitter(name='usd', summary='s', emit=lambda *_: [], options=NoOptions, suffixes=('.usd',))\n"
         )
         for distribution in ("lab_one", "lab_two"):
             install(tmp_path / "site", distribution, source)
         (tmp_path / "arm.csv").write_text(TABLE)
-        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [sdf]\noutput: {directory: out}\n")
+        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [usd]\noutput: {directory: out}\n")
         failed = dh2urdf("run", "run.yaml", path=[tmp_path / "site"], status=3)
-        assert "emitter 'sdf' is claimed by lab_one 1.0 and by lab_two 1.0" in failed.stderr
+        assert "emitter 'usd' is claimed by lab_one 1.0 and by lab_two 1.0" in failed.stderr

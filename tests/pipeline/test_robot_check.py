@@ -126,6 +126,7 @@ def test_a_good_robot_has_no_problems() -> None:
         (with_joint(limits=replace(LIMITS, lower=2.0)), "greater than upper"),
         (with_joint(type=JointType.CONTINUOUS), "a continuous joint has no limit lower"),
         (with_joint(damping=-0.1), "damping is -0.1"),
+        (with_joint(armature=-0.1), "armature is -0.1"),
         (with_joint(friction=NAN), "friction is nan"),
     ],
 )

@@ -155,6 +155,7 @@ class Lab:
             (self.folder / f"{name}.list").write_text(text)
         (self.folder / "run.yaml").write_text(
             config + "\ntransform: draw\nemitters: pickle\nexecution: here\noutput: {directory: out}\n"
+            "report: {html: false}\n"
         )
         return make_plan(load_config(self.folder / "run.yaml"), self.catalog)
 
@@ -296,8 +297,9 @@ class TestExecute:
         """Also those that failed before the first that could be read; and how many there will be, by the lines read."""
         noted: list[tuple[BatchReport, int | None]] = []
         lab.run("bad1 bad2 arm bad3", note=lambda *told: noted.append(told))
-        names = [json.loads(row)["name"] for report, _ in noted for row in report.rows.splitlines()]
-        assert names == ["bad1", "bad2", "arm", "bad3"]
+        told = [problem.message for report, _ in noted for problem in report.problems]
+        assert told == ["bad1 is bad", "bad2 is bad", "bad3 is bad"]
+        assert sum(report.count for report, _ in noted) == 4
         assert [report.first for report, _ in noted] == sorted(report.first for report, _ in noted)
         assert noted[-1][1] in {3, 4}
 

@@ -36,7 +36,9 @@ def test_defaults(folder: Path) -> None:
     assert found.time_limit == DEFAULT_TIME_LIMIT == 300.0
 
 
-@pytest.mark.parametrize("text", ["output:\nproof:\nsample:\nexecution:", "output: {layout: , size: }\nsample: {first: }"])
+@pytest.mark.parametrize(
+    "text", ["output:\nproof:\nsample:\nexecution:", "output: {layout: , size: }\nsample: {first: }"]
+)
 def test_empty_settings_are_defaults(folder: Path, text: str) -> None:
     """A setting whose value is commented out is as if it were absent."""
     found, plain = config(folder, text), config(folder, "")
@@ -59,7 +61,9 @@ def test_every_setting_is_read(folder: Path) -> None:
     assert found.layout == Layout(form=Form.SHARDS, size=500)
     assert (found.proved, found.sample) == (Sample(first=10, every=3), Sample(first=0, every=1000))
     assert (found.time_limit, found.poses) == (0.5, 8)
-    changed = config(folder, text, "output.layout=folders", "sample.every=7", "execution.time_limit=60", "proof.first=0")
+    changed = config(
+        folder, text, "output.layout=folders", "sample.every=7", "execution.time_limit=60", "proof.first=0"
+    )
     assert changed.problems == ()
     assert changed.layout == Layout(form=Form.FOLDERS, size=500)
     assert (changed.sample.every, changed.time_limit, changed.proved.first) == (7, 60.0, 0)
@@ -89,16 +93,20 @@ WHOLE = "accepted: a whole number from"
         (
             "output: {layout: shard}",
             "2:18",
-            "field 'output.layout': the layout cannot be the text 'shard'\n"
-            "    accepted: files, folders, shards\n    did you mean 'shards'?",
+            (
+                "field 'output.layout': the layout cannot be the text 'shard'\n"
+                "    accepted: files, folders, shards\n    did you mean 'shards'?"
+            ),
         ),
         ("output: {layout: 3}", "2:18", "field 'output.layout': the layout cannot be the number 3"),
         ("output: {layout: [files]}", "2:18", "field 'output.layout': the layout cannot be a list of 1"),
         (
             "output: {size: 100}",
             "2:16",
-            "field 'output.size': all files go into one folder, which has no size\n"
-            "    accepted: a size with layout: folders or layout: shards",
+            (
+                "field 'output.size': all files go into one folder, which has no size\n"
+                "    accepted: a size with layout: folders or layout: shards"
+            ),
         ),
         (
             "output: {layout: folders, size: 0}",
@@ -116,8 +124,10 @@ WHOLE = "accepted: a whole number from"
         (
             "execution: {time_limit: 0}",
             "2:25",
-            "field 'execution.time_limit': the time limit cannot be the number 0\n"
-            "    accepted: seconds that one manipulator may take, a number greater than 0",
+            (
+                "field 'execution.time_limit': the time limit cannot be the number 0\n"
+                "    accepted: seconds that one manipulator may take, a number greater than 0"
+            ),
         ),
         ("execution: {time_limit: -5}", "2:25", "the time limit cannot be the number -5"),
         ("execution: {time_limit: .inf}", "2:25", "the time limit cannot be the number .inf"),

@@ -62,6 +62,11 @@ def variation(*rules: tuple[str, Law], count: int = 50) -> Variation:
             ("upper", Uniform(low=0.0, high=2.0)),
             ("d", Normal(mean=None, deviation=0.1, low=-1.0, high=1.0)),
         ),
+        (
+            ("damping", Uniform(low=-1.0, high=2.0)),
+            ("friction", Uniform(low=0.0, high=2.0)),
+            ("armature", Uniform(low=0.0, high=1.0)),
+        ),
         (("offset", Uniform(low=-1.0, high=1.0)), ("velocity", Uniform(low=-1.0, high=3.0))),
     ],
     ids=lambda rules: " ".join(field for field, _ in rules),

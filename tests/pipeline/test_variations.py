@@ -271,6 +271,17 @@ class TestImpossible:
         with pytest.raises(ManipulatorError, match=f"the {field} that was drawn is -"):
             made(variant)
 
+    @pytest.mark.parametrize("field", ["damping", "friction", "armature"])
+    def test_what_must_not_be_negative_is_not(self, field: str) -> None:
+        """A joint that resists nothing is drawn, one that resists less is not; a joint may resist as it moves."""
+        table = replace(ARM, rows=tuple(replace(row, **{field: 0.0}) for row in ARM.rows[:2]))
+        for low, high in ((0.0, 0.0), (0.0, 2.0)):
+            (variant,) = variation(rule(field, Offset(low=low, high=high), 1), table=table, count=1).variants()
+            assert low <= getattr(made(variant).rows[0], field) <= high
+        (variant,) = variation(rule(field, Offset(low=-2.0, high=-1.0), 1), table=table, count=1).variants()
+        with pytest.raises(ManipulatorError, match=f"the {field} that was drawn is -.*\n.*0 or greater"):
+            made(variant)
+
     def test_what_cannot_be_held_fails(self) -> None:
         """A product beyond the largest double is not written."""
         table = replace(ARM, rows=(replace(ARM.rows[1], a=1e300),))

@@ -27,8 +27,12 @@ EXIT_STATUS = (
 COMMANDS = {
     "run": "Do a whole run that a YAML file describes.",
     "convert": "Turn one table into a robot description.",
+<<<<<<< HEAD
     "studio": "Type a table in the browser, see the arm move, press Generate.",
     "view": "Show robots of URDF, xacro, tables and cells in the browser.",
+=======
+    "check": "Say what each simulator will do with a robot description.",
+>>>>>>> main
     "plugins": "List every installed stage and its options.",
     "schema": "Print the JSON Schema of run files or tables.",
 }
@@ -103,6 +107,7 @@ def dh2urdf(debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
     \b
     dh2urdf convert ur5.csv -o ur5.urdf      one table
     dh2urdf run ur5.yaml                     a whole run: URDF, xacro, simulator, proof
+    dh2urdf check robot.urdf                 what each simulator will do with it
     dh2urdf convert --help                   what a command takes
     """
 

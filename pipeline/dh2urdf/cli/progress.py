@@ -104,10 +104,9 @@ class _Lines(_Silent):
         if now - self._said_last < LINE_EVERY:
             return
         self._said_last = now
-        rate = self.made / (now - self._started)
         of = f" of about {total:,}" if total else ""
-        rest = f", {_duration((total - self.made) / rate)} left" if total and rate else ""
-        self.console.print(f"{self.made:,}{of} manipulators, {self.failed:,} failed, {rate:,.0f}/s{rest}")
+        pace = filter(None, _pace(self.made, total, now - self._started))
+        self.console.print(f"{self.made:,}{of} manipulators, {self.failed:,} failed, {', '.join(pace)}")
 
 
 class _Bar(_Silent):
@@ -117,29 +116,37 @@ class _Bar(_Silent):
 
     def __init__(self, console: Console, *, debug: bool) -> None:
         super().__init__(console, debug=debug)
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
         columns = (
             TextColumn("manipulators"),
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
-            TimeRemainingColumn(elapsed_when_finished=True),
+            # The bar's own column forgets its speed whenever the total changes, which it does with every batch.
+            TextColumn("{task.fields[left]}", style="cyan"),
             TextColumn("{task.fields[failed]}", style="red"),
         )
         self._bar: Progress = Progress(*columns, console=console, transient=True)
-        self._task = self._bar.add_task("", total=None, rate="", failed="")
+        self._task = self._bar.add_task("", total=None, rate="", left="", failed="")
         self._started = time.monotonic()
         self._bar.start()
 
     def show(self, total: int | None) -> None:
-        rate = self.made / max(time.monotonic() - self._started, 1e-9)
+        rate, left = _pace(self.made, total, time.monotonic() - self._started)
         failed = f"{self.failed:,} failed" if self.failed else ""
-        self._bar.update(self._task, completed=self.made, total=total, rate=f"{rate:,.0f}/s", failed=failed)
+        self._bar.update(self._task, completed=self.made, total=total, rate=rate, left=left, failed=failed)
 
     def close(self) -> None:
         self._bar.stop()
         super().close()
+
+
+def _pace(made: int, total: int | None, seconds: float) -> tuple[str, str]:
+    """How fast a run goes, and how long it will still take; empty where there is no saying."""
+    rate = made / max(seconds, 1e-9)
+    left = f"{_duration(max(0, total - made) / rate)} left" if total and rate else ""
+    return f"{rate:,.0f}/s", left
 
 
 def _duration(seconds: float) -> str:

@@ -11,6 +11,7 @@ from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.config import load_config
 from dh2urdf.outcome import to_text
 from dh2urdf.registry import load
+from dh2urdf.report.html import HOW_TO_GET, can_write_html
 from dh2urdf.run import execute, make_plan
 from dh2urdf.stores import open_store
 
@@ -39,8 +40,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     """Do the run that the YAML file CONFIG describes.
 
     Every manipulator is read, transformed, written, read back and compared with the DH product of its table; the
-    loaders then ask the simulators. Beside the files, the output holds report.json, a manifest with a row for each
-    manipulator, an index of the failures, and timing.json.
+    loaders then ask the simulators. Beside the files, the output holds report.html and report.json, a manifest with a
+    row for each manipulator, an index of the failures, and timing.json.
 
     \b
     dh2urdf run configs/ur5.yaml
@@ -68,4 +69,6 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         from dh2urdf.cli.summary import print_summary
 
         print_summary(result, report, str(plan.store), dry_run=dry_run)
+        if plan.html and not dry_run and not can_write_html():
+            click.echo(HOW_TO_GET)
     return result.exit_status

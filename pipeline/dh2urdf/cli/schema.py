@@ -7,18 +7,28 @@ import json
 import click
 
 from dh2urdf.registry import load
+from dh2urdf.report.schema import manifest_schema, report_schema
 from dh2urdf.schema import run_schema, table_schema
+
+SCHEMAS = {
+    "run": lambda: run_schema(load()),
+    "table": lambda: table_schema(load()),
+    "report": report_schema,
+    "manifest": manifest_schema,
+}
 
 
 @click.command(name="schema")
-@click.argument("what", type=click.Choice(["run", "table"]), default="run")
+@click.argument("what", type=click.Choice(list(SCHEMAS)), default="run")
 def command(what: str) -> int:
-    """Print the JSON Schema of run files, every installed stage's options included, or of tables.
+    """Print the JSON Schema of run files, every installed stage's options included, or of what WHAT says.
+
+    table: of YAML tables; report: of report.json; manifest: of a line of manifest.jsonl.
 
     \b
     dh2urdf schema > run.schema.json
     dh2urdf schema table > table.schema.json
+    dh2urdf schema report > report.schema.json
     """
-    schema = run_schema(load()) if what == "run" else table_schema(load())
-    click.echo(json.dumps(schema, indent=2, ensure_ascii=False))
+    click.echo(json.dumps(SCHEMAS[what](), indent=2, ensure_ascii=False))
     return 0

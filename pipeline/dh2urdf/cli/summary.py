@@ -47,7 +47,7 @@ def print_summary(result: Result, report: Row, where: str, *, dry_run: bool) -> 
     counts = [f"{result.statuses[status]:,} {word}" for status, word in words.items() if result.statuses[status]]
     kinds = ", ".join(f"{kind}: {number:,}" for kind, number in result.kinds.most_common())
     seconds = result.seconds["total"]
-    rate = f"; {count / seconds:,.0f} per second" if count >= MANY and seconds else ""
+    rate = f"; {result.made / seconds:,.0f} per second" if result.made >= MANY and seconds else ""
     what = f"{', '.join(counts)}{f' ({kinds})' if kinds else ''}{rate}"
     console.print(f"{what}{' (dry run: nothing was written)' if dry_run else ''}", markup=False)
     if not result.keeps_kinematics:

@@ -43,8 +43,7 @@ def timing(result: Result) -> dict[str, Any]:
     """How long a run and its steps took, added up over all its workers [s]."""
     steps = dict(result.seconds)
     total = steps.pop("total", 0.0)
-    count = sum(result.statuses.values())
-    rate = count / total if total else None
+    rate = result.made / total if total else None
     return {"total": total, "per_second": rate, "steps": steps, "manipulators": result.timings[:REPORTED]}
 
 
@@ -60,7 +59,7 @@ def write_reports(store: Store, rows: BinaryIO, result: Result) -> dict[str, Any
     index = Index()
     rows.seek(0)
     for row in rows:
-        index.add(orjson.loads(row))
+        index.add_line(row)
     store.write("index.json", to_text(index.as_json()))
     report = run_report(rows, result)
     store.write("report.json", to_text(report))

@@ -3,45 +3,50 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.emitters.profiles import PROFILE_HELP, PROFILES, ProfileName, adapted, append_transmissions
 from dh2urdf_plugins.emitters.urdf_tree import Notation, check_lines, serialise, urdf_tree
 from dh2urdf_plugins.urdf_reader import read_urdf
 from dh2urdf_plugins.urdf_scanner import scan_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from dh2urdf.columns import RobotColumns
     from dh2urdf.robot import Robot
+    from dh2urdf.stages import Inspection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UrdfOptions:
     """What a URDF is written for."""
 
-    profile: Literal["portable"] = field(
-        default="portable", metadata={"help": "readers that the file is for; portable: all of them"}
-    )
+    profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
 
 
-def emit(robot: Robot, stem: str, _options: UrdfOptions) -> tuple[EmittedFile]:
+def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     """The URDF of a robot, as ``<stem>.urdf``.
 
     Raises:
         EmitterError: XML cannot hold one of its names, a name makes a line longer than readers take, or the robot lacks
             what URDF requires.
     """
-    notation = Notation()
-    content = serialise(urdf_tree(robot, notation.text(robot.name), notation), robot.comment)
+    notation, profile = Notation(), PROFILES[options.profile]
+    robot = adapted(robot, profile)
+    root = urdf_tree(robot, notation.text(robot.name), notation, mujoco=profile.mujoco_element)
+    if profile.transmissions:
+        append_transmissions(root, robot, notation)
+    content = serialise(root, robot.comment)
     check_lines(content)
     return (EmittedFile(name=f"{stem}.urdf", content=content),)
 
 
 def emit_columns(
-    robots: RobotColumns, stems: Sequence[str], _options: UrdfOptions
+    robots: RobotColumns, stems: Sequence[str], options: UrdfOptions
 ) -> list[tuple[EmittedFile, ...]] | None:
     """The URDF of each of many robots, as ``<stem>.urdf``.
 
@@ -50,6 +55,8 @@ def emit_columns(
     """
     from dh2urdf_plugins.emitters.urdf_columns import filled_in
 
+    if PROFILES[options.profile] != PROFILES["portable"]:
+        return None
     try:
         contents = filled_in(robots)
     except EmitterError:
@@ -58,6 +65,17 @@ def emit_columns(
         () if content is None else (EmittedFile(name=f"{stem}.urdf", content=content),)
         for stem, content in zip(stems, contents, strict=True)
     ]
+
+
+def check(path: Path) -> Inspection:
+    """What there is to say of a URDF of any origin.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    from dh2urdf_plugins.lint.inspection import inspect_urdf
+
+    return inspect_urdf(path)
 
 
 EMITTER = Emitter(
@@ -69,4 +87,5 @@ EMITTER = Emitter(
     read_back=read_urdf,
     emit_columns=emit_columns,
     read_columns=scan_columns,
+    check=check,
 )

@@ -13,6 +13,7 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
+from dh2urdf.meshes import has_meshes
 from dh2urdf.number_text import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.source import Problem, shown
@@ -77,14 +78,15 @@ class Notation:
         return self.numbers(angles)
 
 
-def urdf_tree(robot: Robot, name: str, notation: Notation) -> etree._Element:
-    """The whole tree of a URDF, under a name that is written already.
+def urdf_tree(robot: Robot, name: str, notation: Notation, *, mujoco: bool = True) -> etree._Element:
+    """The whole tree of a URDF, under a name that is written already; with what MuJoCo has to be told, if asked for.
 
     Raises:
         EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
     """
     root = etree.Element("robot", name=name)
-    append_mujoco_options(root)
+    if mujoco:
+        append_mujoco_options(root, robot)
     append_robot(root, robot, notation)
     return root
 
@@ -103,10 +105,15 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation) -> No
         _append_link(parent, link, notation)
 
 
-def append_mujoco_options(parent: etree._Element) -> None:
-    """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it."""
-    mujoco = etree.SubElement(parent, "mujoco")
-    etree.SubElement(mujoco, "compiler", {"fusestatic": "false", "discardvisual": "false"})
+def append_mujoco_options(parent: etree._Element, robot: Robot) -> None:
+    """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it.
+
+    Of meshes it takes the file's name alone, without its folder, unless it is told not to.
+    """
+    options = {"fusestatic": "false", "discardvisual": "false"}
+    if has_meshes(robot):
+        options["strippath"] = "false"
+    etree.SubElement(etree.SubElement(parent, "mujoco"), "compiler", options)
 
 
 def append_inertial(parent: etree._Element, inertial: Inertial, notation: Notation) -> None:

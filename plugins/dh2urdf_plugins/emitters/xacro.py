@@ -22,10 +22,19 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
+from dh2urdf.meshes import has_meshes
 from dh2urdf.number_text import format_number
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.emitters.profiles import (
+    PROFILE_HELP,
+    PROFILES,
+    Profile,
+    ProfileName,
+    adapted,
+    append_transmissions,
+)
 from dh2urdf_plugins.emitters.urdf_tree import (
     Notation,
     append_comment,
@@ -38,8 +47,10 @@ from dh2urdf_plugins.xacro_reader import read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from dh2urdf.robot import Arm, Parameter, Robot
+    from dh2urdf.stages import Inspection
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
 MACRO_PARAMETERS = "prefix parent:='' *origin"
@@ -61,6 +72,7 @@ class XacroOptions:
     single_file: bool = field(
         default=False, metadata={"help": "write the macro and its call into one file instead of two"}
     )
+    profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
 
 
 class XacroNotation(Notation):
@@ -133,18 +145,20 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
         EmitterError: XML cannot hold one of its names, a parameter's name is not one of a xacro property, or the robot
             lacks what URDF requires.
     """
-    notation = XacroNotation()
+    notation, profile = XacroNotation(), PROFILES[options.profile]
+    robot = adapted(robot, profile)
     macros = _macros(robot, stem)
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
         _append(top, "arg", name="prefix", default="")
-    append_mujoco_options(top)
+    if profile.mujoco_element:
+        append_mujoco_options(top, robot)
     library = top if options.single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
     if not options.single_file:
         # xacro takes a file name for a pattern.
         _append(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
     for name, kind in macros.items():
-        _append_macro(library, kind, name)
+        _append_macro(library, kind, name, profile)
     if robot.arms:
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
         for arm in robot.arms:
@@ -201,7 +215,7 @@ def _as_text(text: str) -> str:
     return text if "_" in text.strip("'") or text == "world" else f"'{text}'"
 
 
-def _append_macro(parent: etree._Element, robot: Robot, name: str) -> None:
+def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile) -> None:
     notation = XacroNotation(robot.parameters)
     append_comment(
         parent,
@@ -209,24 +223,27 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str) -> None:
         "without a parent the arm is mounted on nothing, and origin is not used.",
     )
     macro = _append(parent, "macro", name=name, params=MACRO_PARAMETERS)
-    _append_properties(macro, robot.parameters)
+    _append_properties(macro, robot)
     _append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
-    if robot.links[0].inertial is None:
+    if profile.transmissions:
+        append_transmissions(macro, robot, notation)
+    if robot.links[0].inertial is None and profile.frame_inertials:
         # A link without an inertial weighs 1 kg in PyBullet, unless it is the root, and KDL warns of a root with one.
         mounted = etree.Element(f"{{{NAMESPACE}}}unless", {"value": "${parent == ''}"})
         append_inertial(mounted, Inertial(mass=0.0), notation)
         next(macro.iterchildren("link")).insert(0, mounted)
 
 
-def _append_properties(macro: etree._Element, parameters: Sequence[Parameter]) -> None:
+def _append_properties(macro: etree._Element, robot: Robot) -> None:
     """Appends the numbers of the table, each joint's after a comment that names it, them and their units."""
+    parameters = robot.parameters
     if not parameters:
         return
     append_comment(
         macro,
         "The table: edit the arm here. Origins and shapes follow these properties; "
-        "axes, limits, masses and inertias are numbers that do not.",
+        f"axes, limits, masses{', meshes' if has_meshes(robot) else ''} and inertias are numbers that do not.",
     )
     for joint, group in groupby(parameters, key=lambda parameter: parameter.joint):
         row = list(group)
@@ -267,6 +284,17 @@ def one_file(options: XacroOptions) -> XacroOptions:
     return replace(options, single_file=True)
 
 
+def check(path: Path) -> Inspection:
+    """What there is to say of a xacro, expanded, of any origin.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    from dh2urdf_plugins.lint.inspection import inspect_xacro
+
+    return inspect_xacro(path)
+
+
 EMITTER = Emitter(
     name="xacro",
     summary="a xacro macro with the table as its properties, and a file that calls it",
@@ -276,4 +304,5 @@ EMITTER = Emitter(
     read_back=read_xacro,
     one_file=one_file,
     costly_proof=True,
+    check=check,
 )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import RigidTransform, Rotation, norm
+from dh2urdf.mass_properties import compound, placed
+from dh2urdf.robot import Inertial
+from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, Vec3, norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 
 SINGLE_PRECISION = 2.0**-23
 """Distance of 1 to the next number in single precision [1]."""
+DOUBLE_PRECISION = 2.0**-52
+"""Distance of 1 to the next number in double precision [1]."""
 
 HOLD_SECONDS = 2.0
 """How long the hold test lasts [s]."""
@@ -53,8 +57,8 @@ def pose_error(measured: RigidTransform, expected: Sequence[float]) -> tuple[flo
     The angle follows from the Frobenius norm of the difference of the rotations, 2√2·sin(angle/2), which unlike the
     usual trace form is exact for small angles too.
     """
-    rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
-    chord = math.dist(measured.rotation, rotation) / math.sqrt(8.0)
+    expected_rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
+    chord = math.dist(measured.rotation, expected_rotation) / math.sqrt(8.0)
     return math.dist(measured.translation, expected[3:12:4]), 2.0 * math.asin(min(1.0, chord))
 
 
@@ -67,17 +71,51 @@ def tensor(inertia: Inertia) -> Rotation:
     )
 
 
+def vector(array: Any) -> Vec3:  # noqa: ANN401 - an array of shape (3,)
+    """The three numbers of an array as plain ones, none of them −0.0."""
+    x, y, z = (float(element) + 0.0 for element in array)
+    return (x, y, z)
+
+
+def rotation(matrix: Any) -> Rotation:  # noqa: ANN401 - an array of shape (3, 3) or (9,)
+    """The nine numbers of a matrix as plain ones, row by row, none of them −0.0."""
+    a, b, c, d, e, f, g, h, i = (float(element) + 0.0 for element in matrix.reshape(9))
+    return (a, b, c, d, e, f, g, h, i)
+
+
+def carriers(robot: Robot) -> dict[str, str]:
+    """Of every link the one that carries it: the outermost of those that fixed joints hold together as one body."""
+    carrier = {link.name: link.name for link in robot.links}
+    for joint in robot.joints:  # Parents before children.
+        if joint.type is JointType.FIXED:
+            carrier[joint.child] = carrier[joint.parent]
+    return carrier
+
+
+def lumped_bodies(robot: Robot) -> dict[str, Inertial]:
+    """The mass properties of every rigid body, by the name of the link that carries it and in that link's frame.
+
+    So a simulator holds them that knows moving bodies only, and adds to each what fixed joints hold to it.
+    """
+    carrier = carriers(robot)
+    frame = {link.name: IDENTITY for link in robot.links}
+    for joint in robot.joints:
+        if joint.type is JointType.FIXED:
+            frame[joint.child] = frame[joint.parent] @ joint.origin.transform
+    parts: dict[str, list[Inertial]] = {link: [] for link in carrier.values()}
+    for link in robot.links:
+        if link.inertial and link.inertial.mass:
+            parts[carrier[link.name]].append(placed(link.inertial, frame[link.name]))
+    return {name: compound(bodies) if bodies else Inertial(mass=0.0) for name, bodies in parts.items()}
+
+
 def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
     """The pairs of links whose contact would be a collision: they move against each other, and no joint joins them.
 
     Links that fixed joints hold together are one body; a body and the next one always meet at their joint.
     """
-    body = {link.name: link.name for link in robot.links}
-    neighbours = set()
-    for joint in robot.joints:  # Parents before children.
-        if joint.type is JointType.FIXED:
-            body[joint.child] = body[joint.parent]
-        neighbours.add((body[joint.parent], body[joint.child]))
+    body = carriers(robot)
+    neighbours = {(body[joint.parent], body[joint.child]) for joint in robot.joints}
     solid = [link.name for link in robot.links if link.collisions]
     return [
         (first, second)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import re
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from dh2urdf.errors import MissingDependencyError
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader, LoadReport
+from dh2urdf_plugins.loaders.packages import Packages
 from dh2urdf_plugins.loaders.pybullet_arm import Arm
 
 if TYPE_CHECKING:
     from dh2urdf.stages import LoadRequest
+
+_PACKAGES = Packages("pybullet", {"pybullet": "pybullet", "PIL.Image": "pillow"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,9 +37,7 @@ def require(options: PyBulletOptions) -> None:
     Raises:
         MissingDependencyError: one of them is not installed.
     """
-    for module, package in (("pybullet", "pybullet"), *([("PIL", "pillow")] if options.picture else [])):
-        if importlib.util.find_spec(module) is None:
-            raise _missing(package)
+    _PACKAGES.require("pybullet", *(["PIL.Image"] if options.picture else []))
 
 
 def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
@@ -49,9 +47,9 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
         LoaderError: PyBullet cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: PyBullet, or Pillow for a picture, is not installed.
     """
-    bullet = _import("pybullet", "pybullet")
+    bullet = _PACKAGES.load("pybullet")
     if request.picture:
-        _import("PIL.Image", "pillow")
+        _PACKAGES.load("PIL.Image")
     bullet.connect(bullet.GUI if options.gui else bullet.DIRECT)
     try:
         report = Arm(bullet, request).report()
@@ -61,17 +59,6 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
         if bullet.isConnected():
             bullet.disconnect()
     return report
-
-
-def _import(module: str, package: str) -> Any:  # noqa: ANN401 - a module without type information
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise _missing(package) from error
-
-
-def _missing(package: str) -> MissingDependencyError:
-    return MissingDependencyError("loader 'pybullet'", package, "dh2urdf[pybullet]")
 
 
 # What PyBullet prints: "b3Warning[file,line]:", a line end and the text; often the next message follows without one.

@@ -13,28 +13,17 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, multiply, norm, rotate, subtract, transpose
-from dh2urdf.source import Problem, shown
+from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, multiply, rotate, transpose
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.measures import (
-    GRAVITY,
-    HOLD_SECONDS,
-    HOLD_STAYS,
-    SINGLE_PRECISION,
-    hold_start,
-    pose_error,
-    reach,
-    tensor,
-    touching_pairs,
-)
+from dh2urdf_plugins.loaders.comparison import Body, Comparison, Precision
+from dh2urdf_plugins.loaders.measures import GRAVITY, HOLD_SECONDS, SINGLE_PRECISION, hold_start, touching_pairs
 from dh2urdf_plugins.loaders.pybullet_picture import write_picture
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
-    from dh2urdf.robot import Joint
+    from dh2urdf.source import Problem
     from dh2urdf.stages import LoadRequest
 
 TIME_STEP = 1 / 240
@@ -48,13 +37,18 @@ _ROUNDINGS = 4
 PyBullet 3.2 computes link poses in double precision, but `getLinkState` gives them out by way of single precision: the
 pose of the centre of mass and the inertial frame are rounded, the one inverted, and the two multiplied.
 """
-_DOUBLE_PRECISION = 1e-12
-"""What an arm without extent is allowed [m]."""
 _PRINCIPAL_AXES = 2e-6
 """Largest error of an inertia [1], as a share of the trace: PyBullet turns the tensor to its principal axes by Jacobi
 rotations, which end when the products are below 1e-6 of the trace."""
+_PRECISION = Precision(
+    number=SINGLE_PRECISION,
+    axis=_ROUNDINGS * SINGLE_PRECISION,
+    inertia=_PRINCIPAL_AXES,
+    position=_ROUNDINGS * SINGLE_PRECISION,
+    angle=_ROUNDINGS * SINGLE_PRECISION * math.pi,
+    name="single precision",
+)
 _ROOT = -1  # PyBullet's index of the root link
-_SHOWN_PAIRS = 5
 
 
 class Arm:
@@ -62,22 +56,18 @@ class Arm:
 
     def __init__(self, bullet: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
         self.bullet, self.request, self.robot = bullet, request, request.robot
+        self.comparison = Comparison("PyBullet", request, _PRECISION)
         bullet.setPhysicsEngineParameter(enableFileCaching=0)  # Or a rewritten file would give the old arm again.
         try:
             self.body = bullet.loadURDF(
                 str(request.path.resolve()), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE
             )
         except bullet.error as error:
-            raise LoaderError(self.problem(message="PyBullet cannot load the file")) from error
+            raise LoaderError(self.comparison.problem(message="PyBullet cannot load the file")) from error
         infos = [bullet.getJointInfo(self.body, index) for index in range(bullet.getNumJoints(self.body))]
         self.moving = [info for info in infos if info[2] != bullet.JOINT_FIXED]
         self.joints = {_text(info[1]): info[0] for info in infos}
         self.links = {self.robot.root: _ROOT, **{_text(info[12]): info[0] for info in infos}}
-
-    def problem(self, *, joint: str | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
-        """A problem of this robot, at the row of the joint that it is about."""
-        row = next((each.mark for each in self.robot.joints if each.name == joint), None)
-        return Problem(robot=self.robot.name, mark=row or self.request.mark, joint=joint, **words)
 
     def report(self) -> LoadReport:
         """Measure everything.
@@ -85,19 +75,19 @@ class Arm:
         Raises:
             LoaderError: PyBullet holds another arm.
         """
-        joints, problems = self._compare_joints()
-        masses, more_problems = self._compare_masses()
-        if problems := [*problems, *more_problems]:
+        joints = tuple(map(self._held_joint, self.moving))
+        masses, problems = self.comparison.masses(self._held_bodies(), self._written_bodies())
+        if problems := [*self.comparison.joints(joints), *problems]:
             raise LoaderError(problems)
         report = LoadReport(simulator="PyBullet", version=version("pybullet"), joints=joints, **masses)
         if not self._gives_poses():
             return replace(report, findings=(self._too_many_joints(),))
-        report = replace(report, **self._compare_poses())
+        report = replace(report, **self.comparison.poses(self._frames))
         if self.moving:
             hold, findings = self._hold()
             report = replace(report, hold=hold, findings=findings)
         if self.request.picture:
-            write_picture(self.bullet, self.robot, self._frames, self.request.picture)
+            write_picture(self.bullet, self.robot, self._all_frames, self.request.picture)
             report = replace(report, picture=self.request.picture.name)
         return report
 
@@ -105,34 +95,6 @@ class Arm:
         """Put the arm at a joint vector, at rest."""
         for joint, value in zip(self.robot.moving_joints, q, strict=True):
             self.bullet.resetJointState(self.body, self.joints[joint.name], value)
-
-    # Joints
-
-    def _compare_joints(self) -> tuple[tuple[dict[str, Any], ...], list[Problem]]:
-        """The moving joints as PyBullet has them, and where they differ from the robot's."""
-        held = {joint["name"]: joint for joint in map(self._held_joint, self.moving)}
-        written_names = {joint.name for joint in self.robot.moving_joints}
-        problems = [
-            self.problem(message="PyBullet has a joint that was not written", found=name)
-            for name in held
-            if name not in written_names
-        ]
-        for joint in self.robot.moving_joints:
-            if joint.name not in held:
-                problems.append(self.problem(message="PyBullet has lost the joint", joint=joint.name))
-                continue
-            for key, written in _written_joint(joint).items():
-                if not _same(found := held[joint.name][key], written):
-                    problems.append(
-                        self.problem(
-                            message=f"PyBullet has {key} {_shown(found)} where {_shown(written)} was written",
-                            joint=joint.name,
-                            field=key,
-                            found=_shown(found),
-                            accepted=_shown(written),
-                        )
-                    )
-        return tuple(held.values()), problems
 
     def _held_joint(self, info: Sequence[Any]) -> dict[str, Any]:
         """A joint as PyBullet has it; its axis is held in the inertial frame, and turned back to the link frame."""
@@ -150,49 +112,19 @@ class Arm:
             "effort": info[10],
         }
 
-    # Masses
+    def _written_bodies(self) -> dict[str, Inertial]:
+        """The links that PyBullet should have; not the root: it is the world's, and PyBullet makes it weightless."""
+        return {link.name: link.inertial or Inertial(mass=0.0) for link in self.robot.links[1:]}
 
-    def _compare_masses(self) -> tuple[dict[str, Any], list[Problem]]:
-        """The mass of the arm and the largest errors of a link's, and where they are larger than PyBullet's arithmetic.
-
-        The root is left out: it is the world's, and PyBullet makes it weightless.
-        """
-        problems: list[Problem] = []
-        mass = mass_error = inertia_error = 0.0
-        for link in self.robot.links[1:]:
-            if link.name not in self.links:
-                problems.append(self.problem(message=f"PyBullet has lost the link {shown(link.name)}"))
-                continue
-            written = link.inertial or Inertial(mass=0.0)
-            wanted = tensor(written.inertia)
-            found, _, principal, com, orientation = self.bullet.getDynamicsInfo(self.body, self.links[link.name])[:5]
+    def _held_bodies(self) -> dict[str, Body]:
+        """The links as PyBullet has them: the inertia is held in its principal axes, and turned back to the link."""
+        bodies = {}
+        for name, index in self.links.items():
+            mass, _, moments, com, orientation = self.bullet.getDynamicsInfo(self.body, index)[:5]
             axes = _rotation(orientation)
-            held = multiply(
-                multiply(axes, (principal[0], 0, 0, 0, principal[1], 0, 0, 0, principal[2])), transpose(axes)
-            )
-            errors = {
-                "mass": (abs(found - written.mass), SINGLE_PRECISION * written.mass, "kg"),
-                "com": (norm(subtract(com, written.com)), SINGLE_PRECISION * norm(written.com), "m"),
-                "inertia": (
-                    max(abs(is_ - was) for is_, was in zip(held, wanted, strict=True)),
-                    _PRINCIPAL_AXES * (wanted[0] + wanted[4] + wanted[8]),
-                    "kg·m²",
-                ),
-            }
-            problems += [
-                self.problem(
-                    message=f"PyBullet has another {name} of the link {shown(link.name)}, by {error:.3g} {unit}",
-                    field=name,
-                    found=f"{error:.3g} {unit}",
-                    accepted=f"at most {bound:.3g} {unit}",
-                )
-                for name, (error, bound, unit) in errors.items()
-                if not error <= bound  # NaN is not right either.
-            ]
-            mass += found
-            mass_error = max(mass_error, errors["mass"][0])
-            inertia_error = max(inertia_error, errors["inertia"][0])
-        return {"mass": mass, "mass_error": mass_error, "inertia_error": inertia_error}, problems
+            principal = (moments[0], 0, 0, 0, moments[1], 0, 0, 0, moments[2])
+            bodies[name] = Body(mass, com, multiply(multiply(axes, principal), transpose(axes)))
+        return bodies
 
     # Poses
 
@@ -214,7 +146,7 @@ class Arm:
 
     def _too_many_joints(self) -> Problem:
         found = f"{len(self.moving)} moving joints, {len(self.links) - 1} links"
-        return self.problem(
+        return self.comparison.problem(
             message=f"PyBullet cannot move so large an arm ({found}): only joints and masses were compared",
             severity="notice",
             found=found,
@@ -228,48 +160,14 @@ class Arm:
         state = self.bullet.getLinkState(self.body, link, computeForwardKinematics=1)
         return RigidTransform(_rotation(state[5]), state[4])
 
-    def _frames(self, q: Sequence[float]) -> dict[str, RigidTransform]:
-        """The frames of all links in the world at a joint vector."""
+    def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
+        """The frames of some links in the world at a joint vector."""
         self.set_joints(q)
-        return {link.name: self._frame(self.links[link.name]) for link in self.robot.links}
+        return {name: self._frame(self.links[name]) for name in links}
 
-    def _compare_poses(self) -> dict[str, Any]:
-        """The largest errors of every tip, and at which joint vector.
-
-        Raises:
-            LoaderError: they are larger than PyBullet's arithmetic.
-        """
-        tolerances = {
-            tip: _ROUNDINGS * SINGLE_PRECISION * reach(self.robot, tip) + _DOUBLE_PRECISION
-            for tip in self.request.expected
-        }
-        angle_tolerance = _ROUNDINGS * SINGLE_PRECISION * math.pi
-        worst, worst_angle = 0.0, 0.0
-        q_worst: tuple[float, ...] = ()
-        for number, q in enumerate(self.request.poses):
-            self.set_joints(q)
-            for tip, tolerance in tolerances.items():
-                distance, angle = pose_error(self._frame(self.links[tip]), self.request.expected[tip][number])
-                if not (distance <= tolerance and angle <= angle_tolerance):
-                    raise LoaderError(
-                        self.problem(
-                            message=f"PyBullet has {tip} in another place, {distance:.3g} m and {angle:.3g} rad away, "
-                            f"at q = {_shown(q)}",
-                            found=f"{distance:.3g} m and {angle:.3g} rad",
-                            accepted=f"the error of single precision, {tolerance:.3g} m and {angle_tolerance:.3g} rad",
-                        )
-                    )
-                if distance >= worst:
-                    worst, q_worst = distance, q
-                worst_angle = max(worst_angle, angle)
-        return {
-            "position_error": worst,
-            "angle_error": worst_angle,
-            "tolerance": max(tolerances.values(), default=0.0),
-            "angle_tolerance": angle_tolerance,
-            "q": tuple(q_worst),
-            "poses": len(self.request.poses),
-        }
+    def _all_frames(self, q: Sequence[float]) -> dict[str, RigidTransform]:
+        """The frames of all links in the world at a joint vector."""
+        return self._frames(q, [link.name for link in self.robot.links])
 
     # The hold test
 
@@ -296,72 +194,12 @@ class Arm:
             for number, state in enumerate(bullet.getJointStates(self.body, indices)):
                 moved = abs(state[0] - start[number])
                 displacement[number] = max(displacement[number], moved if math.isfinite(moved) else math.inf)
-        largest = max(displacement, default=0.0)
-        weakest = joints[displacement.index(largest)] if largest > 0.0 else None
-        hold = {
-            "seconds": HOLD_SECONDS,
-            "start": start,
-            "largest_displacement": largest if math.isfinite(largest) else None,
-            "joint": weakest.name if weakest else None,
-            "threshold": HOLD_STAYS,
-            "stayed": largest <= HOLD_STAYS,
-            "contacts": contacts,
-        }
-        return hold, tuple(self._hold_findings(weakest, largest, contacts))
+        return self.comparison.hold(start, displacement, contacts)
 
     def _touch(self, first: str, second: str) -> bool:
         """Whether the shapes of two links overlap, by more than Bullet's margin around each."""
         points = self.bullet.getClosestPoints(self.body, self.body, 0.0, self.links[first], self.links[second])
         return any(point[8] < -2.0 * MARGIN for point in points)
-
-    def _hold_findings(
-        self, weakest: Joint | None, largest: float, contacts: Sequence[tuple[str, str]]
-    ) -> Iterator[Problem]:
-        if weakest and largest > HOLD_STAYS:
-            unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
-            by = f"{largest:.3g} {unit}" if math.isfinite(largest) else "without end"
-            yield self.problem(
-                message=f"the arm did not stay in place: in {HOLD_SECONDS:g} s under gravity this joint moved by {by}",
-                severity="notice",
-                joint=weakest.name,
-                field="limits.effort",
-                found=str(weakest.limits.effort),
-                suggestion="give the joint the effort that its motor has",
-            )
-        if contacts:
-            pairs = [f"{shown(first)} and {shown(second)}" for first, second in contacts[:_SHOWN_PAIRS]]
-            pairs += [f"{more} more pairs"] if (more := len(contacts) - _SHOWN_PAIRS) > 0 else []
-            yield self.problem(
-                message=f"collision shapes of the arm overlap at the start of the hold test: {', '.join(pairs)}",
-                severity="notice",
-                suggestion="switch the arm's contacts with itself off, or give these links a smaller radius",
-            )
-
-
-def _written_joint(joint: Joint) -> dict[str, Any]:
-    """What PyBullet should have of a joint."""
-    bounded = joint.type is not JointType.CONTINUOUS
-    return {
-        "type": joint.type.value,
-        "axis": joint.axis,
-        "lower": joint.limits.lower if bounded else None,
-        "upper": joint.limits.upper if bounded else None,
-        "velocity": joint.limits.velocity,
-        "effort": joint.limits.effort,
-    }
-
-
-def _same(found: Any, written: Any) -> bool:  # noqa: ANN401 - words, numbers and vectors
-    """Whether two values of a joint are the same within single precision."""
-    if isinstance(written, tuple):
-        return math.dist(found, written) <= _ROUNDINGS * SINGLE_PRECISION
-    if isinstance(written, float):
-        return found is not None and abs(found - written) <= SINGLE_PRECISION * abs(written)
-    return bool(found == written)
-
-
-def _shown(value: Any) -> str:  # noqa: ANN401 - words, numbers and vectors
-    return f"({', '.join(map(str, value))})" if isinstance(value, tuple) else str(value)
 
 
 def _text(name: bytes) -> str:

@@ -55,6 +55,7 @@ def _fields() -> dict[str, Field]:
         Field("radius", ("radius",), length),
         Field("damping", ("damping",), Dimension.DAMPING),
         Field("friction", ("friction",), Dimension.EFFORT),
+        Field("armature", ("armature",), Dimension.INERTIA, Dimension.MASS),
     ]
     return {field.name: field for field in fields}
 

@@ -1,4 +1,4 @@
-"""The rigid transforms of a table: its base and its tool."""
+"""The rigid transforms of a table: its base, its tool and its meshes."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ ORTHONORMAL = 1e-9
 NEARLY_ORTHONORMAL = 1e-4
 """Largest |RᵀR − 1| of one that is mended, with a notice [1]: four digits, as in 0.7071."""
 
-LONGEST = {"base": LONGEST_ARM, "tool": LONGEST_ARM / 10}
-"""Translation that a careful person would look at twice [m]."""
+LONGEST = {"base": LONGEST_ARM}
+"""Translation that a careful person would look at twice [m]; a tenth of it for what an arm carries."""
 
 _SIZE = 4
 _ROUNDED = 0.1
@@ -46,7 +46,7 @@ class TransformReader:
 
         Args:
             node: the value.
-            what: what it is the transform of: ``base`` or ``tool``.
+            what: what it is the transform of: ``base``, ``tool`` or a mesh.
             other_keys: further keys of the mapping, which somebody else reads.
         """
         if isinstance(node.value, dict):
@@ -69,7 +69,7 @@ class TransformReader:
                 accepted=f"a translation of at most {MEASURABLE_ARM:g} m",
             )
             return True
-        if distance > LONGEST[what]:
+        if distance > LONGEST.get(what, LONGEST_ARM / 10):
             self.add(
                 Problem(
                     message=f"{what} is {distance:.4g} m away",
@@ -98,20 +98,25 @@ class TransformReader:
     def _origin(self, node: Node, what: str, other_keys: Sequence[str]) -> RigidTransform | None:
         entries = node.value if isinstance(node.value, dict) else {}
         refuse_unknown_keys(node, ("xyz", "rpy", *other_keys), what, self.add)
-        xyz = self._vector(entries.get("xyz"), f"{what}.xyz", Dimension.LENGTH)
-        rpy = self._vector(entries.get("rpy"), f"{what}.rpy", Dimension.ANGLE)
+        xyz = self.vector(entries.get("xyz"), f"{what}.xyz", Dimension.LENGTH)
+        rpy = self.vector(entries.get("rpy"), f"{what}.rpy", Dimension.ANGLE)
         return None if xyz is None or rpy is None else RigidTransform.from_xyz_rpy(xyz, rpy)
 
-    def _vector(self, node: Node | None, field: str, dimension: Dimension) -> Vec3 | None:
+    def vector(self, node: Node | None, field: str, dimension: Dimension) -> Vec3 | None:
+        """A list of three numbers; zeros where there is none, None where it is something else."""
         if node is None:
             return (0.0, 0.0, 0.0)
         if not isinstance(node.value, list) or len(node.value) != 3:  # noqa: PLR2004 - the space has three dimensions
             count = f"a list of {len(node.value)}" if isinstance(node.value, list) else node.describe()
             self._error(node.mark, field, f"{field} is {count}", found=node.text, accepted="a list of three numbers")
             return None
-        numbers = [self._number(item, field, dimension, self.units.of(dimension)) for item in node.value]
+        numbers = [self.number(item, field, dimension) for item in node.value]
         x, y, z = numbers
         return None if x is None or y is None or z is None else (x, y, z)
+
+    def number(self, node: Node, field: str, dimension: Dimension) -> float | None:
+        """A number in the table's unit; None where it is none."""
+        return self._number(node, field, dimension, self.units.of(dimension))
 
     def _number(self, node: Node, field: str, dimension: Dimension, unit: Unit | None) -> float | None:
         if node.text is None or node.value is None or isinstance(node.value, bool):

@@ -67,7 +67,8 @@ def make_rows(place: Mark, rows: Iterable[tuple[Any, ...]]) -> list[DHRow]:
         row.offset = offset
         row.sign = 1
         row.limits = limits
-        row.mass = row.com = row.inertia = row.radius = row.damping = row.friction = None
+        row.mass = row.com = row.inertia = row.radius = row.damping = row.friction = row.armature = None
+        row.visual = row.collision = None
         row.mark = mark
         row.__class__ = DHRow
         made.append(row)
@@ -92,6 +93,8 @@ def make_manipulators(model: Manipulator, arms: Iterable[tuple[str, tuple[DHRow,
     """Manipulators of some names and rows that are like another one in everything else."""
     convention, base, tool, geometry = model.convention, model.base, model.tool, model.geometry
     density, base_mass, base_geometry, notices = model.density, model.base_mass, model.base_geometry, model.notices
+    base_visual, base_collision = model.base_visual, model.base_collision
+    visuals, collisions = model.visuals, model.collisions
     made: list[Any] = []
     for name, rows in arms:
         arm: Any = _Manipulator()
@@ -104,6 +107,10 @@ def make_manipulators(model: Manipulator, arms: Iterable[tuple[str, tuple[DHRow,
         arm.density = density
         arm.base_mass = base_mass
         arm.base_geometry = base_geometry
+        arm.base_visual = base_visual
+        arm.base_collision = base_collision
+        arm.visuals = visuals
+        arm.collisions = collisions
         arm.mark = rows[0].mark
         arm.notices = notices
         arm.__class__ = Manipulator

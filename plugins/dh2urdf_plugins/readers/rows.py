@@ -97,6 +97,7 @@ class RowReader(RowCells):
             radius=self._positive("radius"),
             damping=self._friction("damping", kind),
             friction=self._friction("friction", kind),
+            armature=self._friction("armature", kind),
             mark=mark,
         )
         return row if self.errors == before else None
@@ -267,7 +268,7 @@ class RowReader(RowCells):
         if kind is JointType.FIXED:
             self._not_for("a fixed joint does not move", (name,))
             return None
-        number = self._optional(name)
+        number = self._optional(name, linear=kind is JointType.PRISMATIC)
         if number is not None and number < 0:
             self._error(f"{shown(self._cells[name].text)} is negative", name, accepted="0 or more")
         return number

@@ -14,11 +14,12 @@ from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.cells import Cell, Units
 from dh2urdf_plugins.readers.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOICES, convention_of
+from dh2urdf_plugins.readers.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
 from dh2urdf_plugins.readers.placements import TransformReader
 from dh2urdf_plugins.readers.shapes import ShapeReader, refuse_unknown_keys
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import DHRow
@@ -75,6 +76,9 @@ class Statements:
         density: density of links without a mass [kg/m³].
         base_mass: mass of the base's body [kg].
         base_geometry: shape of the base's body.
+        base_meshes: meshes of the base's body.
+        visuals: whether links are seen.
+        collisions: whether links touch.
     """
 
     convention: tuple[Convention, Mark] | None = None
@@ -86,6 +90,9 @@ class Statements:
     density: float | None = None
     base_mass: float | None = None
     base_geometry: LinkGeometry = LinkGeometry()
+    base_meshes: Meshes = Meshes()
+    visuals: bool | None = None
+    collisions: bool | None = None
 
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
@@ -101,6 +108,10 @@ class Statements:
             density=self.density,
             base_mass=self.base_mass,
             base_geometry=self.base_geometry,
+            base_visual=self.base_meshes.visual,
+            base_collision=self.base_meshes.collision,
+            visuals=self.visuals,
+            collisions=self.collisions,
             mark=mark,
             notices=notices,
         )
@@ -217,7 +228,7 @@ class Statements:
 
     def say_transform(self, node: Node, what: str, add: Callable[[Problem], None]) -> None:
         """Takes `base` or `tool`: a rigid transform, and the base's body."""
-        body = ("mass", "geometry") if what == "base" else ()
+        body = ("mass", "geometry", *MESH_KEYS) if what == "base" else ()
         transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
         if body:
             self.say_body(node, add)
@@ -255,8 +266,15 @@ class Statements:
         if density := node.value.get("density"):
             self.density = shapes.positive(density, "defaults.density", Dimension.NUMBER)
 
+    def say_what_is_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
+        """Takes `visuals` and `collisions`: all or none."""
+        if node := entries.get("visuals"):
+            self.visuals = drawn_or_not(node, "visuals", add)
+        if node := entries.get("collisions"):
+            self.collisions = drawn_or_not(node, "collisions", add)
+
     def say_body(self, node: Node, add: Callable[[Problem], None]) -> None:
-        """Takes mass and geometry of the base's body from `base`."""
+        """Takes mass, geometry and meshes of the base's body from `base`."""
         if not isinstance(node.value, dict):
             return
         shapes = ShapeReader(self.units(), add)
@@ -264,6 +282,7 @@ class Statements:
             self.base_mass = shapes.positive(mass, "base.mass", Dimension.MASS)
         if geometry := node.value.get("geometry"):
             self.base_geometry = shapes.geometry(geometry, "base.geometry")
+        self.base_meshes = MeshReader(self.units(), add).read(node.value, "base.")
 
     def say_option_transforms(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
         """Takes base and tool of the options."""

@@ -14,6 +14,7 @@ from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.readers import yaml_texts
 from dh2urdf_plugins.readers.cells import Cell
 from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, INERTIA_FIELDS, UNHELD_GEOMETRY, read_header
+from dh2urdf_plugins.readers.meshes import MESH_KEYS, Meshes, MeshReader
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow
     from dh2urdf.source import Mark
 
-KEYS = ("name", "convention", "units", "base", "tool", "defaults", "joints")
+KEYS = ("name", "convention", "units", "base", "tool", "defaults", "visuals", "collisions", "joints")
 """Keys of a manipulator."""
 
 _LIMITS = ("lower", "upper", "velocity", "effort")
@@ -39,6 +40,7 @@ _JOINT_KEYS = (
     "limits",
     "com",
     "inertia",
+    *MESH_KEYS,
 )
 _NAMES = ("joint", "link")
 _TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
@@ -172,6 +174,7 @@ class _Table:
             if node := entries.get(what):
                 statements.say_transform(node, what, add)
         statements.say_option_transforms(self.options, add)
+        statements.say_what_is_drawn(entries, add)
         if defaults := entries.get("defaults"):
             statements.say_defaults(defaults, add, self._joint_keys(defaults))
 
@@ -216,7 +219,9 @@ class _Table:
                 rows.append(None)
                 continue
             cells = self._cells(node, common, f"joint_{number}")
-            rows.append(reader.read(number, cells, node.mark))
+            row = reader.read(number, cells, node.mark)
+            meshes = self._meshes(node.value, cells["joint"].text if "joint" in cells else f"joint_{number}")
+            rows.append(row and replace(row, visual=meshes.visual, collision=meshes.collision))
             if stopped(reader):
                 break
         return rows
@@ -226,13 +231,21 @@ class _Table:
         own: dict[str, Cell] = {}
         before = len(self.problems)
         for key, item in node.value.items() if isinstance(node.value, dict) else ():
-            self._take(own, node, key, item, "a joint")
+            if key not in MESH_KEYS:
+                self._take(own, node, key, item, "a joint")
         cells = {**common, **own}
         if "flip" in own or "sign" in own:  # one field under two names
             cells = {name: cell for name, cell in cells.items() if name not in ("flip", "sign") or name in own}
         name = cells["joint"].text if "joint" in cells else default_name
         self.problems[before:] = [replace(problem, joint=name) for problem in self.problems[before:]]
         return cells
+
+    def _meshes(self, entries: dict[str, Node], joint: str) -> Meshes:
+        """The meshes of a joint's link."""
+        before = len(self.problems)
+        meshes = MeshReader(self.statements.units(), self.problems.append).read(entries)
+        self.problems[before:] = [replace(problem, joint=joint) for problem in self.problems[before:]]
+        return meshes
 
     def _take(self, cells: dict[str, Cell], mapping: Node, key: str, node: Node, what: str) -> None:
         """Takes one entry of a joint."""

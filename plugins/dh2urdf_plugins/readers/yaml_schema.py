@@ -18,6 +18,7 @@ from dh2urdf_plugins.readers.fields import (
     REQUIRED,
     TYPE_CHOICES,
 )
+from dh2urdf_plugins.readers.meshes import MESH_KEYS
 from dh2urdf_plugins.readers.shapes import SHAPES
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def table_schema() -> dict[str, Any]:
             "table": _table(),
             "joint": _joint(),
             "transform": {"anyOf": [_origin(), _list_of(_list_of(_NUMBER, 4), 4)]},
+            "mesh": {"anyOf": [{"type": "string", "minLength": 1}, _mesh()]},
             "geometry": _mapping({"shape": {"enum": list(SHAPES)}, "radius": _NUMBER}),
         },
     }
@@ -63,7 +65,8 @@ def _table() -> dict[str, Any]:
         ]
     }
     joint = _joint()
-    defaults = {**joint["properties"], "geometry": geometry, "density": _NUMBER}
+    shared = {key: value for key, value in joint["properties"].items() if key not in MESH_KEYS}
+    defaults = {**shared, "geometry": geometry, "density": _NUMBER}
     return {
         **_mapping(
             {
@@ -74,11 +77,13 @@ def _table() -> dict[str, Any]:
                 },
                 "units": units,
                 "base": {
-                    "anyOf": [_origin(mass=_NUMBER, geometry=geometry), {"$ref": "#/$defs/transform"}],
+                    "anyOf": [_origin(mass=_NUMBER, geometry=geometry, **_meshes()), {"$ref": "#/$defs/transform"}],
                     "description": "base_link to the first DH frame",
                 },
                 "tool": {"$ref": "#/$defs/transform", "description": "last DH frame to tool0"},
                 "defaults": {**joint, "properties": defaults},
+                "visuals": {"enum": ["all", "none"], "description": "whether links are seen"},
+                "collisions": {"enum": ["all", "none"], "description": "whether links touch"},
                 "joints": {"type": "array", "items": {"$ref": "#/$defs/joint"}, "minItems": 1},
             }
         ),
@@ -94,9 +99,23 @@ def _joint() -> dict[str, Any]:
     offered = {"name" if name == "joint" else name: _value(name) for name in _OF_A_JOINT if name not in _IN_A_GROUP}
     others = {_any_form(FIELDS[name].headers): _value(name) for name in _OF_A_JOINT}
     return {
-        **_mapping({**offered, "limits": _mapping(limits), "com": _list_of(_NUMBER, 3), "inertia": tensor}),
+        **_mapping(
+            {**offered, "limits": _mapping(limits), "com": _list_of(_NUMBER, 3), "inertia": tensor, **_meshes()}
+        ),
         "patternProperties": others,
     }
+
+
+def _meshes() -> dict[str, Any]:
+    """The keys that hold meshes."""
+    about = {"visual": "what is seen", "collision": "what touches", "mesh": "what is seen and touches"}
+    return {key: {"$ref": "#/$defs/mesh", "description": f"a mesh file as {about[key]}"} for key in MESH_KEYS}
+
+
+def _mesh() -> dict[str, Any]:
+    file = {"type": "string", "minLength": 1, "description": "a path from the table's folder: STL, OBJ or DAE"}
+    scale = _either(_NUMBER, _list_of(_NUMBER, 3))
+    return {**_origin(file=file, scale=scale), "required": ["file"]}
 
 
 def _value(name: str) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from dh2urdf.errors import TransformError
 from dh2urdf.stages import Transform
 from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems
 from dh2urdf_plugins.transforms.exact import exact
+from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
 from dh2urdf_plugins.transforms.paper import paper
 from dh2urdf_plugins.transforms.shapes import Shape
 
@@ -58,6 +59,23 @@ class AlphaSwapOptions:
         default=False,
         metadata={"help": "give the base a collision shape; it may touch the first links in simulators"},
     )
+    visuals: Literal["all", "none"] = field(
+        default="all",
+        metadata={"help": "whether links are seen; none is for learning runs: the masses stay as they are"},
+    )
+    collisions: Literal["all", "none"] = field(default="all", metadata={"help": "whether links have collision shapes"})
+    damping: float | None = field(
+        default=None, metadata={"help": "viscous friction of joints without one [N·m·s/rad, N·s/m]; none by default"}
+    )
+    friction: float | None = field(
+        default=None, metadata={"help": "static friction of joints without one [N·m, N]; none by default"}
+    )
+    armature: float | None = field(
+        default=None,
+        metadata={
+            "help": "inertia of the rotors of joints without one [kg·m², kg]; none by default; URDF has no place for it"
+        },
+    )
     snap: float = field(
         default=1e-3,
         metadata={"help": "paper variant: how far alpha may be from 0, ±pi/2 and pi [rad] to be taken for it"},
@@ -67,13 +85,15 @@ class AlphaSwapOptions:
         """Refuses sizes that no body has.
 
         Raises:
-            ValueError: radius or density is not greater than 0, or snap is negative.
+            ValueError: radius or density is not greater than 0, or another number is negative.
         """
         for name, value in (("radius", self.radius), ("density", self.density)):
             if value is not None and not 0.0 < value < float("inf"):
                 raise ValueError(f"{name} must be greater than 0 and finite, not {value}")
-        if not self.snap >= 0.0:
-            raise ValueError(f"snap must be 0 or greater, not {self.snap}")
+        for name in ("damping", "friction", "armature", "snap"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 <= value < float("inf"):
+                raise ValueError(f"{name} must be 0 or greater and finite, not {value}")
 
 
 def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
@@ -84,7 +104,9 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     """
     problems = table_problems(manipulator)
     if options.variant == "paper":
-        problems += paper_problems(manipulator, options.snap)
+        problems += [*paper_problems(manipulator, options.snap), *unplaced_meshes(manipulator)]
+    else:
+        problems += mesh_problems(manipulator)
     if any(problem.severity == "error" for problem in problems):
         raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
     if options.variant == "paper":

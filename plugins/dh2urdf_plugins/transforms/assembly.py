@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING
 from dh2urdf.elementwise import greater_of, mapped
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
-from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Robot, Visual
+from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Visual
 from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
+from dh2urdf_plugins.transforms.meshes import is_weighed, mesh_solid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""
@@ -30,6 +32,9 @@ SAFETY = 2.0
 
 LEAST_EFFORT = 10.0
 """Smallest default effort [N·m or N]."""
+
+DYNAMICS = ("damping", "friction", "armature")
+"""What a joint resists its motion with."""
 
 WEIGHTLESS = Inertial(mass=0.0, inertia=Inertia(ixx=0.0, iyy=0.0, izz=0.0))
 """What a frame weighs; said explicitly, because PyBullet takes silence for 1 kg."""
@@ -124,7 +129,7 @@ def assemble(
     parts: Sequence[Part],
     flange: Origin,
     tool0: Origin,
-    density: float,
+    options: AlphaSwapOptions,
     parameters: tuple[Parameter, ...],
     comment: str,
 ) -> Robot:
@@ -136,16 +141,19 @@ def assemble(
         parts: one per row, from the base outwards.
         flange: the flange in the last link's frame.
         tool0: the tool's frame in the last link's frame.
-        density: of links without a mass [kg/m³].
+        options: what holds where the table says nothing.
         parameters: the numbers that formulas use.
         comment: one line for a reader of the file.
     """
+    density = manipulator.density or options.density
+    seen = options.visuals == "all" if manipulator.visuals is None else manipulator.visuals
+    touching = options.collisions == "all" if manipulator.collisions is None else manipulator.collisions
     bodies = [link_body(part, density) for part in parts]
     efforts = static_efforts(parts, bodies)
     base_body = of_mass(shape_body(base.visuals, density), manipulator.base_mass)
     links = [
         Link(name="base_link"),
-        Link(name="base_link_inertia", inertial=base_body, visuals=base.visuals, collisions=base.collisions),
+        _link("base_link_inertia", base_body, base.visuals if seen else (), base.collisions if touching else ()),
     ]
     joints = [fixed_joint("base_link", "base_link_inertia", base.origin)]
     for part, body, effort in zip(parts, bodies, efforts, strict=True):
@@ -161,12 +169,11 @@ def assemble(
                 origin=part.origin,
                 axis=part.axis,
                 limits=limits,
-                damping=row.damping,
-                friction=row.friction,
+                **_dynamics(row, options),
                 mark=row.mark,
             )
         )
-        links.append(Link(name=row.link, inertial=body, visuals=part.visuals, collisions=part.collisions))
+        links.append(_link(row.link, body, part.visuals if seen else (), part.collisions if touching else ()))
     last = links[-1].name
     joints += [fixed_joint(last, "flange", flange), fixed_joint(last, "tool0", tool0)]
     links += [Link(name="flange", inertial=WEIGHTLESS), Link(name="tool0", inertial=WEIGHTLESS)]
@@ -179,6 +186,18 @@ def assemble(
     )
 
 
+def _link(name: str, body: Inertial, visuals: tuple[Visual, ...], collisions: tuple[Collision, ...]) -> Link:
+    return Link(name=name, inertial=body, visuals=visuals, collisions=collisions)
+
+
+def _dynamics(row: DHRow, options: AlphaSwapOptions) -> dict[str, float | None]:
+    """Damping, friction and armature of a joint: what the row says, else the run."""
+    if row.type is JointType.FIXED:
+        return {}
+    given = {name: getattr(row, name) for name in DYNAMICS}
+    return {name: getattr(options, name) if value is None else value for name, value in given.items()}
+
+
 def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
     """A fixed joint, named after the two links that it holds together."""
     return Joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child, origin=origin)
@@ -186,7 +205,12 @@ def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
 
 def shape_body(visuals: Sequence[Visual], density: float) -> Inertial:
     """The mass properties of what is seen, if it were solid and of one density [kg/m³]."""
-    return compound([placed(solid(visual.geometry, density), visual.origin.transform) for visual in visuals])
+    bodies = []
+    for visual in visuals:
+        shape = visual.geometry
+        body = mesh_solid(shape, density) if isinstance(shape, Mesh) else solid(shape, density)
+        bodies.append(placed(body, visual.origin.transform))
+    return compound(bodies)
 
 
 def of_mass(body: Inertial, mass: float | None) -> Inertial:
@@ -203,7 +227,10 @@ def link_body(part: Part, density: float) -> Inertial:
     and inertia are given in the DH frame after the row, and are turned into the link's frame.
     """
     row, frame = part.row, part.dh_frame
-    body = of_mass(shape_body(part.visuals, density), row.mass)
+    if frame and is_weighed(row):  # Nobody need read a mesh for that.
+        body = Inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
+    else:
+        body = of_mass(shape_body(part.visuals, density), row.mass)
     if frame is None:
         return body
     com, inertia = body.com, body.inertia

@@ -218,7 +218,7 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
         yield row_problem(row, broken, field="inertia", accepted=accepted)
 
 
-_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction")
+_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
 
 
 def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:

@@ -15,6 +15,7 @@ from dh2urdf.robot_check import sure_columns
 from dh2urdf_plugins.transforms.checks import sure_tables
 from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.formulas import nameless
+from dh2urdf_plugins.transforms.meshes import mesh_problems
 from dh2urdf_plugins.transforms.shapes import remains
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ def exact_columns(columns: ManipulatorColumns, options: AlphaSwapOptions) -> lis
     """
     import numpy as np
 
+    if mesh_problems(columns.table):
+        return []
     groups = []
     waiting = [np.flatnonzero(sure_tables(columns))]
     # What a number too large or too small makes of others is no fault: such a robot is not sure.

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.elementwise import agreed, greater_of, hypot, smaller_of
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
+from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
 from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
-from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, standard_frames
+from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, settled, standard_frames
+from dh2urdf_plugins.transforms.meshes import mesh_collision, mesh_visual
 from dh2urdf_plugins.transforms.shapes import (
     BASE_COLOUR,
     BASE_WIDTH,
@@ -63,11 +65,11 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = 
     parts = [_part(*row) for row in zip(manipulator.rows, frames.links, limits, styles, carried, strict=True)]
     return assemble(
         manipulator,
-        base=_base(frames, base_style, rails[0], touches=options.base_collision),
+        base=_base(manipulator, frames, base_style, rails[0], options),
         parts=parts,
         flange=origin(*frames.flange),
         tool0=origin(*frames.tool0),
-        density=manipulator.density or options.density,
+        options=options,
         parameters=() if symbol is nameless else parameters(manipulator, angles=options.frames == "dh"),
         comment=(
             f"{manipulator.name}: made by dh2urdf from a DH table of the {manipulator.convention.value} convention "
@@ -113,7 +115,7 @@ def _styles(
 
 
 def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail) -> Part:
-    """A joint and its link, which carries the rail of the next joint."""
+    """A joint and its link, which carries the rail of the next joint; a mesh stands for all of it."""
     prismatic = row.type is JointType.PRISMATIC
     # The offset of a prismatic joint is drawn as the rail that the link before carries.
     segments = [frame.normal] if prismatic else [frame.offset, frame.normal]
@@ -124,13 +126,18 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
         seen = (housing(frame.corner, frame.offset.rpy, style), *seen)
     normal, delta = frame.normal.length.value, frame.offset.length.value
     low, high = _range(row, limits)
+    seen, touch = seen + rail.visuals, collisions(segments, style) + rail.collisions
+    if row.visual:
+        seen = (mesh_visual(row.visual, frame.dh_frame, style.material),)
+    if row.collision:
+        touch = (mesh_collision(row.collision, frame.dh_frame),)
     return Part(
         row=row,
         limits=limits,
         origin=origin(*frame.joint),
         axis=frame.axis,
-        visuals=seen + rail.visuals,
-        collisions=collisions(segments, style) + rail.collisions,
+        visuals=seen,
+        collisions=touch,
         foot=values(frame.foot),
         reach=hypot(greater_of(abs(delta + low), abs(delta + high)), normal),
         arm=abs(normal),
@@ -169,13 +176,22 @@ def _range(row: DHRow, limits: Limits) -> tuple[float, float]:
     return (smaller_of(*ends), greater_of(*ends))
 
 
-def _base(frames: Frames, style: Style, rail: Rail, *, touches: bool) -> Base:
-    """The pedestal, with the segment a before the first joint and the rail of the first joint where there are such."""
+def _base(manipulator: Manipulator, frames: Frames, style: Style, rail: Rail, options: AlphaSwapOptions) -> Base:
+    """The pedestal, with the segment a before the first joint and the rail of the first joint where there are such.
+
+    A mesh stands for all of it, in the DH frame before the first row.
+    """
     stand = pedestal(*frames.pedestal, style)
-    seen = (stand, *visuals([frames.front], style), *rail.visuals)
-    touch = (
+    seen: tuple[Visual, ...] = (stand, *visuals([frames.front], style), *rail.visuals)
+    touch: tuple[Collision, ...] = (
         Collision(geometry=stand.geometry, origin=stand.origin),
         *collisions([frames.front], style),
         *rail.collisions,
     )
-    return Base(origin=origin(*frames.base), visuals=seen, collisions=touch if touches else ())
+    touch = touch if options.base_collision else ()
+    dh_frame = settled(manipulator.base) if options.frames == "aligned" else IDENTITY
+    if manipulator.base_visual:
+        seen = (mesh_visual(manipulator.base_visual, dh_frame, BASE_COLOUR),)
+    if manipulator.base_collision:
+        touch = (mesh_collision(manipulator.base_collision, dh_frame),)
+    return Base(origin=origin(*frames.base), visuals=seen, collisions=touch)

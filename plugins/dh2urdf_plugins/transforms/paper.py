@@ -96,7 +96,7 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         parts=parts,
         flange=origin(here),
         tool0=origin(here),
-        density=manipulator.density or options.density,
+        options=options,
         parameters=parameters(manipulator),
         comment=(
             f"{manipulator.name}: made by dh2urdf as the paper has it (alpha-swap, paper); "

@@ -125,8 +125,8 @@ class TestFiles:
 
     def test_an_unknown_suffix(self, cli: Cli, folder: Path) -> None:
         """The error says what is known, and how to choose."""
-        answer = cli("convert", "arm.csv", "-o", "arm.sdf", status=2)
-        assert "no emitter is known for the file 'arm.sdf'" in answer.stderr
+        answer = cli("convert", "arm.csv", "-o", "arm.usd", status=2)
+        assert "no emitter is known for the file 'arm.usd'" in answer.stderr
         assert ".urdf, .urdf.xacro, .xacro" in answer.stderr
         assert "`--to NAME`" in answer.stderr
         assert files(folder) == set()

@@ -59,7 +59,7 @@ def test_the_whole_top_file_is_known(arm: Robot) -> None:
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="arm">
   <xacro:arg name="prefix" default=""/>
   <mujoco>
-    <compiler fusestatic="false" discardvisual="false"/>
+    <compiler fusestatic="false" discardvisual="false" strippath="false"/>
   </mujoco>
   <xacro:include filename="ur5_macro.xacro"/>
   <xacro:arm prefix="$(arg prefix)">
@@ -80,7 +80,7 @@ def test_the_macro_begins_with_the_table_and_the_mounting_joint(arm: Robot) -> N
         """without a parent the arm is mounted on nothing, and origin is not used. -->
   <xacro:macro name="arm" params="prefix parent:='' *origin">
     <!-- The table: edit the arm here. Origins and shapes follow these properties; """
-        """axes, limits, masses and inertias are numbers that do not. -->
+        """axes, limits, masses, meshes and inertias are numbers that do not. -->
     <!-- joint 'lift': d_1 [m] -->
     <xacro:property name="d_1" value="0.089159"/>
     <!-- joint 'turn': a_2 [m]; alpha_2 [rad] -->

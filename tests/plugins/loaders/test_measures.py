@@ -6,10 +6,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dh2urdf.manipulator import JointType, Limits
-from dh2urdf.robot import Collision, Joint, Link, Origin, Robot, Sphere
+from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
-from dh2urdf_plugins.loaders.measures import clipped, hold_start, pose_error, reach, touching_pairs
+from dh2urdf_plugins.loaders.measures import (
+    carriers,
+    clipped,
+    hold_start,
+    lumped_bodies,
+    pose_error,
+    reach,
+    touching_pairs,
+)
 
 angles = st.floats(-3.1, 3.1)
 
@@ -79,3 +87,37 @@ def test_neighbours_do_not_touch() -> None:
         ("link_1", "tool0"),
         ("link_2", "tool0"),
     ]
+
+
+def test_links_are_carried_by_the_outermost_of_their_body() -> None:
+    """Fixed joints, however many, make one body of the links that they hold together."""
+    robot = chain(JointType.FIXED, JointType.FIXED, JointType.REVOLUTE, JointType.FIXED)
+    assert carriers(robot) == {
+        "base_link": "base_link",
+        "link_1": "base_link",
+        "link_2": "base_link",
+        "link_3": "link_3",
+        "tool0": "link_3",
+    }
+
+
+def test_bodies_are_lumped_about_their_common_centre() -> None:
+    """Two balls 0.6 m apart on a turned stick weigh as one body: m·l²/4 each besides their own, by hand."""
+    ball = Inertial(mass=2.0, inertia=Inertia(ixx=0.1, iyy=0.2, izz=0.3))
+    upright = Origin(xyz=(0.6, 0.0, 0.0), rpy=(0.0, 0.0, math.pi / 2))
+    robot = Robot(
+        name="dumbbell",
+        links=(Link(name="base_link"), Link(name="near", inertial=ball), Link(name="far", inertial=ball)),
+        joints=(
+            Joint(name="turn", type=JointType.REVOLUTE, parent="base_link", child="near"),
+            Joint(name="stick", type=JointType.FIXED, parent="near", child="far", origin=upright),
+        ),
+    )
+    lumped = lumped_bodies(robot)
+    assert lumped["base_link"] == Inertial(mass=0.0)
+    assert list(lumped) == ["base_link", "near"]
+    assert (lumped["near"].mass, lumped["near"].com) == (4.0, pytest.approx((0.3, 0.0, 0.0)))
+    inertia = lumped["near"].inertia
+    across = 2 * 2.0 * 0.3 * 0.3
+    assert (inertia.ixx, inertia.iyy, inertia.izz) == pytest.approx((0.3, 0.3 + across, 0.6 + across))
+    assert (inertia.ixy, inertia.ixz, inertia.iyz) == pytest.approx((0.0, 0.0, 0.0))

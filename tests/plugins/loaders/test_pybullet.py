@@ -8,139 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import LoaderError, MissingDependencyError
+from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError
 from dh2urdf.isolation import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
-from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
-from dh2urdf.stages import LoadRequest
+from dh2urdf.robot import Collision, Cylinder, Inertial, Joint, Link, Origin, Robot
 from dh2urdf_plugins.loaders.pybullet import LOADER, PyBulletOptions, load, read_output
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.stages import LoadReport
+    from dh2urdf.stages import LoadReport, LoadRequest
 
 pytest.importorskip("pybullet")
 
 OPTIONS = PyBulletOptions()
-HEIGHT, UPPER_ARM, FOREARM = 0.3, 0.4, 0.35
-
-# An arm in a vertical plane, written by hand: joints 1 and 2 turn about y, joint 3 draws the forearm out along x,
-# joint 4 turns the hand about x without end.
-URDF = """<?xml version="1.0"?>
-<robot name="planar">
-  <link name="base_link"/>
-  <joint name="base_link-base_link_inertia" type="fixed">
-    <parent link="base_link"/>
-    <child link="base_link_inertia"/>
-  </joint>
-  <link name="base_link_inertia">
-    <inertial>
-      <mass value="3"/>
-      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.02"/>
-    </inertial>
-    <visual>
-      <geometry>
-        <cylinder radius="0.06" length="0.04"/>
-      </geometry>
-      <material name="blue">
-        <color rgba="0.1 0.2 0.6 1"/>
-      </material>
-    </visual>
-  </link>
-  <joint name="shoulder" type="revolute">
-    <origin xyz="0 0 0.3"/>
-    <parent link="base_link_inertia"/>
-    <child link="upper_arm"/>
-    <axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2.5" effort="60" velocity="3"/>
-  </joint>
-  <link name="upper_arm">
-    <inertial>
-      <origin xyz="0.2 0.01 0"/>
-      <mass value="2"/>
-      <inertia ixx="0.004" ixy="0.0003" ixz="0.0001" iyy="0.03" iyz="-0.0002" izz="0.031"/>
-    </inertial>
-    <visual>
-      <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
-      <geometry>
-        <cylinder radius="0.04" length="0.4"/>
-      </geometry>
-      <material name="blue">
-        <color rgba="0.1 0.2 0.6 1"/>
-      </material>
-    </visual>
-    <collision>
-      <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
-      <geometry>
-        <cylinder radius="0.04" length="0.3"/>
-      </geometry>
-    </collision>
-  </link>
-  <joint name="elbow" type="revolute">
-    <origin xyz="0.4 0 0"/>
-    <parent link="upper_arm"/>
-    <child link="forearm"/>
-    <axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" effort="30" velocity="3"/>
-  </joint>
-  <link name="forearm">
-    <inertial>
-      <mass value="1"/>
-      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>
-    </inertial>
-    <visual>
-      <origin xyz="0.2 0 0"/>
-      <geometry>
-        <box size="0.4 0.06 0.06"/>
-      </geometry>
-      <material name="blue">
-        <color rgba="0.1 0.2 0.6 1"/>
-      </material>
-    </visual>
-  </link>
-  <joint name="slide" type="prismatic">
-    <origin xyz="0.35 0 0"/>
-    <parent link="forearm"/>
-    <child link="slider"/>
-    <axis xyz="1 0 0"/>
-    <limit lower="0.05" upper="0.2" effort="50" velocity="0.5"/>
-  </joint>
-  <link name="slider">
-    <inertial>
-      <mass value="0.5"/>
-      <inertia ixx="0.002" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.002"/>
-    </inertial>
-    <collision>
-      <geometry>
-        <cylinder radius="0.03" length="0.1"/>
-      </geometry>
-    </collision>
-  </link>
-  <joint name="wrist" type="continuous">
-    <parent link="slider"/>
-    <child link="hand"/>
-    <axis xyz="1 0 0"/>
-    <limit effort="10" velocity="6"/>
-  </joint>
-  <link name="hand">
-    <inertial>
-      <mass value="0.2"/>
-      <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/>
-    </inertial>
-  </link>
-  <joint name="hand-tool0" type="fixed">
-    <parent link="hand"/>
-    <child link="tool0"/>
-  </joint>
-  <link name="tool0">
-    <inertial>
-      <mass value="0"/>
-      <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
-    </inertial>
-  </link>
-</robot>
-"""
 
 
 def body(mass: float, size: float, **more: Any) -> Inertial:
@@ -151,129 +32,27 @@ def fixed(parent: str, child: str) -> Joint:
     return Joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child)
 
 
-ALONG_X = Origin(xyz=(0.2, 0.0, 0.0), rpy=(0.0, math.pi / 2, 0.0))
-ROBOT = Robot(
-    name="planar",
-    links=(
-        Link(name="base_link"),
-        Link(
-            name="base_link_inertia",
-            inertial=Inertial(mass=3.0, inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.02)),
-            visuals=(Visual(geometry=Cylinder(radius=0.06, length=0.04)),),
-        ),
-        Link(
-            name="upper_arm",
-            inertial=Inertial(
-                mass=2.0,
-                com=(0.2, 0.01, 0.0),
-                inertia=Inertia(ixx=0.004, ixy=0.0003, ixz=0.0001, iyy=0.03, iyz=-0.0002, izz=0.031),
-            ),
-            visuals=(Visual(geometry=Cylinder(radius=0.04, length=0.4), origin=ALONG_X),),
-            collisions=(Collision(geometry=Cylinder(radius=0.04, length=0.3), origin=ALONG_X),),
-        ),
-        Link(
-            name="forearm",
-            inertial=body(1.0, 0.01),
-            visuals=(Visual(geometry=Box(size=(0.4, 0.06, 0.06)), origin=Origin(xyz=(0.2, 0.0, 0.0))),),
-        ),
-        Link(
-            name="slider",
-            inertial=body(0.5, 0.002),
-            collisions=(Collision(geometry=Cylinder(radius=0.03, length=0.1)),),
-        ),
-        Link(name="hand", inertial=body(0.2, 0.001)),
-        Link(name="tool0", inertial=Inertial(mass=0.0)),
-    ),
-    joints=(
-        fixed("base_link", "base_link_inertia"),
-        Joint(
-            name="shoulder",
-            type=JointType.REVOLUTE,
-            parent="base_link_inertia",
-            child="upper_arm",
-            origin=Origin(xyz=(0.0, 0.0, HEIGHT)),
-            axis=(0.0, 1.0, 0.0),
-            limits=Limits(lower=-2.0, upper=2.5, effort=60.0, velocity=3.0),
-        ),
-        Joint(
-            name="elbow",
-            type=JointType.REVOLUTE,
-            parent="upper_arm",
-            child="forearm",
-            origin=Origin(xyz=(UPPER_ARM, 0.0, 0.0)),
-            axis=(0.0, 1.0, 0.0),
-            limits=Limits(lower=-2.0, upper=2.0, effort=30.0, velocity=3.0),
-        ),
-        Joint(
-            name="slide",
-            type=JointType.PRISMATIC,
-            parent="forearm",
-            child="slider",
-            origin=Origin(xyz=(FOREARM, 0.0, 0.0)),
-            axis=(1.0, 0.0, 0.0),
-            limits=Limits(lower=0.05, upper=0.2, effort=50.0, velocity=0.5),
-        ),
-        Joint(
-            name="wrist",
-            type=JointType.CONTINUOUS,
-            parent="slider",
-            child="hand",
-            axis=(1.0, 0.0, 0.0),
-            limits=Limits(effort=10.0, velocity=6.0),
-        ),
-        fixed("hand", "tool0"),
-    ),
-)
-
-
-def tool_pose(q: tuple[float, ...]) -> tuple[float, ...]:
-    """T(base_link → tool0) of the planar arm by plane trigonometry, as a row-major 4x4 matrix."""
-    shoulder, elbow, slide, wrist = q
-    c, s = math.cos(shoulder + elbow), math.sin(shoulder + elbow)
-    cw, sw = math.cos(wrist), math.sin(wrist)
-    x = UPPER_ARM * math.cos(shoulder) + (FOREARM + slide) * c
-    z = HEIGHT - UPPER_ARM * math.sin(shoulder) - (FOREARM + slide) * s
-    return (c, s * sw, s * cw, x, 0.0, cw, -sw, 0.0, -s, c * sw, c * cw, z, 0.0, 0.0, 0.0, 1.0)
-
-
-POSES = ((0.0, 0.0, 0.05, 0.0), (0.4, -1.3, 0.1, 2.0), (-1.9, 1.1, 0.2, -3.0), (2.4, 1.9, 0.07, 0.5))
-
-
-@pytest.fixture
-def request_for(tmp_path: Path) -> Any:
-    def make(urdf: str = URDF, robot: Robot = ROBOT, **more: Any) -> LoadRequest:
-        path = tmp_path / "planar.urdf"
-        path.write_text(urdf, "utf-8")
-        return LoadRequest(
-            path=path,
-            robot=robot,
-            **{"poses": POSES, "expected": {"tool0": tuple(map(tool_pose, POSES))}, **more},
-        )
-
-    return make
-
-
 def run(request: LoadRequest) -> LoadReport:
     return load_in_child(LOADER, request, OPTIONS)
 
 
 def refusal(request: LoadRequest) -> LoaderError:
-    with pytest.raises(LoaderError) as caught:
+    with pytest.raises((LoaderError, CrashError)) as caught:
         run(request)
     return caught.value
 
 
-def test_right_arm_is_confirmed(request_for: Any) -> None:
+def test_right_arm_is_confirmed(request_for: Any, planar: Any) -> None:
     """An arm that was written right has its joints, masses and poses in PyBullet, and there are no findings."""
     report = run(request_for())
     assert report.simulator == "PyBullet"
     assert report.findings == ()
-    assert report.poses == len(POSES)
-    assert report.q in POSES
+    assert report.poses == len(planar.poses)
+    assert report.q in planar.poses
     assert report.position_error is not None
     assert report.tolerance is not None
     assert 0.0 < report.position_error < report.tolerance
-    assert report.tolerance == pytest.approx(4 * 2**-23 * (HEIGHT + UPPER_ARM + FOREARM + 0.2) + 1e-12)
+    assert report.tolerance == pytest.approx(4 * 2**-23 * planar.reach + 1e-12)
     assert report.angle_error is not None
     assert report.angle_tolerance is not None
     assert report.angle_error < report.angle_tolerance < 2e-6
@@ -318,31 +97,31 @@ def test_joints_are_reported_as_pybullet_has_them(request_for: Any) -> None:
         ('iyy="0.03"', 'iyy="0.3"', "another inertia of the link 'upper_arm'"),  # impossible: zeroed
     ],
 )
-def test_another_arm_is_refused(request_for: Any, written: str, instead: str, message: str) -> None:
+def test_another_arm_is_refused(request_for: Any, planar: Any, written: str, instead: str, message: str) -> None:
     """A file that differs from the robot in a pose, joint or mass property is refused, and the message says in what."""
-    assert written in URDF
-    error = refusal(request_for(URDF.replace(written, instead, 1)))
+    assert written in planar.urdf
+    error = refusal(request_for(planar.urdf.replace(written, instead, 1)))
     with pytest.raises(LoaderError, match=message):
         raise error
     assert error.problems[0].robot == "planar"
 
 
-def test_rewritten_file_is_read_again(request_for: Any) -> None:
+def test_rewritten_file_is_read_again(request_for: Any, planar: Any) -> None:
     """PyBullet caches files by path: a file rewritten in between is really loaded again, in the same process too."""
     load(request_for(), OPTIONS)
     with pytest.raises(LoaderError, match="tool0 in another place"):
-        load(request_for(URDF.replace('xyz="0.4 0 0"', 'xyz="0.5 0 0"')), OPTIONS)
+        load(request_for(planar.urdf.replace('xyz="0.4 0 0"', 'xyz="0.5 0 0"')), OPTIONS)
 
 
-def test_crash_is_reported(request_for: Any) -> None:
+def test_crash_is_reported(request_for: Any, planar: Any) -> None:
     """A duplicate joint name, on which PyBullet crashes, fails this manipulator with a sentence."""
-    error = refusal(request_for(URDF.replace('name="elbow"', 'name="shoulder"')))
-    assert "the simulator crashed (segmentation fault)" in str(error)
+    error = refusal(request_for(planar.urdf.replace('name="elbow"', 'name="shoulder"')))
+    assert "the loader 'pybullet' crashed (segmentation fault)" in str(error)
 
 
-def test_unloadable_file_tells_what_was_printed(request_for: Any) -> None:
+def test_unloadable_file_tells_what_was_printed(request_for: Any, planar: Any) -> None:
     """Where PyBullet refuses a file, what it printed through C follows: the reason stands only there."""
-    error = refusal(request_for(URDF.replace('<limit lower="-2" upper="2" effort="30" velocity="3"/>', "")))
+    error = refusal(request_for(planar.urdf.replace('<limit lower="-2" upper="2" effort="30" velocity="3"/>', "")))
     assert [problem.message for problem in error.problems] == [
         "PyBullet cannot load the file",
         "PyBullet printed 'Joint is of type REVOLUTE but it does not specify limits: elbow'",
@@ -356,13 +135,13 @@ def test_missing_file_is_refused(request_for: Any, tmp_path: Path) -> None:
     assert "PyBullet cannot load the file" in str(refusal(request))
 
 
-def test_weak_arm_does_not_stay(request_for: Any) -> None:
+def test_weak_arm_does_not_stay(request_for: Any, planar: Any) -> None:
     """An arm whose efforts are below its weight sinks in the hold test; that is a finding, not a failure."""
     joints = tuple(
         replace(joint, limits=replace(joint.limits, effort=1.0)) if joint.limits.effort == 60.0 else joint
-        for joint in ROBOT.joints
+        for joint in planar.robot.joints
     )
-    report = run(request_for(URDF.replace('effort="60"', 'effort="1"'), replace(ROBOT, joints=joints)))
+    report = run(request_for(planar.urdf.replace('effort="60"', 'effort="1"'), replace(planar.robot, joints=joints)))
     assert report.hold["stayed"] is False
     assert report.hold["joint"] == "shoulder"
     assert report.hold["largest_displacement"] > 0.5
@@ -383,17 +162,19 @@ def test_strong_arm_stays(request_for: Any) -> None:
     assert (hold["seconds"], hold["start"], hold["contacts"]) == (2.0, (0.0, 0.0, 0.05, 0.0), [])
 
 
-def test_overlap_is_found(request_for: Any) -> None:
+def test_overlap_is_found(request_for: Any, planar: Any) -> None:
     """Collision shapes that overlap at the start are a finding; the arm stays all the same."""
     shapes = {
-        "upper_arm": Collision(geometry=Cylinder(radius=0.04, length=1.2), origin=ALONG_X),
+        "upper_arm": Collision(
+            geometry=Cylinder(radius=0.04, length=1.2), origin=Origin(xyz=(0.2, 0.0, 0.0), rpy=(0.0, math.pi / 2, 0.0))
+        ),
         "slider": Collision(geometry=Cylinder(radius=0.03, length=0.1)),
     }
     links = tuple(
-        replace(link, collisions=(shapes[link.name],)) if link.name in shapes else link for link in ROBOT.links
+        replace(link, collisions=(shapes[link.name],)) if link.name in shapes else link for link in planar.robot.links
     )
-    urdf = URDF.replace('radius="0.04" length="0.3"', 'radius="0.04" length="1.2"')
-    report = run(request_for(urdf, replace(ROBOT, links=links)))
+    urdf = planar.urdf.replace('radius="0.04" length="0.3"', 'radius="0.04" length="1.2"')
+    report = run(request_for(urdf, replace(planar.robot, links=links)))
     assert report.hold["contacts"] == [("upper_arm", "slider")]
     assert report.hold["stayed"] is True
     (finding,) = report.findings
@@ -475,26 +256,9 @@ def test_arm_without_joints_is_confirmed(request_for: Any) -> None:
     assert (report.position_error, report.joints, report.hold, report.findings) == (0.0, (), {}, ())
 
 
-def test_published_arms_are_confirmed(reference_robot: Any, tmp_path: Path) -> None:
+def test_published_arms_are_confirmed(reference_robot: Any, published_request: Any) -> None:
     """Every published arm is the same arm in PyBullet, to the stated tolerance, and stays in the hold test."""
-    from dh2urdf_plugins.emitters import urdf
-    from dh2urdf_plugins.transforms import alpha_swap
-
-    manipulator = reference_robot.manipulator
-    robot = alpha_swap.TRANSFORM.transform(manipulator, alpha_swap.TRANSFORM.options())
-    (file,) = urdf.EMITTER.emit(robot, "arm", urdf.EMITTER.options())
-    path = tmp_path / file.name
-    path.write_bytes(file.content)
-    report = run(
-        LoadRequest(
-            path=path,
-            robot=robot,
-            poses=tuple(map(tuple, reference_robot.q)),
-            expected={
-                "tool0": tuple(tuple(number for row in pose for number in row) for pose in reference_robot.poses)
-            },
-        )
-    )
+    report = run(published_request(reference_robot))
     assert report.poses == len(reference_robot.q)
     assert report.hold["stayed"] is True
     assert not [finding for finding in report.findings if "printed" in finding.message]

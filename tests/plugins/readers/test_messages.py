@@ -99,7 +99,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alhpa,d\nj1,0,0,0.1\n",
         "arm.csv:1:9: error: field 'alhpa': no column is called 'alhpa'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'alpha'?",
     ),
     Case(
@@ -116,7 +116,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alpha,d,remark\nj1,0,0,0.1,x\n",
         "arm.csv:1:17: notice: manipulator 'arm': the column 'remark' is left out: no field is called so\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction",
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature",
     ),
     Case(
         "an unknown unit",
@@ -224,7 +224,7 @@ CASES = [
         {"convention": "standard"},
         "a,alpha,d,tehta [deg]\n0,0,0.1,90\n",
         "arm.csv:1:11: error: field 'tehta': no column is called 'tehta [deg]'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'theta'?",
     ),
     Case(
@@ -630,7 +630,7 @@ CASES = [
         {},
         "joint,type,a,alpha,d,theta\nj1,revolute,0,0,0.1,0\n",
         "arm.yaml:1:1: error: a table is a mapping with the key joints, and this is the text 'joint,type,a,alpha,d,theta j1,revolute,0,0,0.1,0'\n"
-        "    accepted: the keys name, convention, units, base, tool, defaults, joints, or robots with a list of such mappings\n"
+        "    accepted: the keys name, convention, units, base, tool, defaults, visuals, collisions, joints, or robots with a list of such mappings\n"
         "    this looks like CSV: give the file the suffix .csv",
     ),
     Case(
@@ -641,7 +641,7 @@ CASES = [
         "arm.yaml:3:3: error: joint 'joint_1', field 'alpha': there is no alpha\n"
         "    accepted: a number, 0 included: nothing is filled in for geometry\n"
         "arm.yaml:3:10: error: joint 'joint_1', field 'alhpa': 'alhpa' is no key of a joint\n"
-        "    accepted: name, link, type, a, alpha, d, theta, offset, sign, flip, mass, radius, damping, friction, limits, com, inertia\n"
+        "    accepted: name, link, type, a, alpha, d, theta, offset, sign, flip, mass, radius, damping, friction, armature, limits, com, inertia, visual, collision, mesh\n"
         "    did you mean 'alpha'?",
     ),
     Case(
@@ -675,7 +675,7 @@ CASES = [
         {},
         "conventoin: standard\nconvention: standard\njoints:\n- {a: 0, alpha: 0, d: 1}\n",
         "arm.yaml:1:1: error: manipulator 'arm', field 'conventoin': 'conventoin' is no key of a manipulator\n"
-        "    accepted: name, convention, units, base, tool, defaults, joints\n"
+        "    accepted: name, convention, units, base, tool, defaults, visuals, collisions, joints\n"
         "    did you mean 'convention'?",
     ),
     Case(
@@ -797,7 +797,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alpha,d,tetha\nj1,0,0,0.1,1\n",
         "arm.csv:1:17: error: field 'tetha': no column is called 'tetha'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'theta'?",
     ),
     Case(

@@ -1,0 +1,159 @@
+"""`dh2urdf check`: what each simulator will do with a robot description, and whether it is the arm of a table."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dh2urdf.cli.tables import COMMAND_LINE, READER_OPTIONS, read_manipulator, stage_options, table_options
+from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.registry import Catalog, load
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.textfiles import check_file
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dh2urdf.agreement import Agreement
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+    from dh2urdf.stages import Emitter, Finding
+
+EXIT_STATUS = (
+    "Exit status: 0 no errors, and the arm of the table; 1 errors, or another arm; 2 the file or the table cannot be "
+    "read, or the command line is wrong."
+)
+
+
+@click.command(name="check", epilog=EXIT_STATUS)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
+@click.option(
+    "--against",
+    "table",
+    type=click.Path(path_type=Path),
+    metavar="TABLE",
+    help="Compare the kinematics with a DH table.",
+)
+@click.option("--base-link", metavar="LINK", help="Where the arm begins; the root.")
+@click.option("--tip-link", metavar="LINK", help="Where it ends; tool0, flange, or its last link.")
+@table_options
+@click.option("--as", "format_name", metavar="NAME", help="Format of FILE, such as urdf; by FILE's suffix.")
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text."
+)
+def command(  # noqa: PLR0917 - click hands everything over by name
+    file: Path,
+    simulators: tuple[str, ...],
+    table: Path | None,
+    base_link: str | None,
+    tip_link: str | None,
+    format_name: str | None,
+    form: str,
+    **flags: str | None,
+) -> int:
+    """Say what each simulator will do with FILE, a URDF or a xacro of any origin.
+
+    With --against, the description is also compared with a DH table, joint by joint: where they differ, it says by
+    which base, tool, signs and offsets they would agree, in a form that can be put into the table.
+
+    \b
+    dh2urdf check robot.urdf
+    dh2urdf check robot.urdf.xacro --for pybullet --for mujoco
+    dh2urdf check ur5.urdf --against ur5.csv --tip-link ee_link
+    dh2urdf check robot.urdf --format sarif > robot.sarif
+    """
+    catalog = load()
+    check_file(file, InputError)
+    manipulator = _manipulator(catalog, table, flags) if table else None
+    inspection = _checker(catalog, file, format_name)(file)
+    consumers = _chosen(simulators, inspection.consumers)
+    findings = [found for finding in inspection.findings if (found := _only(finding, consumers))]
+    comparison = None
+    if manipulator is not None and table is not None:
+        agreement = _agreement(inspection.robot, manipulator, file, base_link, tip_link)
+        comparison = (agreement, manipulator, table)
+    from dh2urdf.report.findings import as_json, as_sarif, comparison_finding
+
+    if comparison and (apart := comparison_finding(comparison[0], comparison[1])):
+        findings.append(replace(apart, mark=Mark(file=str(file))))
+    if form == "json":
+        click.echo(as_json(file, findings, consumers, comparison))
+    elif form == "sarif":
+        click.echo(as_sarif(file, findings))
+    else:
+        from dh2urdf.cli.findings import print_findings
+
+        print_findings(findings, consumers, comparison)
+    return int(any(finding.severity == "error" for finding in findings))
+
+
+def _checker(catalog: Catalog, file: Path, format_name: str | None) -> Any:  # noqa: ANN401 - a function of an emitter
+    emitter: Emitter[Any] = (
+        catalog.get("emitter", format_name) if format_name else catalog.emitter_for(file, "`--as NAME` says what it is")
+    )
+    if emitter.check is None:
+        able = [item.stage.name for item in catalog.provided("emitter") if getattr(item.stage, "check", None)]
+        raise ConfigError(
+            Problem(
+                message=f"files of the format {emitter.name!r} cannot be checked",
+                mark=Mark(file=str(file)),
+                accepted=", ".join(able),
+                suggestion="`--as NAME` says what the file is, where its suffix does not",
+            )
+        )
+    return emitter.check
+
+
+def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, str]:
+    """The consumers that are asked for, in their own order; all where none is named."""
+    problems = [
+        Problem(
+            message=f"no simulator {shown(name)} is known",
+            mark=COMMAND_LINE,
+            field="--for",
+            found=name,
+            accepted=", ".join(known),
+            suggestion=did_you_mean(name, known),
+        )
+        for name in simulators
+        if name not in known
+    ]
+    if problems:
+        raise ConfigError(problems)
+    return {name: title for name, title in known.items() if not simulators or name in simulators}
+
+
+def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
+    """A finding with the effects on some consumers; None where it has none on them."""
+    if not finding.effects:
+        return finding
+    effects = tuple(effect for effect in finding.effects if effect.consumer in consumers)
+    return replace(finding, effects=effects) if effects else None
+
+
+def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
+    check_file(table, TableError)
+    reader = catalog.reader_for(table)
+    given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
+    options = stage_options({"reader": reader}, given)["reader"]
+    return read_manipulator(reader, table, options, flags["robot"])
+
+
+def _agreement(
+    robot: Robot | None, manipulator: Manipulator, file: Path, base_link: str | None, tip_link: str | None
+) -> Agreement:
+    from dh2urdf.agreement import Agreement, compare
+
+    if robot is None:
+        return Agreement(
+            base_link=base_link or "",
+            tip_link=tip_link or "",
+            joints=(),
+            difference=None,
+            first_difference=f"{file.name} has no tree of links that could be compared",
+        )
+    return compare(robot, manipulator, base_link=base_link, tip_link=tip_link)

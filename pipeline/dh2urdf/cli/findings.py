@@ -1,0 +1,109 @@
+"""What `dh2urdf check` found, for people: a table on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from dh2urdf.agreement import changes
+from dh2urdf.report.findings import OTHER_ARM, counts
+from dh2urdf.source import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from dh2urdf.agreement import Agreement, Difference
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.stages import Finding
+
+COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
+
+
+def print_findings(
+    findings: Sequence[Finding],
+    consumers: Mapping[str, str],
+    comparison: tuple[Agreement, Manipulator, Path] | None,
+) -> None:
+    """Print findings, how many there are, and what came of the comparison."""
+    of_the_file = [finding for finding in findings if finding.rule != OTHER_ARM]
+    if of_the_file and sys.stdout.isatty():
+        _print_table(of_the_file)
+    else:
+        for finding in of_the_file:
+            click.echo("\n".join(map(printable, _lines(finding))))
+    numbers = [
+        f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts(of_the_file).items() if count
+    ]
+    click.echo(f"{', '.join(numbers) or 'nothing found'} for {', '.join(consumers)}")
+    if comparison:
+        click.echo("\n".join(map(printable, _comparison(*comparison))))
+
+
+def said(finding: Finding) -> Iterator[str]:
+    """What the consumers do, those together that do the same."""
+    together: dict[str, list[str]] = {}
+    for effect in finding.effects:
+        severity = f" ({effect.severity})" if effect.severity != finding.severity else ""
+        together.setdefault(effect.text, []).append(f"{effect.consumer}{severity}")
+    for text, names in together.items():
+        yield f"{', '.join(names)}: {text}"
+
+
+def _lines(finding: Finding) -> Iterator[str]:
+    place = f"{finding.mark}: " if finding.mark else ""
+    yield f"{place}{finding.severity}: {finding.message} [{finding.rule}]"
+    for line in said(finding):
+        yield f"    {line}"
+    yield f"    mend: {finding.mend}"
+
+
+def _print_table(findings: Sequence[Finding]) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    files = list(dict.fromkeys(finding.mark.file for finding in findings if finding.mark))
+    table = Table(title=escape(printable(", ".join(files))), show_lines=True)
+    table.add_column("line", justify="right")
+    table.add_column("rule", overflow="fold")
+    table.add_column("what stands there, and how to mend it", ratio=3, overflow="fold")
+    table.add_column("what is done with it", ratio=4, overflow="fold")
+    for finding in findings:
+        mark = finding.mark
+        place = ":".join(str(part) for part in (mark.line, mark.column) if part) if mark else ""
+        colour = COLOURS[finding.severity]
+        table.add_row(
+            place,
+            f"[{colour}]{finding.severity}[/]\n{escape(finding.rule)}",
+            escape(printable(finding.message)) + f"\n[dim]{escape(printable(finding.mend))}[/]",
+            escape("\n".join(map(printable, said(finding)))),
+        )
+    Console(highlight=False).print(table)
+
+
+def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> Iterator[str]:
+    count = len(agreement.joints)
+    chain = f"{agreement.base_link} to {agreement.tip_link}, {count} joint{'' if count == 1 else 's'}"
+    if agreement.holds and agreement.difference is not None:
+        yield f"the same arm as {manipulator.name} of {table} ({chain}): within {_errors(agreement.difference)}"
+        return
+    yield f"error: not the arm {manipulator.name} of {table} as it stands ({chain}) [{OTHER_ARM}]"
+    if agreement.difference is not None:
+        q = ", ".join(f"{value:.4g}" for value in agreement.difference.q)
+        yield f"    they differ by up to {_errors(agreement.difference)}, at q = [{q}]"
+    if agreement.first_difference:
+        yield f"    {agreement.first_difference}"
+    if agreement.corrected is None or agreement.remaining is None:
+        yield "    no base, tool, signs and offsets make them the same arm"
+        return
+    outcome = "agree, within" if agreement.remaining.is_none else "differ still, by up to"
+    yield f"    with this in the table they {outcome} {_errors(agreement.remaining)}:"
+    for line in changes(manipulator, agreement.corrected):
+        yield f"        {line}"
+
+
+def _errors(difference: Difference) -> str:
+    return f"{difference.position_error:.2g} m and {difference.angle_error:.2g} rad"

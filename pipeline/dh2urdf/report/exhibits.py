@@ -1,0 +1,163 @@
+"""What a run's page shows in full: the tables of its first manipulators, and their robots.
+
+The tables are picked out as they go to the workers, and the robots are made of them once more at the end: so a run that
+was resumed, and made none of them itself, has the same page.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.cells import Cell
+from dh2urdf.conversion import make_item
+from dh2urdf.errors import ManipulatorError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.outcome import Row
+from dh2urdf.robot import Link, Robot
+from dh2urdf.truth import Truth
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.batches import Batch, Single
+    from dh2urdf.conversion import Call
+    from dh2urdf.manipulator import DHRow
+    from dh2urdf.stages import Transform
+
+FULL = 24
+"""Manipulators of a run that is shown in full [1]."""
+EXAMPLES = 6
+"""Manipulators that are shown in full of a longer run: its first ones [1]."""
+
+
+class Exhibits:
+    """Keeps what a run's first manipulators are made of.
+
+    Args:
+        most: how many at most.
+    """
+
+    def __init__(self, most: int = FULL) -> None:
+        self._most = most
+        self._found: list[Single] = []
+
+    def see(self, batch: Batch) -> None:
+        """Takes notice of a batch; batches come in the order of the run."""
+        for place in range(min(len(batch), self._most - len(self._found))):
+            self._found.append(batch.single(place))
+
+    def shown(self, count: int) -> list[Single]:
+        """Those that are shown of a run of so many manipulators."""
+        return self._found if count <= self._most else self._found[:EXAMPLES]
+
+
+class ArmTable(NamedTuple):
+    """The table of an arm that a manipulator or cell has.
+
+    Attributes:
+        arms: the names of the arms of a cell that are this one.
+        table: the table.
+    """
+
+    arms: tuple[str, ...]
+    table: Manipulator
+
+
+class Mass(NamedTuple):
+    """The mass properties of a link.
+
+    Attributes:
+        link: the link, which has an inertial.
+        given: which of mass, centre of mass and inertia the table says; the transform computes the others.
+        drawn: whether the mass was drawn.
+    """
+
+    link: Link
+    given: tuple[str, ...]
+    drawn: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exhibit:
+    """A manipulator or cell that is shown in full.
+
+    Attributes:
+        number: its number in the run, from 1.
+        row: its row of the manifest.
+        what: its table or tables; None where they could not be read.
+        robot: its robot; None where it has no files.
+        truth: what the tables say of it.
+    """
+
+    number: int
+    row: Row
+    what: Manipulator | Cell | None
+    robot: Robot | None = None
+    truth: Truth | None = None
+
+    @classmethod
+    def of(cls, number: int, row: Row, what: Single, transform: Call[Transform[Any]]) -> Exhibit:
+        """What is shown of a manipulator whose row is known.
+
+        Of one without files no robot is made again: what it did to a worker it would do to the run.
+        """
+        if not isinstance(what, Manipulator | Cell):
+            return cls(number=number, row=row, what=None)
+        try:
+            robot, truth = make_item(what, transform) if row["files"] else (None, None)
+        except ManipulatorError:  # A transform that gives once this and once that has been told of already.
+            robot = truth = None
+        return cls(number=number, row=row, what=what, robot=robot, truth=truth)
+
+    @property
+    def key(self) -> str:
+        """A word of its own in the page."""
+        return f"m{self.number}"
+
+    @property
+    def is_cell(self) -> bool:
+        """Whether it is a cell."""
+        return isinstance(self.what, Cell)
+
+    @property
+    def tables(self) -> list[ArmTable]:
+        """Its tables, each once."""
+        match self.what:
+            case Manipulator() as table:
+                return [ArmTable((), table)]
+            case Cell(call=call, manipulators=manipulators):
+                return [
+                    ArmTable(tuple(arm.name for arm in call.arms if arm.of == name), table)
+                    for name, table in manipulators.items()
+                ]
+        return []
+
+    @property
+    def masses(self) -> list[Mass]:
+        """The links of its robot that have a mass."""
+        rows = dict(self._rows())
+        masses = []
+        for link in self.robot.links if self.robot else ():
+            if link.inertial and link.inertial.mass:
+                number, row = rows.get(link.name, (0, None))
+                parts = ("mass", "com", "inertia")
+                given = tuple(part for part in parts if row is not None and getattr(row, part) is not None)
+                masses.append(Mass(link, given, f"mass_{number}" in self.row["drawn"]))
+        return masses
+
+    @property
+    def frames(self) -> list[str]:
+        """The links of its robot that have no mass."""
+        links = self.robot.links if self.robot else ()
+        return [link.name for link in links if not (link.inertial and link.inertial.mass)]
+
+    def _rows(self) -> Iterator[tuple[str, tuple[int, DHRow]]]:
+        """The rows of its tables, with their numbers from 1, by the names of the links in its robot."""
+        if isinstance(self.what, Cell):
+            for arm in self.what.call.arms:
+                for number, row in enumerate(self.what.manipulators[arm.of].rows, start=1):
+                    yield arm.prefix + row.link, (number, row)
+        elif self.what:
+            for number, row in enumerate(self.what.rows, start=1):
+                yield row.link, (number, row)

@@ -1,0 +1,167 @@
+"""What `dh2urdf check` found, as JSON and as SARIF 2.1.0 (OASIS, 2020), which code hosts and editors show in place."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from dh2urdf import __version__
+from dh2urdf.agreement import changes, number_text
+from dh2urdf.manipulator import JointType
+from dh2urdf.stages import SEVERITIES, Finding
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from dh2urdf.agreement import Agreement, Difference
+    from dh2urdf.manipulator import Manipulator
+
+SCHEMA = "dh2urdf-check/1"
+"""Name and version of the form of the JSON."""
+SARIF_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+OTHER_ARM = "other-kinematics"
+
+
+def counts(findings: Sequence[Finding]) -> dict[str, int]:
+    """How many findings there are of each severity, the worst first."""
+    return {severity: sum(finding.severity == severity for finding in findings) for severity in SEVERITIES}
+
+
+def comparison_finding(agreement: Agreement, manipulator: Manipulator) -> Finding | None:
+    """The finding that a description is not the arm of a table; None where it is."""
+    if agreement.holds:
+        return None
+    message = f"the description is not the arm of the table {manipulator.name!r} as it stands"
+    if agreement.difference is not None:
+        message += f": {agreement.tip_link} is up to {_errors(agreement.difference)} away"
+    if agreement.first_difference:
+        message += f"; {agreement.first_difference}"
+    corrected, remaining = agreement.corrected, agreement.remaining
+    if corrected is None or remaining is None:
+        return Finding(rule=OTHER_ARM, message=message, mend="no base, tool, signs and offsets make them the same arm")
+    said = "; ".join(changes(manipulator, corrected)) or "nothing"
+    what = "makes them the same arm" if remaining.is_none else f"brings them to within {_errors(remaining)}"
+    return Finding(rule=OTHER_ARM, message=message, mend=f"this in the table {what}: {said}")
+
+
+def _errors(difference: Difference) -> str:
+    return f"{difference.position_error:.3g} m and {difference.angle_error:.3g} rad"
+
+
+def as_json(
+    file: Path,
+    findings: Sequence[Finding],
+    consumers: Mapping[str, str],
+    comparison: tuple[Agreement, Manipulator, Path] | None,
+) -> str:
+    """What was found, as a JSON text."""
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "version": __version__,
+        "file": str(file),
+        "consumers": dict(consumers),
+        "counts": counts(findings),
+        "findings": [_finding(finding) for finding in findings],
+    }
+    if comparison:
+        document["comparison"] = _comparison(*comparison)
+    return json.dumps(document, indent=2, ensure_ascii=False)
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    mark = finding.mark
+    return {
+        "rule": finding.rule,
+        "severity": finding.severity,
+        "file": mark.file if mark else None,
+        "line": mark.line if mark else None,
+        "column": mark.column if mark else None,
+        "message": finding.message,
+        "mend": finding.mend,
+        "consumers": {
+            effect.consumer: {"severity": effect.severity, "does": effect.text} for effect in finding.effects
+        },
+    }
+
+
+def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> dict[str, Any]:
+    corrected = agreement.corrected
+    return {
+        "table": str(table),
+        "manipulator": manipulator.name,
+        "agrees": agreement.holds,
+        "base_link": agreement.base_link,
+        "tip_link": agreement.tip_link,
+        "joints": list(agreement.joints),
+        "difference": _difference(agreement.difference),
+        "first_difference": agreement.first_difference,
+        "correction": None
+        if corrected is None
+        else {
+            "base": _pose(corrected.base),
+            "tool": _pose(corrected.tool),
+            "rows": [
+                {
+                    "joint": row.joint,
+                    "sign": row.sign,
+                    "offset": number_text(row.offset, is_angle=row.type is not JointType.PRISMATIC),
+                }
+                for row in corrected.moving_rows
+            ],
+            "changes": list(changes(manipulator, corrected)),
+            "remaining": _difference(agreement.remaining),
+        },
+    }
+
+
+def _difference(difference: Difference | None) -> dict[str, Any] | None:
+    if difference is None:
+        return None
+    return {
+        "position_error": difference.position_error,
+        "angle_error": difference.angle_error,
+        "q": list(difference.q),
+    }
+
+
+def _pose(pose: Any) -> dict[str, list[float]]:  # noqa: ANN401 - a rigid transform
+    return {"xyz": list(pose.translation), "rpy": list(pose.rpy)}
+
+
+def as_sarif(file: Path, findings: Sequence[Finding]) -> str:
+    """What was found, as a SARIF text."""
+    names = list(dict.fromkeys(finding.rule for finding in findings))
+    first = {name: next(finding for finding in findings if finding.rule == name) for name in names}
+    driver = {
+        "name": "dh2urdf",
+        "semanticVersion": __version__,
+        "rules": [{"id": name, "help": {"text": first[name].mend}} for name in names],
+    }
+    results = [_result(file, finding, names.index(finding.rule)) for finding in findings]
+    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2, ensure_ascii=False)
+
+
+def _result(file: Path, finding: Finding, rule_index: int) -> dict[str, Any]:
+    mark = finding.mark
+    place: dict[str, Any] = {"artifactLocation": {"uri": _uri(file)}}
+    text = finding.message
+    if mark and mark.file != str(file):
+        text += f" ({mark})"  # A place in what the file was expanded to is none in the file.
+    elif mark and mark.line:
+        place["region"] = {"startLine": mark.line, **({"startColumn": mark.column} if mark.column else {})}
+    said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"mend: {finding.mend}"]
+    return {
+        "ruleId": finding.rule,
+        "ruleIndex": rule_index,
+        "level": finding.severity,
+        "message": {"text": "\n".join(said)},
+        "locations": [{"physicalLocation": place}],
+        "properties": {"consumers": [effect.consumer for effect in finding.effects]},
+    }
+
+
+def _uri(file: Path) -> str:
+    return file.as_uri() if file.is_absolute() else quote(file.as_posix())

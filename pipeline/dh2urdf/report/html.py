@@ -1,0 +1,283 @@
+"""`report.html`: what a run found, on one page for people, which asks nothing of any network.
+
+A short run is shown in full, manipulator by manipulator; of a longer one there are a table of all, failures first,
+what failed and why, the distributions of errors and of what was drawn, and its first manipulators. All comes from the
+rows of the manifest, the tables, and robots made of these once more: the same run has the same page.
+
+Names and messages come from strangers' files. They get into the page through jinja2's escaping alone, and the page's
+own policy lets it run no script but its own.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import tarfile
+from base64 import b64encode
+from contextlib import contextmanager
+from dataclasses import fields
+from hashlib import sha256
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from dh2urdf import __version__
+from dh2urdf.layouts import Form
+from dh2urdf.number_text import format_number
+from dh2urdf.report.exhibits import FULL, Exhibit
+from dh2urdf.report.figures import ARMS, Workspace, arm_figure, bars_figure
+from dh2urdf.report.overview import MOST_DRAWN, SAMPLED, Overview, checks
+from dh2urdf.source import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jinja2 import Environment, PackageLoader
+
+    from dh2urdf.conversion import Recipe
+    from dh2urdf.layouts import Layout
+    from dh2urdf.report.exhibits import Exhibits
+    from dh2urdf.stores import Store
+
+PAGE = "report.html"
+HOW_TO_GET = "a page with pictures of it, report.html, needs jinja2 and matplotlib: pip install 'dh2urdf[report]'"
+"""What is said where the page cannot be written."""
+LARGEST_PICTURE = 4_000_000
+"""Pictures beyond are left out of the page [B]."""
+_PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def can_write_html() -> bool:
+    """Whether jinja2, matplotlib and what it draws pixels with are installed; they are not imported."""
+    return all(find_spec(package) for package in ("jinja2", "matplotlib", "PIL"))
+
+
+def write_html(store: Store, rows: BinaryIO, exhibits: Exhibits, recipe: Recipe, layout: Layout) -> None:
+    """Write `report.html`.
+
+    Args:
+        store: where it goes, and where the pictures of the simulators are.
+        rows: the manifest, which is read from its beginning.
+        exhibits: what the run's first manipulators are made of.
+        recipe: what was done with every manipulator.
+        layout: under which names the files lie.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    overview = Overview(rows, FULL)
+    with _without_warnings():
+        content = page(overview, exhibits, recipe, store, layout)
+    store.write(PAGE, content)
+
+
+@contextmanager
+def _without_warnings() -> Iterator[None]:
+    """Keeps to itself what matplotlib says of its font cache and its folders when it is used for the first time."""
+    logger = logging.getLogger("matplotlib")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+def page(overview: Overview, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:
+    """The page of a run, of which an overview was gathered."""
+    from markupsafe import Markup
+
+    environment, templates = _environment()
+    style, script = (templates.get_source(environment, name)[0] for name in ("page.css", "page.js"))
+    shown = [
+        Exhibit.of(number, overview.first[number - 1], what, recipe.transform)
+        for number, what in enumerate(exhibits.shown(overview.count), start=1)
+    ]
+    text = environment.get_template("page.html").render(
+        version=__version__,
+        overview=overview,
+        sampled=SAMPLED,
+        most_drawn=MOST_DRAWN,
+        shown=shown,
+        shown_keys={exhibit.number: exhibit.key for exhibit in shown},
+        stages=list(_stages(recipe)),
+        recipe=recipe,
+        checks=checks,
+        figures=_figures,
+        pictures=lambda exhibit: list(_pictures(exhibit, store, layout)),
+        distributions=_distributions(overview),
+        style=Markup(style),  # noqa: S704 - the project's own
+        script=Markup(script),  # noqa: S704
+        script_hash=b64encode(sha256(script.encode()).digest()).decode(),
+    )
+    return text.encode("utf-8", "backslashreplace")  # The name of a file may hold bytes that are no UTF-8.
+
+
+def _environment() -> tuple[Environment, PackageLoader]:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    templates = PackageLoader("dh2urdf.report")
+    environment = Environment(
+        loader=templates,
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=_finalize,
+    )
+    environment.filters |= {
+        "number": _number,
+        "angle": _angle,
+        "error": _error,
+        "vector": _vector,
+        "size": _size,
+        "lines": _lines,
+    }
+    return environment, templates
+
+
+# --- Facts as text ----------------------------------------------------------------------------------------------------
+
+
+def _finalize(value: Any) -> Any:  # noqa: ANN401 - whatever a template shows
+    """Text without control characters, nor those that turn the direction of what follows."""
+    return printable(value) if type(value) is str else value
+
+
+def _lines(text: str) -> Any:  # noqa: ANN401 - Markup, of a package that is imported late
+    """Several lines of a simulator's output, as they were."""
+    from markupsafe import Markup, escape
+
+    return Markup("\n").join(escape(printable(line)) for line in text.splitlines())
+
+
+def _data(value: float, text: str) -> Any:  # noqa: ANN401 - Markup
+    """A number as people read it; the element says all its digits."""
+    from markupsafe import Markup
+
+    exact = format_number(value) if math.isfinite(value) else str(value)
+    return Markup('<data value="{}">{}</data>').format(exact, text)
+
+
+def _nothing() -> Any:  # noqa: ANN401 - Markup
+    from markupsafe import Markup
+
+    return Markup('<span class="none">–</span>')
+
+
+def _number(value: float | None, unit: str = "", digits: int = 6) -> Any:  # noqa: ANN401 - Markup
+    """A quantity with so many digits."""
+    if value is None:
+        return _nothing()
+    return _data(value, f"{value + 0.0:.{digits}g}{unit and f' {unit}'}")
+
+
+def _angle(value: float | None) -> Any:  # noqa: ANN401 - Markup
+    """An angle in rad, and in degrees below."""
+    from markupsafe import Markup
+
+    if not value:
+        return _number(value)
+    return _number(value) + Markup(' <small class="deg">{}°</small>').format(f"{math.degrees(value) + 0.0:.6g}")
+
+
+def _error(value: float | None, unit: str = "") -> Any:  # noqa: ANN401 - Markup
+    """An error with two digits; one that is none, with three."""
+    if value is None:
+        return _nothing()
+    text = f"{value:.3g}" if not value or value >= _LARGE else f"{value:.1e}"
+    return _data(value, f"{text}{unit and f' {unit}'}")
+
+
+_LARGE = 1e-2  # [m or rad]
+
+
+def _vector(values: Any, most: int = 16) -> Any:  # noqa: ANN401 - numbers; Markup
+    """Some numbers in brackets, with four digits each."""
+    from markupsafe import Markup
+
+    shown = Markup(", ").join(_data(value, f"{value + 0.0:.4g}") for value in values[:most])
+    more = f", … {len(values) - most} more" if len(values) > most else ""
+    return Markup("[{}{}]").format(shown, more) if values else _nothing()
+
+
+def _size(count: int) -> Any:  # noqa: ANN401 - Markup
+    """A size in bytes as people read it."""
+    power = min(max(0, (len(str(count)) - 1) // 3), 3)
+    return _data(count, f"{count / 1000**power:.3g} {('B', 'kB', 'MB', 'GB')[power]}")
+
+
+def _stages(recipe: Recipe) -> Iterator[tuple[str, str, str, str]]:
+    """The stages of a run: kind, name, summary, options."""
+    for kind, calls in (("transform", (recipe.transform,)), ("emitter", recipe.emitters), ("loader", recipe.loaders)):
+        for call in calls:
+            options = {option.name: getattr(call.options, option.name) for option in fields(call.options)}
+            told = ", ".join(f"{name}: {_word(value)}" for name, value in options.items())
+            yield kind, call.stage.name, call.stage.summary, told
+
+
+def _word(value: object) -> str:
+    """The value of an option, as YAML has it."""
+    return (
+        {None: "null", True: "true", False: "false"}[value]
+        if value is None or value is True or value is False
+        else str(value)
+    )
+
+
+# --- Figures and pictures ---------------------------------------------------------------------------------------------
+
+
+def _figures(exhibit: Exhibit) -> dict[str, Any] | None:
+    """The drawings of an exhibit, and how far its tips get; None where it has no robot, or none that can be drawn."""
+    from markupsafe import Markup
+
+    if exhibit.robot is None or exhibit.truth is None:
+        return None
+    workspace = Workspace(exhibit.truth, exhibit.robot)
+    extents = {tip: workspace.extent(tip) for tip in workspace.points}
+    if not all(0.0 <= extent["distance"] < _LARGEST_DRAWING for extent in extents.values()):
+        return None
+    return {
+        "arm": Markup(arm_figure(exhibit.truth, f"{exhibit.key}-arm")),  # noqa: S704 - drawn by matplotlib
+        "workspace": Markup(workspace.figure(f"{exhibit.key}-reach")),  # noqa: S704
+        "extents": [(tip, ARMS[n % len(ARMS)], extent) for n, (tip, extent) in enumerate(extents.items())],
+        "samples": len(next(iter(workspace.points.values()))),
+    }
+
+
+_LARGEST_DRAWING = 1e9  # [m]: beyond, an arm is a mistake, and matplotlib's arithmetic ends
+
+
+def _distributions(overview: Overview) -> dict[str, Any]:
+    from markupsafe import Markup
+
+    several = {
+        "errors": (overview.error_distributions, "how many manipulators have which position error"),
+        "drawn": (overview.distributions, "how often which values were drawn"),
+    }
+    return {
+        name: Markup(bars_figure(bars, what, name)) if bars and overview.count > 1 else None  # noqa: S704
+        for name, (bars, what) in several.items()
+    }
+
+
+def _pictures(exhibit: Exhibit, store: Store, layout: Layout) -> Iterator[tuple[str, str]]:
+    """The pictures that simulators took, as data URIs, with the simulators' names."""
+    for load in exhibit.row["loaders"].values():
+        if load["picture"]:
+            content = _picture(exhibit.number - 1, load["picture"], store, layout)
+            if content.startswith(_PNG):
+                yield load["simulator"], f"data:image/png;base64,{b64encode(content).decode()}"
+
+
+def _picture(index: int, name: str, store: Store, layout: Layout) -> bytes:
+    """A picture of the manipulator of a number; nothing where there is none, or a large one."""
+    if layout.form is Form.SHARDS:
+        with store.open(layout.folder(index)) as stream, tarfile.open(fileobj=stream, mode="r|") as shard:
+            for member in shard:
+                if member.name == name and member.size <= LARGEST_PICTURE and (file := shard.extractfile(member)):
+                    return file.read()
+        return b""
+    path = layout.path(index, name)
+    size = store.size(path)
+    return store.read(path) if size is not None and size <= LARGEST_PICTURE else b""

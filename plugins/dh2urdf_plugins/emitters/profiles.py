@@ -1,0 +1,196 @@
+"""Profiles: where one URDF cannot serve every reader, what a URDF for one of them has otherwise, and why.
+
+The portable URDF is read alike by all. Each field of `Profile` is a decision in which readers contradict each other,
+with the reason; `PROFILES` says who decides otherwise. ``docs/profiles.md`` has the same as a table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Arm, Collision, Inertial, Joint, Link, Origin, Robot
+from dh2urdf.source import Problem
+
+if TYPE_CHECKING:
+    from collections.abc import Set as AbstractSet
+
+    from dh2urdf_plugins.emitters.urdf_tree import Notation
+
+ProfileName: TypeAlias = Literal["portable", "ros", "pybullet", "mujoco", "gazebo", "coppeliasim", "drake"]
+PROFILE_HELP = "readers that the file is for; portable: all of them"
+WORLD = "world"
+WEIGHTLESS = Inertial(mass=0.0)
+
+
+def _decision(*, default: bool, portable: str, otherwise: str, why: str) -> bool:
+    """A field of `Profile`: what the portable file has, what it has otherwise, and why some reader needs that."""
+    words = {"portable": portable, "otherwise": otherwise, "why": why}
+    return field(default=default, metadata=words)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
+    """The decisions of one profile; the defaults are those of the portable file."""
+
+    mujoco_element: bool = _decision(
+        default=True,
+        portable="a `<mujoco>` element, which keeps MuJoCo from fusing fixed links and dropping visuals",
+        otherwise="no such element",
+        why="urdf_parser_py, which ROS tools read a URDF with, complains of a tag that it does not know",
+    )
+    root_inertial: bool = _decision(
+        default=False,
+        portable="an empty root",
+        otherwise="a root with an explicit mass and inertia of zero",
+        why="PyBullet warns of a link without an inertial, `world` excepted, and KDL of a root with one",
+    )
+    base_collision: bool = _decision(
+        default=True,
+        portable="collision shapes of the base, where the transform made some",
+        otherwise="none",
+        why="MuJoCo filters no contact between a link and a parent that stands still: the base pushes the arm away, "
+        "and a URDF cannot exclude a contact (MJCF can)",
+    )
+    held: bool = _decision(
+        default=False,
+        portable="the arm's own root, which whoever loads the file has to hold",
+        otherwise="a root `world`, and a fixed joint `base_joint` between it and the arm",
+        why="in Gazebo nothing but a joint with the world holds a model, and without one it falls over; for other "
+        "readers people hold the root themselves, and expect it to be base_link",
+    )
+    frame_inertials: bool = _decision(
+        default=True,
+        portable="an explicit mass and inertia of zero for flange, tool0 and the like",
+        otherwise="frames without an inertial",
+        why="CoppeliaSim's importer takes a mass of 0 for none said and makes it 1 kg; PyBullet does so where the "
+        "inertial is missing",
+    )
+    solid_links: bool = _decision(
+        default=False,
+        portable="no collision shape for a link so short that none remains between its neighbours",
+        otherwise="its visual shapes as collision shapes, for every moving link that has none",
+        why="CoppeliaSim makes a link without a collision shape static, and the arm stands still in a simulation; "
+        "elsewhere such shapes overlap with the neighbours'",
+    )
+    transmissions: bool = _decision(
+        default=False,
+        portable="no transmissions",
+        otherwise="a simple `<transmission>` for every joint that has an effort",
+        why="Drake makes actuators of transmissions, and drops the efforts of all other joints; ROS's controllers have "
+        "transmissions of their own, in files of their own",
+    )
+    joint_friction: bool = _decision(
+        default=True,
+        portable="the friction of a joint, where the table says one",
+        otherwise="none",
+        why="Drake has no dry friction in joints, and warns of it",
+    )
+
+
+PROFILES: dict[ProfileName, Profile] = {
+    "portable": Profile(),
+    "ros": Profile(mujoco_element=False),
+    "pybullet": Profile(root_inertial=True),
+    "mujoco": Profile(base_collision=False),
+    "gazebo": Profile(held=True),
+    "coppeliasim": Profile(frame_inertials=False, solid_links=True),
+    "drake": Profile(transmissions=True, joint_friction=False),
+}
+
+
+def adapted(robot: Robot, profile: Profile) -> Robot:
+    """The robot that a profile's file describes.
+
+    Raises:
+        EmitterError: the profile's name for something is taken.
+    """
+    if profile == PROFILES["portable"]:
+        return robot
+    if not robot.arms:
+        robot = _adapted_arm(robot, profile)
+    else:
+        # Arms of one kind stay arms of one kind: xacro has one macro for each.
+        kinds = {id(arm.kind): _adapted_arm(arm.kind, profile) for arm in robot.arms}
+        bases = {arm.prefix + link for arm in robot.arms for link in _fixed_to_root(arm.kind)}
+        arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)
+        robot = replace(_adapted(robot, profile, bases), arms=arms)
+    return _held(robot) if profile.held and robot.root != WORLD else robot
+
+
+def append_transmissions(parent: etree._Element, robot: Robot, notation: Notation) -> None:
+    """Appends a motor for every joint that has an effort (http://wiki.ros.org/urdf/XML/Transmission)."""
+    for joint in robot.moving_joints:
+        if not joint.limits.effort:
+            continue
+        name = notation.name(joint.name)
+        transmission = etree.SubElement(parent, "transmission", {"name": f"{name}_transmission"})
+        etree.SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
+        for tag, each in (("joint", name), ("actuator", f"{name}_actuator")):
+            element = etree.SubElement(transmission, tag, {"name": each})
+            etree.SubElement(element, "hardwareInterface").text = "hardware_interface/EffortJointInterface"
+            if tag == "actuator":
+                etree.SubElement(element, "mechanicalReduction").text = "1"
+
+
+def _adapted_arm(robot: Robot, profile: Profile) -> Robot:
+    robot = _adapted(robot, profile, _fixed_to_root(robot))
+    return _with_root_inertial(robot) if profile.root_inertial else robot
+
+
+def _adapted(robot: Robot, profile: Profile, bases: AbstractSet[str]) -> Robot:
+    links = tuple(_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links)
+    if profile.joint_friction:
+        return replace(robot, links=links)
+    return replace(robot, links=links, joints=tuple(replace(joint, friction=None) for joint in robot.joints))
+
+
+def _adapted_link(link: Link, profile: Profile, *, is_base: bool) -> Link:
+    if not profile.frame_inertials and link.inertial and not link.inertial.mass:
+        link = replace(link, inertial=None)
+    if not profile.base_collision and is_base:
+        link = replace(link, collisions=())
+    if profile.solid_links and link.inertial and not link.collisions and not is_base:
+        shapes = tuple(Collision(geometry=visual.geometry, origin=visual.origin) for visual in link.visuals)
+        link = replace(link, collisions=shapes)
+    return link
+
+
+def _with_root_inertial(robot: Robot) -> Robot:
+    root, *others = robot.links
+    return replace(robot, links=(replace(root, inertial=root.inertial or WEIGHTLESS), *others))
+
+
+def _fixed_to_root(robot: Robot) -> frozenset[str]:
+    """The links that no joint moves."""
+    still = {robot.root}
+    for joint in robot.joints:  # Parents before children.
+        if joint.type is JointType.FIXED and joint.parent in still:
+            still.add(joint.child)
+    return frozenset(still)
+
+
+def _held(robot: Robot) -> Robot:
+    """The cell of one arm, which stands where the world does."""
+    names = {link.name for link in robot.links} | {joint.name for joint in robot.joints}
+    if WORLD in names:
+        raise EmitterError(
+            Problem(
+                message="the profile gazebo holds the arm on a link `world`, and the arm has that name for its own",
+                robot=robot.name,
+                suggestion="rename it, or take the profile portable",
+            )
+        )
+    root, *others = robot.links
+    mounted = replace(root, inertial=root.inertial or WEIGHTLESS)
+    base_joint = Joint(name=robot.mounting, type=JointType.FIXED, parent=WORLD, child=root.name)
+    return replace(
+        robot,
+        links=(Link(name=WORLD), mounted, *others),
+        joints=(base_joint, *robot.joints),
+        arms=(Arm(name=robot.name, kind=robot, prefix="", parent=WORLD, placement=Origin()),),
+    )

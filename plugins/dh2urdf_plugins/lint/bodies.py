@@ -1,0 +1,134 @@
+"""Rules about mass and inertia: of links, and of what moves as one body."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import inertia_problem
+from dh2urdf.source import shown
+from dh2urdf_plugins.lint.description import MOVING, Hit, few
+from dh2urdf_plugins.lint.merged import ELEMENTS, head_of, inertial_of, merged_inertial
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf_plugins.lint.description import Description, LinkNode
+    from dh2urdf_plugins.lint.tree import Element
+
+_NO_INERTIA = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
+_ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"})
+
+
+def hits(description: Description) -> Iterator[Hit]:
+    """What there is to say of every link's mass and inertia."""
+    if description.roots:
+        yield from _root(description, description.roots[0])
+    for link in description.links:
+        if link.inertial is None:
+            yield from _without_inertial(description, link)
+        else:
+            yield from _mass(description, link, link.inertial)
+            yield from _inertia(description, link, link.inertial)
+        yield from _weightless_chain(description, link)
+    yield from _fixed_links(description)
+
+
+def _moves(description: Description, link: LinkNode) -> bool:
+    holder = description.holder(link)
+    return holder is not None and holder.kind in MOVING
+
+
+def _root(description: Description, root: LinkNode) -> Iterator[Hit]:
+    if root.inertial is None:
+        yield Hit("root-without-inertial", root.element, f"the root link {shown(root.name)} has no inertial")
+    elif root.mass != 0.0:
+        yield Hit("root-with-inertial", root.element, f"the root link {shown(root.name)} has an inertial")
+    if description.is_body_weightless(root):
+        message = f"the root link {shown(root.name)} weighs nothing, nor does what is fixed to it"
+        yield Hit("weightless-root", root.element, message)
+
+
+def _without_inertial(description: Description, link: LinkNode) -> Iterator[Hit]:
+    if description.holder(link) is None:
+        return
+    message = f"link {shown(link.name)} has no inertial"
+    if not _moves(description, link):
+        yield Hit("frame-without-inertial", link.element, message)
+        return
+    of = set(_ALL)
+    if not description.is_body_weightless(link):  # What is fixed to a link is merged into it first.
+        of -= {"gazebo"}
+    elif not any(_collides(node) for node in description.body(link)):
+        of -= {"mujoco"}
+        yield Hit("nothing-that-weighs", link.element, f"link {shown(link.name)} moves, and nothing gives it a mass")
+    yield Hit("missing-inertial", link.element, message, of)
+
+
+def _collides(link: LinkNode) -> bool:
+    """Whether a link has shapes of which MuJoCo computes a mass."""
+    return link.inertial is None and link.element.first("collision") is not None
+
+
+def _mass(description: Description, link: LinkNode, inertial: Element) -> Iterator[Hit]:
+    mass, about = inertial.first("mass"), f"link {shown(link.name)}"
+    if mass is None or mass.get("value") is None:
+        yield Hit("inertial-without-mass", inertial, f"the inertial of {about} has no mass")
+        return
+    value = mass.number("value")
+    if value is not None and value < 0.0:
+        yield Hit("negative-mass", mass, f"{about} has the mass {value:g}")
+    elif value == 0.0 and _moves(description, link):
+        of = _ALL if description.is_body_weightless(link) else {"drake"}
+        yield Hit("zero-mass", mass, f"{about} moves and has the mass 0", of)
+
+
+def _inertia(description: Description, link: LinkNode, inertial: Element) -> Iterator[Hit]:
+    inertia, about = inertial.first("inertia"), f"link {shown(link.name)}"
+    if inertia is None:
+        if inertial.first("mass") is not None:
+            yield Hit("mass-without-inertia", inertial, f"{about} has a mass and no inertia")
+        return
+    if missing := [name for name in ELEMENTS if inertia.get(name) is None]:
+        of = _ALL - {"pybullet", "drake"}  # They take 0 for what is missing.
+        yield Hit("mass-without-inertia", inertia, f"the inertia of {about} has no {', '.join(missing)}", of)
+        return
+    body = inertial_of(inertial)
+    if body is None or body.mass <= 0.0:
+        return
+    head = head_of(description, link)
+    merged = merged_inertial(description, head)
+    if body.inertia == _NO_INERTIA:
+        if _moves(description, head) and merged is not None and merged.inertia == _NO_INERTIA:
+            yield Hit("zero-inertia", inertia, f"{about} has a mass and the inertia 0")
+    elif problem := inertia_problem(body.inertia):
+        rule = "inertia-triangle-inequality" if "triangle" in problem else "inertia-not-positive-definite"
+        of = _ALL if merged is None or inertia_problem(merged.inertia) else _ALL - {"gazebo"}
+        yield Hit(rule, inertia, f"{about}: {problem}", of)
+
+
+def _weightless_chain(description: Description, link: LinkNode) -> Iterator[Hit]:
+    """Two links fixed below each other, each with an explicit mass of 0: their common centre of mass is 0/0."""
+    holder = description.holder(link)
+    if holder is None or holder.kind != "fixed" or link.mass != 0.0:
+        return
+    above = description.link[holder.parent]
+    above_holder = description.holder(above)
+    if above.mass == 0.0 and above_holder is not None and above_holder.kind == "fixed":
+        message = (
+            f"link {shown(link.name)} weighs nothing and is fixed to link {shown(above.name)}, which weighs nothing"
+        )
+        yield Hit("weightless-chain", link.element, message)
+
+
+def _fixed_links(description: Description) -> Iterator[Hit]:
+    fixed = [link for link in description.links if (joint := description.holder(link)) and joint.kind == "fixed"]
+    if not fixed:
+        return
+    compiler = description.root.first("mujoco", "compiler")
+    keeps = compiler is not None and compiler.get("fusestatic") == "false"
+    to_the_world = {node.name for root in description.roots for node in description.body(root)}
+    of = {"gazebo", "coppeliasim"}
+    if not keeps and any(link.name in to_the_world for link in fixed):
+        of.add("mujoco")
+    yield Hit("fixed-link", fixed[0].element, f"fixed to another link: {few(link.name for link in fixed)}", of)

@@ -1,0 +1,73 @@
+"""What moves as one body, as the readers see it that merge fixed links into the links that hold them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import compound, placed
+from dh2urdf.robot import Inertial
+from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform
+
+if TYPE_CHECKING:
+    from dh2urdf_plugins.lint.description import Description, LinkNode
+    from dh2urdf_plugins.lint.tree import Element
+
+ELEMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def head_of(description: Description, link: LinkNode) -> LinkNode:
+    """The link that a link is merged into: itself, where it moves or is a root."""
+    seen = {link.name}
+    while (holder := description.holder(link)) and holder.kind == "fixed" and holder.parent not in seen:
+        seen.add(holder.parent)
+        link = description.link[holder.parent]
+    return link
+
+
+def inertial_of(element: Element) -> Inertial | None:
+    """A mass with its inertia; None where one of them is missing, or a text is not the number that it should be."""
+    mass, inertia = element.first("mass"), element.first("inertia")
+    pose = pose_of(element.first("origin"))
+    value = mass.number("value") if mass else None
+    elements = [inertia.number(name) for name in ELEMENTS] if inertia else [None]
+    if value is None or pose is None or None in elements:
+        return None
+    ixx, ixy, ixz, iyy, iyz, izz = (number or 0.0 for number in elements)
+    return placed(Inertial(mass=value, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)), pose)
+
+
+def merged_inertial(description: Description, head: LinkNode) -> Inertial | None:
+    """Mass and inertia of a link with all that is fixed to it, in its frame; None where that cannot be said."""
+    poses: dict[str, RigidTransform] = {head.name: IDENTITY}
+    bodies: list[Inertial] = []
+    for link in description.body(head):
+        holder = description.holder(link)
+        if link is not head:
+            step = pose_of(holder.element.first("origin")) if holder else None
+            above = poses.get(holder.parent) if holder else None
+            if step is None or above is None:
+                return None
+            poses[link.name] = above @ step
+        if link.inertial is not None:
+            body = inertial_of(link.inertial)
+            if body is None:
+                return None
+            bodies.append(placed(body, poses[link.name]))
+    try:
+        return compound(bodies)
+    except (ValueError, IndexError):  # no mass, or no body
+        return None
+
+
+def pose_of(origin: Element | None) -> RigidTransform | None:
+    """The frame of an origin; None where it is not written in numbers."""
+    if origin is None:
+        return IDENTITY
+    pose: list[tuple[float, float, float]] = []
+    for name in ("xyz", "rpy"):
+        numbers = ZERO if origin.get(name) is None else origin.numbers(name, 3)
+        if numbers is None:
+            return None
+        pose.append((numbers[0], numbers[1], numbers[2]))
+    return RigidTransform.from_xyz_rpy(*pose)

@@ -1,0 +1,117 @@
+"""Rules about names, and about the tree that links and joints are."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from dh2urdf.source import did_you_mean, shown
+from dh2urdf_plugins.lint.description import MOVING, TYPES, Hit, few
+from dh2urdf_plugins.lint.merged import head_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf_plugins.lint.description import Description
+
+LONGEST_NAME = 1000
+"""Characters of a name [1]."""
+MOST_MOVING, MOST_JOINTS = 121, 127
+"""Moving joints, and joints of any type, that PyBullet tells the state of [1]."""
+
+_TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
+
+
+def hits(description: Description) -> Iterator[Hit]:
+    """What there is to say of names and of the tree."""
+    yield from _names(description)
+    yield from _shared_names(description)
+    yield from _ends(description)
+    yield from _tree(description)
+    yield from _too_many(description)
+
+
+def _names(description: Description) -> Iterator[Hit]:
+    root = description.root
+    if not root.get("name"):
+        yield Hit("robot-without-name", root, "the robot has no name")
+    owners: dict[tuple[str, str], int] = {}
+    for element in root.children:
+        kind, name = element.tag, element.get("name")
+        if kind not in {"link", "joint"}:
+            continue
+        if not name:
+            yield Hit("missing-name", element, f"a {kind} has no name")
+            continue
+        if (kind, name) in owners:
+            message = f"{kind} {shown(name)} has the name of the {kind} in line {owners[kind, name]}"
+            yield Hit(f"duplicate-{kind}", element, message)
+        owners.setdefault((kind, name), element.line)
+        if len(name) > LONGEST_NAME:
+            message = f"the name of {kind} {shown(name)} has {len(name):,} characters"
+            yield Hit("name-too-long", element, message)
+        if match := _TROUBLESOME.search(name):
+            yield Hit("name-characters", element, f"the name of {kind} {shown(name)} holds {shown(match[0])}")
+
+
+def _shared_names(description: Description) -> Iterator[Hit]:
+    """Joints named like links, where SDF keeps both: fixed joints are gone there, and links that are fixed."""
+    for joint in description.joints:
+        link = description.link.get(joint.name)
+        if joint.kind == "fixed" or link is None or head_of(description, link) is not link:
+            continue
+        yield Hit("joint-named-like-link", joint.element, f"joint {shown(joint.name)} has the name of a link")
+
+
+def _ends(description: Description) -> Iterator[Hit]:
+    """A joint is of a known type and between two links."""
+    for joint in description.joints:
+        about = f"joint {shown(joint.name)}"
+        if joint.kind not in TYPES:
+            near = did_you_mean(joint.kind, TYPES)
+            message = f"{about} has the type {shown(joint.kind)}" if joint.kind else f"{about} has no type"
+            yield Hit("unknown-joint-type", joint.element, f"{message}: {near}" if near else message)
+        for end, name in (("parent", joint.parent), ("child", joint.child)):
+            if not name:
+                yield Hit("missing-parent-or-child", joint.element, f"{about} has no {end}")
+            elif name not in description.link:
+                near = did_you_mean(name, description.link)
+                message = f"the {end} of {about} is {shown(name)}, and there is no such link"
+                yield Hit(
+                    "undefined-link",
+                    joint.element.first(end) or joint.element,
+                    f"{message}: {near}" if near else message,
+                )
+
+
+def _tree(description: Description) -> Iterator[Hit]:
+    if not description.root.all("link"):
+        yield Hit("no-link", description.root, "the robot has no link")
+    cut_off = {joint.child for joint in description.joints if joint.parent not in description.link}
+    for root in description.roots[1:]:
+        if root.name in cut_off:  # said of the joint
+            continue
+        message = f"no joint connects link {shown(root.name)} with {shown(description.roots[0].name)}"
+        yield Hit("several-roots", root.element, message)
+    for name, joints in description.holders.items():
+        for joint in joints[1:]:
+            message = f"joint {shown(joint.name)} moves link {shown(name)}, as joint {shown(joints[0].name)} does"
+            yield Hit("several-parents", joint.element, message)
+    reached = description.reached()
+    circle = [
+        joint for joint in description.joints if joint.child in description.holders and joint.child not in reached
+    ]
+    if circle:
+        yield Hit(
+            "cycle",
+            circle[0].element,
+            f"the links {few(joint.child for joint in circle)} hang from each other in a circle",
+        )
+
+
+def _too_many(description: Description) -> Iterator[Hit]:
+    moving = [joint for joint in description.joints if joint.kind in MOVING]
+    for joints, most, what in ((moving, MOST_MOVING, "moving joints"), (description.joints, MOST_JOINTS, "joints")):
+        if len(joints) > most:
+            yield Hit("too-many-joints", joints[most].element, f"the robot has {len(joints)} {what}")
+            return

@@ -1,0 +1,194 @@
+"""The arm as Pinocchio holds it, measured and compared with the robot that was written.
+
+Pinocchio is a library of rigid-body algorithms and simulates nothing: whether the arm can hold its weight is asked of
+its recursive Newton-Euler algorithm. It keeps moving bodies only, and adds to each what fixed joints hold to it; links
+are frames. https://gepettoweb.laas.fr/doc/stack-of-tasks/pinocchio has its documentation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.errors import LoaderError
+from dh2urdf.manipulator import JointType
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import LoadReport
+from dh2urdf_plugins.loaders.comparison import Body, Comparison
+from dh2urdf_plugins.loaders.measures import GRAVITY, hold_start, lumped_bodies, rotation, vector
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from dh2urdf.stages import LoadRequest
+
+MEASURED_JOINTS = 250
+"""Largest number of joints of an arm that is put into a pose: Pinocchio's working memory holds four arrays of the cube
+of their number, here half a gigabyte."""
+_UNIVERSE = 0
+"""The joint that holds the root."""
+
+
+class _Load(NamedTuple):
+    """What gravity asks of a joint: a share of its effort, the force or torque [N or N·m], and where."""
+
+    share: float
+    force: float
+    joint: str | None
+    q: tuple[float, ...]
+
+
+class Arm:
+    """The arm as Pinocchio holds it, beside the robot that was written.
+
+    Raises:
+        LoaderError: Pinocchio cannot load the file, or has lost a joint or a link of it.
+    """
+
+    def __init__(self, pinocchio: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
+        self.pinocchio, self.request, self.robot = pinocchio, request, request.robot
+        self.comparison = Comparison("Pinocchio", request)
+        try:
+            self.model = pinocchio.buildModelFromUrdf(str(request.path.resolve()))
+        except ValueError as error:  # The reason stands only in what the parser prints.
+            raise LoaderError(self.comparison.problem(message="Pinocchio cannot load the file")) from error
+        self.joints = {name: number for number, name in enumerate(self.model.names) if number != _UNIVERSE}
+        self.links = {frame.name: frame for frame in self.model.frames if frame.type == pinocchio.FrameType.BODY}
+        self.numbers = {name: self.model.getFrameId(name, pinocchio.FrameType.BODY) for name in self.links}
+
+    def report(self) -> LoadReport:
+        """Measure everything.
+
+        Raises:
+            LoaderError: Pinocchio holds another arm.
+        """
+        joints = tuple(map(self._held_joint, self.joints.values()))
+        problems = self.comparison.joints(joints)
+        problems += [
+            self.comparison.problem(message=f"Pinocchio has lost the link {shown(link.name)}")
+            for link in self.robot.links
+            if link.name not in self.links
+        ]
+        masses, more_problems = self.comparison.masses(self._held_bodies(), lumped_bodies(self.robot))
+        if problems := [*problems, *more_problems]:
+            raise LoaderError(problems)
+        report = LoadReport(simulator="Pinocchio", version=version("pin"), joints=joints, **masses)
+        if len(joints) > MEASURED_JOINTS:
+            return replace(report, findings=(self._too_many_joints(),))
+        data = self.model.createData()
+        report = replace(report, **self.comparison.poses(partial(self._frames, data)))
+        if not joints:
+            return report
+        hold, findings = self._hold(data)
+        return replace(report, hold=hold, findings=findings)
+
+    # What was loaded
+
+    def _held_joint(self, number: int) -> dict[str, Any]:
+        """A joint as Pinocchio has it; its axis is read off the columns of its motion subspace."""
+        model, joint = self.model, self.model.joints[number]
+        if joint.nv != 1:
+            return {"name": model.names[number], "type": joint.shortname()}
+        turning = joint.createData()
+        joint.calc(turning, self.pinocchio.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
+        *along, rx, ry, rz = (float(element) + 0.0 for element in turning.S.reshape(6))
+        slides = any(along)
+        endless = joint.nq == 2  # noqa: PLR2004 - cosine and sine
+        return {
+            "name": model.names[number],
+            "type": "prismatic" if slides else "continuous" if endless else "revolute",
+            "axis": tuple(along) if slides else (rx, ry, rz),
+            "lower": None if endless else float(model.lowerPositionLimit[joint.idx_q]),
+            "upper": None if endless else float(model.upperPositionLimit[joint.idx_q]),
+            "velocity": float(model.velocityLimit[joint.idx_v]),
+            "effort": float(model.effortLimit[joint.idx_v]),
+        }
+
+    def _held_bodies(self) -> dict[str, Body]:
+        """The moving bodies, by the names of the links that carry them, and the body that stands in the world."""
+        carriers = {joint.child: self.joints.get(joint.name) for joint in self.robot.moving_joints}
+        carriers[self.robot.root] = _UNIVERSE
+        inertias = {name: self.model.inertias[number] for name, number in carriers.items() if number is not None}
+        return {
+            name: Body(float(inertia.mass), vector(inertia.lever), rotation(inertia.inertia))
+            for name, inertia in inertias.items()
+        }
+
+    # Poses
+
+    def _coordinates(self, q: Sequence[float]) -> Any:  # noqa: ANN401 - an array of Pinocchio's coordinates
+        """A joint vector in Pinocchio's coordinates: cosine and sine of a joint that turns without end."""
+        coordinates = self.pinocchio.neutral(self.model)
+        for joint, value in zip(self.robot.moving_joints, q, strict=True):
+            first = self.model.joints[self.joints[joint.name]].idx_q
+            if joint.type is JointType.CONTINUOUS:
+                coordinates[first : first + 2] = math.cos(value), math.sin(value)
+            else:
+                coordinates[first] = value
+        return coordinates
+
+    def _frames(self, data: Any, q: Sequence[float], links: Sequence[str]) -> Mapping[str, RigidTransform]:  # noqa: ANN401 - Pinocchio's working memory
+        """The frames of some links in the root at a joint vector."""
+        self.pinocchio.framesForwardKinematics(self.model, data, self._coordinates(q))
+        frames = ((name, data.oMf[self.numbers[name]]) for name in links)
+        return {name: RigidTransform(rotation(frame.rotation), vector(frame.translation)) for name, frame in frames}
+
+    # The hold test
+
+    def _hold(self, data: Any) -> tuple[dict[str, Any], tuple[Problem, ...]]:  # noqa: ANN401 - Pinocchio's working memory
+        """Whether the efforts that Pinocchio read hold the arm at its start and at every pose that was measured."""
+        start = hold_start(self.robot)
+        worst = max(
+            (load for q in (start, *self.request.poses) for load in self._loads(data, q)), key=lambda load: load.share
+        )
+        hold = {
+            "start": start,
+            "poses": 1 + len(self.request.poses),
+            "largest_load": worst.share if math.isfinite(worst.share) else None,
+            "joint": worst.joint,
+            "q": worst.q,
+            "threshold": 1.0,
+            "stayed": worst.share <= 1.0,
+        }
+        return hold, () if hold["stayed"] else (self._too_weak(worst),)
+
+    def _loads(self, data: Any, q: Sequence[float]) -> Iterator[_Load]:  # noqa: ANN401 - Pinocchio's working memory
+        """What gravity asks of every joint at a joint vector, at rest."""
+        import numpy as np
+
+        model = self.model
+        model.gravity.linear = np.array((0.0, 0.0, -GRAVITY))
+        rest = np.zeros(model.nv)
+        forces = self.pinocchio.rnea(model, data, self._coordinates(q), rest, rest)
+        for joint in self.robot.moving_joints:
+            at = model.joints[self.joints[joint.name]].idx_v
+            force, effort = abs(float(forces[at])), float(model.effortLimit[at])
+            share = force / effort if effort else math.inf if force else 0.0
+            yield _Load(share, force, joint.name, tuple(q))
+
+    def _too_weak(self, load: _Load) -> Problem:
+        joint = next(joint for joint in self.robot.moving_joints if joint.name == load.joint)
+        unit = "N" if joint.type is JointType.PRISMATIC else "N·m"
+        return self.comparison.problem(
+            message=f"the arm cannot hold its weight: at q = ({', '.join(map(str, load.q))}) gravity asks "
+            f"{load.force:.4g} {unit} of this joint",
+            severity="notice",
+            joint=joint.name,
+            field="limits.effort",
+            found=str(joint.limits.effort),
+            suggestion="give the joint the effort that its motor has",
+        )
+
+    def _too_many_joints(self) -> Problem:
+        found = f"{len(self.joints)} moving joints"
+        return self.comparison.problem(
+            message=f"Pinocchio's working memory for so large an arm ({found}) grows with the cube of their number: "
+            "only joints and masses were compared",
+            severity="notice",
+            found=found,
+            accepted=f"at most {MEASURED_JOINTS} moving joints",
+        )

@@ -1,0 +1,289 @@
+"""What SDF and MJCF have in common: read back, both are the robot that was written."""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.robot import Inertial, Mesh
+from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.emitters.mjcf import EMITTER as MJCF
+from dh2urdf_plugins.emitters.sdf import EMITTER as SDF
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.robot import Link, Robot
+    from dh2urdf.stages import Emitter
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+formats = pytest.mark.parametrize("emitter", [SDF, MJCF], ids=lambda emitter: emitter.name)
+frames = pytest.mark.parametrize("frames", ["aligned", "dh"])
+
+
+def content_of(emitter: Emitter[Any], robot: Robot, **options: Any) -> bytes:
+    (file,) = emitter.emit(robot, "arm", emitter.options(**options))
+    return bytes(file.content)
+
+
+def written(emitter: Emitter[Any], robot: Robot, folder: Path, **options: Any) -> Path:
+    path = folder / f"arm{emitter.suffixes[0]}"
+    path.write_bytes(content_of(emitter, robot, **options))
+    return path
+
+
+def read(emitter: Emitter[Any], path: Path) -> Robot:
+    assert emitter.read_back is not None
+    return emitter.read_back(path)
+
+
+def matrix(pose: RigidTransform) -> np.ndarray:
+    T = np.eye(4)
+    T[:3, :3] = np.reshape(pose.rotation, (3, 3))
+    T[:3, 3] = pose.translation
+    return T
+
+
+def pose_of(robot: Robot, link: str, values: dict[str, float], root: str) -> np.ndarray:
+    chain = KinematicChain.between(robot, root, link)
+    moving = [joint.name for joint in chain.joints if joint.type is not JointType.FIXED]
+    return matrix(chain.forward_kinematics([values[name] for name in moving]))
+
+
+def assert_same_arm(found: Robot, robot: Robot) -> None:
+    """The links are where they were written, at rest and moved; masses, limits and shapes are those that were."""
+    values = {joint.name: value for joint, value in zip(robot.moving_joints, SOME, strict=False)}
+    links = {link.name: link for link in found.links}
+    joints = {joint.name: joint for joint in found.joints}
+    assert {*links} - {"world"} == {link.name for link in robot.links} - {"world"}
+    for link in robot.links:
+        if link.name != robot.root:
+            for at in (dict.fromkeys(values, 0.0), values):
+                error = pose_of(found, link.name, at, robot.root) - pose_of(robot, link.name, at, robot.root)
+                assert np.abs(error).max() < 1e-12
+        assert_same_link(links[link.name] if link.name != "world" else found.links[0], link)
+    for joint in robot.moving_joints:
+        other = joints[joint.name]
+        assert other.type is joint.type
+        assert other.axis == pytest.approx(joint.axis, abs=1e-15)  # MuJoCo makes it a unit vector again
+        assert (other.limits.lower, other.limits.upper) == (joint.limits.lower, joint.limits.upper)
+        assert other.limits.effort == joint.limits.effort
+        assert (other.damping, other.friction) == (joint.damping, joint.friction)
+
+
+SOME = [0.3 * k * (-1) ** k for k in range(1, 60)]
+
+
+def assert_same_link(found: Link, link: Link) -> None:
+    if link.inertial and link.inertial.mass:
+        assert found.inertial == link.inertial
+    else:
+        assert found.inertial is None
+    for mine, theirs in ((found.visuals, link.visuals), (found.collisions, link.collisions)):
+        for shape, wanted in zip(mine, theirs, strict=True):
+            assert type(shape.geometry) is type(wanted.geometry)
+            assert shape.geometry == wanted.geometry
+            assert np.abs(matrix(shape.origin.transform) - matrix(wanted.origin.transform)).max() < 1e-15
+    colours = [visual.material and visual.material.rgba for visual in link.visuals]
+    assert [visual.material and visual.material.rgba for visual in found.visuals] == colours
+
+
+@formats
+@frames
+def test_published_arms_read_back_as_they_are(
+    reference_robot: Any, emitter: Emitter[Any], frames: str, tmp_path: Path
+) -> None:
+    """Read back, every published arm is the arm that was written, and reaches the poses that its publisher computed."""
+    robot = TRANSFORM.transform(reference_robot.manipulator, TRANSFORM.options(frames=frames))
+    found = read(emitter, written(emitter, robot, tmp_path))
+    assert_same_arm(found, robot)
+    chain = KinematicChain.between(found)
+    for q, pose in zip(reference_robot.q, reference_robot.poses, strict=True):
+        assert np.abs(matrix(chain.forward_kinematics(q)) - np.array(pose)).max() < 1e-9
+
+
+@formats
+def test_an_arm_with_one_of_everything_reads_back(arm: Robot, emitter: Emitter[Any], tmp_path: Path) -> None:
+    """Every joint type, every shape, meshes, damping and friction."""
+    assert_same_arm(read(emitter, written(emitter, arm, tmp_path)), arm)
+
+
+@formats
+def test_cells_read_back(cli: Callable[..., Any], emitter: Emitter[Any], tmp_path: Path) -> None:
+    """In a cell, an arm on another arm included, every tool0 is proved from the world."""
+    for config in ("pair", "ur5_on_track"):
+        answer = cli(
+            "run",
+            CONFIGS / f"{config}.yaml",
+            "-o",
+            tmp_path,
+            "--json",
+            "--set",
+            f"emitters=[{emitter.name}]",
+            "--set",
+            "loaders=[]",
+        )
+        assert '"status": "ok"' in answer.stdout or '"status":"ok"' in answer.stdout
+        assert "failed" not in answer.stdout
+
+
+angles = st.sampled_from([k * math.pi / 2 for k in range(-2, 3)]) | st.floats(-math.pi, math.pi)
+lengths = st.just(0.0) | st.floats(0.001, 2) | st.floats(-2, -0.001)
+poses = st.builds(RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles))
+
+
+@st.composite
+def manipulators(draw: st.DrawFn) -> Manipulator:
+    rows = [
+        DHRow(
+            joint=f"joint_{i}",
+            link=f"link_{i}",
+            type=(kind := draw(st.sampled_from(JointType))),
+            a=draw(lengths),
+            alpha=draw(angles),
+            d=draw(lengths),
+            theta=draw(angles),
+            offset=0.0 if kind is JointType.FIXED else draw(angles),
+            sign=1 if kind is JointType.FIXED else draw(st.sampled_from([1, -1])),
+        )
+        for i in range(1, draw(st.integers(1, 9)) + 1)
+    ]
+    convention = draw(st.sampled_from(Convention))
+    return Manipulator(name="any", convention=convention, rows=tuple(rows), base=draw(poses), tool=draw(poses))
+
+
+@formats
+@frames
+@given(manipulator=manipulators())
+@settings(max_examples=25)
+def test_any_table_reads_back(emitter: Emitter[Any], frames: str, manipulator: Manipulator) -> None:
+    """Any joint types, fixed rows in the middle and at the end, any angles, base and tool."""
+    robot = TRANSFORM.transform(manipulator, TRANSFORM.options(frames=frames))
+    with tempfile.TemporaryDirectory() as folder:
+        assert_same_arm(read(emitter, written(emitter, robot, Path(folder))), robot)
+
+
+def renamed(robot: Robot, names: dict[str, str]) -> Robot:
+    return replace(
+        robot,
+        links=tuple(replace(link, name=names.get(link.name, link.name)) for link in robot.links),
+        joints=tuple(
+            replace(
+                joint,
+                name=names.get(joint.name, joint.name),
+                parent=names.get(joint.parent, joint.parent),
+                child=names.get(joint.child, joint.child),
+            )
+            for joint in robot.joints
+        ),
+    )
+
+
+@formats
+@pytest.mark.parametrize("name", ["a b", "<&>", "\"quoted'", "élan", "--", "007", "$(find x)"])
+def test_names_are_kept_to_the_letter(arm: Robot, emitter: Emitter[Any], name: str, tmp_path: Path) -> None:
+    """Whatever a name means to XML."""
+    robot = renamed(arm, {"link_1": name, "turn": f"{name} turns"})
+    assert_same_arm(read(emitter, written(emitter, robot, tmp_path)), robot)
+
+
+@formats
+@pytest.mark.parametrize("names", [{"link_1": "a\nb"}, {"link_1": "world"}, {"turn": "\x07"}])
+def test_a_name_that_the_format_cannot_hold_is_refused(
+    arm: Robot, emitter: Emitter[Any], names: dict[str, str]
+) -> None:
+    """Control characters, and the name of what stands still."""
+    with pytest.raises(EmitterError):
+        content_of(emitter, renamed(arm, names))
+
+
+@formats
+def test_files_are_plain_and_always_the_same(arm: Robot, emitter: Emitter[Any]) -> None:
+    """The same bytes again, one element per line, no −0, no noise of a quarter turn, the comment on top."""
+    content = content_of(emitter, arm)
+    assert content == content_of(emitter, arm)
+    text = content.decode()
+    assert text.splitlines()[:2] == ['<?xml version="1.0"?>', "<!-- made by hand -->"]
+    assert not re.search(r"[\s\">]-0[\s\"<]", text)
+    assert not re.search(r"e-1[5-9]", text)
+    for line in text.splitlines()[2:]:
+        assert len(re.findall(r"<[a-z]", line)) <= 1
+
+
+@formats
+def test_a_shape_of_a_weightless_link_is_not_lost(arm: Robot, emitter: Emitter[Any], tmp_path: Path) -> None:
+    """It stands where it would, whatever carries it."""
+    shape = replace(arm.links[2].visuals[1], material=None)
+    robot = replace(
+        arm,
+        links=tuple(replace(link, visuals=(shape,)) if link.name == "flange" else link for link in arm.links),
+    )
+    found = read(emitter, written(emitter, robot, tmp_path))
+    spheres = [
+        pose_of(found, link.name, {"lift": 0.1, "turn": 0.5, "spin": 0.7}, "base_link")
+        @ matrix(visual.origin.transform)
+        for link in found.links
+        for visual in link.visuals
+        if visual.material is None and not isinstance(visual.geometry, Mesh)
+    ]
+    flange = pose_of(robot, "flange", {"lift": 0.1, "turn": 0.5, "spin": 0.7}, "base_link")
+    assert len(spheres) == 1
+    assert np.abs(spheres[0] - flange).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("link", "message"),
+    [("link_3", "needs a mass of the moving link 'link_3'"), ("base_link_inertia", "needs a body at rest")],
+)
+def test_sdf_needs_masses(arm: Robot, link: str, message: str) -> None:
+    """A moving link without mass would be lost, and a model without a body at rest has no base."""
+    weightless = Inertial(mass=0.0)
+    links = tuple(replace(each, inertial=weightless) if each.name == link else each for each in arm.links)
+    with pytest.raises(EmitterError, match=message):
+        content_of(SDF, replace(arm, links=links))
+
+
+def test_mjcf_needs_a_way_between_the_limits(arm: Robot) -> None:
+    """MuJoCo refuses equal limits; the error names the joint and what to do."""
+    joints = tuple(
+        replace(joint, limits=replace(joint.limits, lower=0.5, upper=0.5)) if joint.name == "turn" else joint
+        for joint in arm.joints
+    )
+    with pytest.raises(EmitterError, match="no way") as caught:
+        content_of(MJCF, replace(arm, joints=joints))
+    assert (caught.value.problems[0].joint, caught.value.problems[0].field) == ("turn", "limits")
+
+
+def chain_of(count: int) -> Robot:
+    rows = tuple(DHRow(joint=f"joint_{i}", link=f"link_{i}", a=0.2, alpha=0.3 * i, d=0.1) for i in range(1, count + 1))
+    limits = Limits(lower=-1.0, upper=1.0)
+    rows = tuple(replace(row, limits=limits) for row in rows)
+    return TRANSFORM.transform(Manipulator(name="long", convention=Convention.STANDARD, rows=rows), TRANSFORM.options())
+
+
+def joint_values(count: int) -> Sequence[float]:
+    return [0.01 * ((7 * k) % 11) for k in range(count)]
+
+
+def test_a_thousand_axes_fit_into_sdf(tmp_path: Path) -> None:
+    """An arm of a thousand axes is written and read back; nothing is nested."""
+    robot = chain_of(1000)
+    found = read(SDF, written(SDF, robot, tmp_path))
+    q = joint_values(1000)
+    error = matrix(KinematicChain.between(found).forward_kinematics(q)) - matrix(
+        KinematicChain.between(robot).forward_kinematics(q)
+    )
+    assert np.abs(error).max() < 1e-9

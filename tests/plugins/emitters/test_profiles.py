@@ -1,0 +1,301 @@
+"""Profiles, each proved by the reader that it is for: what is better with it than with the portable file."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import re
+import shutil
+import subprocess
+from collections import Counter
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.stages import LoadRequest
+from dh2urdf_plugins.emitters.profiles import PROFILES, Profile, ProfileName
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+from dh2urdf_plugins.xacro_reader import expand
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from dh2urdf.robot import Robot
+
+    Write = Callable[..., Path]
+
+PAGE = Path(__file__).parents[3] / "docs" / "profiles.md"
+CONFIGS = Path(__file__).parents[3] / "configs"
+profiles = pytest.mark.parametrize("profile", PROFILES)
+
+
+@pytest.fixture
+def ur5(reference_robots: Sequence[Any]) -> Robot:
+    """A UR5 of boxes whose base collides, and whose first joint has friction."""
+    manipulator = next(robot for robot in reference_robots if robot.id == "urdoc_ur5").manipulator
+    robot = TRANSFORM.transform(manipulator, TRANSFORM.options(shape="box", base_collision=True))
+    first = robot.moving_joints[0]
+    joints = tuple(replace(joint, friction=0.5) if joint is first else joint for joint in robot.joints)
+    return replace(robot, joints=joints)
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Writes the URDF of a robot for a profile."""
+
+    def urdf(robot: Robot, profile: str) -> Path:
+        (file,) = URDF.emit(robot, f"arm_{profile}", URDF.options(profile=profile))
+        path = tmp_path / file.name
+        path.write_bytes(file.content)
+        return path
+
+    return urdf
+
+
+def expanded(robot: Robot, profile: str, folder: Path, **options: Any) -> bytes:
+    files = XACRO.emit(robot, "arm", XACRO.options(profile=profile, **options))
+    for file in files:
+        (folder / file.name).write_bytes(file.content)
+    return expand(folder / files[0].name)
+
+
+# --- All profiles -----------------------------------------------------------------------------------------------------
+
+
+def test_every_profile_has_a_name() -> None:
+    """What the option accepts is what there is; portable is the default and decides nothing."""
+    assert tuple(PROFILES) == get_args(ProfileName)
+    assert PROFILES["portable"] == Profile()
+    assert (URDF.options().profile, XACRO.options().profile) == ("portable", "portable")
+    assert len(set(map(repr, PROFILES.values()))) == len(PROFILES)
+
+
+def test_every_decision_is_some_profiles() -> None:
+    """None is there for nobody."""
+    for decision in fields(Profile):
+        assert any(getattr(profile, decision.name) != decision.default for profile in PROFILES.values())
+
+
+@profiles
+def test_the_arm_is_the_same(ur5: Robot, write: Write, profile: str) -> None:
+    """Whatever it decides, T(base_link → tool0) is that of the robot, and so is the mass."""
+    assert URDF.read_back is not None
+    found = URDF.read_back(write(ur5, profile))
+    q = [0.3, -0.4, 0.5, -0.6, 0.7, -0.8]
+    assert KinematicChain.between(found).forward_kinematics(q) == KinematicChain.between(ur5).forward_kinematics(q)
+    assert found.mass == ur5.mass
+
+
+@profiles
+@pytest.mark.parametrize("single_file", [False, True])
+def test_the_xacro_says_the_same(ur5: Robot, write: Write, tmp_path: Path, profile: str, *, single_file: bool) -> None:
+    """Expanded, the xacro of a profile is its URDF: same elements in the same order, but for a world, which comes first."""
+    found = ET.fromstring(expanded(ur5, profile, tmp_path, single_file=single_file))  # noqa: S314
+    wanted = ET.parse(write(ur5, profile)).getroot()  # noqa: S314
+    elements, others = ([described(element) for element in tree.iter()] for tree in (found, wanted))
+    assert Counter(elements) == Counter(others)
+    assert elements == others or PROFILES[profile].held
+
+
+def described(element: Any) -> tuple[Any, ...]:
+    """An element with its numbers as such: xacro evaluates some of them."""
+    words = {
+        key: tuple(
+            round(float(word), 12) + 0.0 if re.fullmatch(r"-?[0-9.]+(e-?\d+)?", word) else word for word in text.split()
+        )
+        for key, text in element.attrib.items()
+    }
+    return (element.tag, (element.text or "").strip(), tuple(sorted(words.items())))
+
+
+@profiles
+def test_a_cell_is_the_same_in_both(cli: Callable[..., Any], tmp_path: Path, profile: str) -> None:
+    """Of a cell with an arm on another, URDF and expanded xacro have the same elements; both are proved by the run."""
+    emitters = f"emitters=[{{stage: urdf, options: {{profile: {profile}}}}}, {{stage: xacro, options: {{profile: {profile}}}}}]"
+    transform = "transform={stage: alpha-swap, options: {base_collision: true}}"
+    cli(
+        "run",
+        CONFIGS / "ur5_on_track.yaml",
+        "-o",
+        tmp_path,
+        "--set",
+        emitters,
+        "--set",
+        "loaders=[]",
+        "--set",
+        transform,
+    )
+    found = ET.fromstring(expand(tmp_path / "ur5_on_track.urdf.xacro"))  # noqa: S314
+    wanted = ET.parse(tmp_path / "ur5_on_track.urdf").getroot()  # noqa: S314
+    assert Counter(map(described, found.iter())) == Counter(map(described, wanted.iter()))
+
+
+# --- Each by its reader -----------------------------------------------------------------------------------------------
+
+
+def test_ros(ur5: Robot, write: Write, capfd: pytest.CaptureFixture[str]) -> None:
+    """urdf_parser_py has nothing to say, where it complains of a tag of the portable file."""
+    urdf = pytest.importorskip("urdf_parser_py.urdf")
+    said = {}
+    for profile in ("portable", "ros"):
+        urdf.URDF.from_xml_file(str(write(ur5, profile)))
+        said[profile] = capfd.readouterr().err
+    assert 'Unknown tag "mujoco"' in said["portable"]
+    assert said["ros"] == ""
+
+
+def test_pybullet(ur5: Robot, write: Write, capfd: pytest.CaptureFixture[str]) -> None:
+    """PyBullet has nothing to say, where it warns of the root of the portable file; the arm is as heavy."""
+    bullet = pytest.importorskip("pybullet")
+    bullet.connect(bullet.DIRECT)
+    ctypes.CDLL(None).fflush(None)
+    capfd.readouterr()
+    said, masses = {}, {}
+    try:
+        for profile in ("portable", "pybullet"):
+            arm = bullet.loadURDF(str(write(ur5, profile)), useFixedBase=True)
+            masses[profile] = sum(bullet.getDynamicsInfo(arm, number)[0] for number in range(bullet.getNumJoints(arm)))
+            ctypes.CDLL(None).fflush(None)
+            said[profile] = "".join(capfd.readouterr())
+    finally:
+        bullet.disconnect()
+    assert "No inertial data for link" in said["portable"]
+    assert said["pybullet"] == ""
+    assert masses["pybullet"] == masses["portable"] == pytest.approx(ur5.mass, rel=1e-6)
+
+
+def test_mujoco(reference_robots: Sequence[Any], write: Write) -> None:
+    """No contact pushes the arm away from its base, as in the portable file."""
+    mujoco = pytest.importorskip("mujoco")
+    manipulator = next(robot for robot in reference_robots if robot.id == "rtb_P8").manipulator
+    robot = TRANSFORM.transform(manipulator, TRANSFORM.options(base_collision=True))
+    contacts, moved = {}, {}
+    for profile in ("portable", "mujoco"):
+        model = mujoco.MjModel.from_xml_path(str(write(robot, profile)))
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        contacts[profile] = data.ncon
+        model.opt.gravity[:] = 0.0  # Then nothing else moves it.
+        for _ in range(500):
+            mujoco.mj_step(model, data)
+        moved[profile] = abs(data.qpos).max()
+    assert contacts["portable"] > 0
+    assert contacts["mujoco"] == 0
+    assert moved["portable"] > 0.01
+    assert moved["mujoco"] == 0.0
+
+
+def test_gazebo(ur5: Robot, write: Write, tmp_path: Path) -> None:
+    """sdformat makes a model of it that stands on the world; that of the portable file is free to fall."""
+    command = shutil.which("gz") or shutil.which("ign")
+    if command is None:
+        pytest.skip("sdformat is not installed (Debian: libsdformat-dev, ignition-tools)")
+    pytest.importorskip("pydrake")
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+
+    free = {}
+    for profile in ("portable", "gazebo"):
+        done = subprocess.run([command, "sdf", "-p", str(write(ur5, profile))], capture_output=True, check=True)
+        path = tmp_path / f"{profile}.sdf"
+        path.write_bytes(done.stdout)
+        plant = MultibodyPlant(0.001)
+        Parser(plant).AddModels(str(path))
+        plant.Finalize()
+        free[profile] = plant.num_velocities() - len(ur5.moving_joints)
+    assert free == {"portable": 6, "gazebo": 0}
+
+
+@pytest.fixture
+def coppeliasim(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """A peer that imports as the source of CoppeliaSim's importer does."""
+    pytest.importorskip("coppeliasim_zmqremoteapi_client")
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "loaders"))
+    from coppeliasim_peer import Peer
+
+    with Peer() as peer:
+        yield peer
+
+
+def test_coppeliasim(ur5: Robot, write: Write, coppeliasim: Any) -> None:
+    """No frame weighs a kilogram, and no link stands still, as they do by the portable file."""
+    from dh2urdf_plugins.loaders.coppeliasim import CoppeliaSimOptions, load
+
+    # Of boxes this thick nothing remains between the joints of two links.
+    links = tuple(replace(link, collisions=()) if link.name == "link_5" else link for link in ur5.links)
+    robot = replace(ur5, links=links)
+    found, masses = {}, {}
+    for profile in ("portable", "coppeliasim"):
+        request = LoadRequest(path=write(robot, profile), robot=robot, poses=(), expected={})
+        report = load(request, CoppeliaSimOptions(host="127.0.0.1", port=coppeliasim.port))
+        found[profile] = " ".join(problem.message for problem in report.findings)
+        masses[profile] = report.mass
+    assert "static" in found["portable"]
+    assert "'link_5'" in found["portable"]
+    assert "'tool0'" in found["portable"]
+    assert "'link_5'" not in found["coppeliasim"]
+    assert "'tool0'" not in found["coppeliasim"]
+    assert masses["portable"] == pytest.approx(robot.mass + 2.0)
+    assert masses["coppeliasim"] == pytest.approx(robot.mass)
+
+
+def test_drake(ur5: Robot, write: Write, caplog: pytest.LogCaptureFixture) -> None:
+    """Every joint has an actuator with its effort, and Drake logs nothing; of the portable file it knows no effort."""
+    pytest.importorskip("pydrake")
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+
+    efforts, logged = {}, {}
+    for profile in ("portable", "drake"):
+        caplog.clear()
+        plant = MultibodyPlant(0.001)
+        with caplog.at_level(logging.INFO, "drake"):
+            Parser(plant).AddModels(str(write(ur5, profile)))
+        plant.Finalize()
+        actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
+        efforts[profile] = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
+        logged[profile] = [record.getMessage() for record in caplog.records if record.name.startswith("drake")]
+    assert efforts["portable"] == {}
+    assert efforts["drake"] == {joint.name: joint.limits.effort for joint in ur5.moving_joints}
+    assert any("friction" in message for message in logged["portable"])
+    assert logged["drake"] == []
+
+
+def test_a_name_that_gazebo_needs_is_refused(ur5: Robot) -> None:
+    """An arm that has a `world` of its own cannot be put on another."""
+    joints = tuple(replace(joint, name="world") if joint.name == "joint_3" else joint for joint in ur5.joints)
+    with pytest.raises(EmitterError, match=r"`world`"):
+        URDF.emit(replace(ur5, joints=joints), "arm", URDF.options(profile="gazebo"))
+
+
+# --- The page ---------------------------------------------------------------------------------------------------------
+
+
+def table() -> str:
+    """The decisions as a table of Markdown."""
+    lines = ["| portable | otherwise | for | why |", "|---|---|---|---|"]
+    for decision in fields(Profile):
+        users = [name for name, profile in PROFILES.items() if getattr(profile, decision.name) != decision.default]
+        words = decision.metadata
+        listed = ", ".join(f"`{name}`" for name in users)
+        lines.append(f"| {words['portable']} | {words['otherwise']} | {listed} | {words['why']} |")
+    return "\n".join([*lines, ""])
+
+
+def test_the_page_has_every_decision(*, renew: bool) -> None:
+    """The table in docs/profiles.md is that of profiles.py; `--renew` writes it."""
+    text = PAGE.read_text("utf-8")
+    pattern = re.compile(r"(?<=<!-- decisions -->\n)(.*?)(?=<!-- /decisions -->)", re.DOTALL)
+    if renew:
+        PAGE.write_text(pattern.sub(lambda _: table(), text), "utf-8")
+        text = PAGE.read_text("utf-8")
+    found = pattern.search(text)
+    assert found is not None
+    assert found[0] == table(), "run `pytest --renew tests/plugins/emitters/test_profiles.py`"

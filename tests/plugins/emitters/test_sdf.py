@@ -1,0 +1,263 @@
+"""SDF as sdformat and Drake read it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf_plugins.emitters.sdf import EMITTER, SdfOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+OF_ITSELF = "libignition-tools-backward.so not found"
+
+
+def robot_of(manipulator: Manipulator, **options: Any) -> Robot:
+    return TRANSFORM.transform(manipulator, TRANSFORM.options(**options))
+
+
+def text_of(robot: Robot, **options: Any) -> str:
+    (file,) = EMITTER.emit(robot, "arm", SdfOptions(**options))
+    return file.content.decode()
+
+
+def write(robot: Robot, folder: Path, **options: Any) -> Path:
+    path = folder / "arm.sdf"
+    path.write_text(text_of(robot, **options), "utf-8")
+    return path
+
+
+@pytest.fixture
+def sdformat() -> Callable[..., str]:
+    """Calls sdformat's command; whatever it says on standard error is a failure, but for what `ign` says of itself."""
+    command = shutil.which("gz") or shutil.which("ign")
+    if command is None:
+        pytest.skip("sdformat is not installed (Debian: libsdformat-dev, ignition-tools)")
+
+    def call(option: str, path: Path) -> str:
+        done = subprocess.run([command, "sdf", option, str(path)], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert [line for line in done.stderr.splitlines() if OF_ITSELF not in line] == []
+        return done.stdout
+
+    return call
+
+
+def test_the_whole_file_is_known(arm: Robot) -> None:
+    """What stands in the file of a small arm, to the letter."""
+    small = replace(
+        arm,
+        links=(*arm.links[:2], replace(arm.links[2], visuals=(), collisions=()), arm.links[-1]),
+        joints=(*arm.joints[:2], replace(arm.joints[-1], parent="link_1")),
+    )
+    assert text_of(small) == (
+        """<?xml version="1.0"?>
+<!-- made by hand -->
+<sdf version="1.7">
+  <model name="arm">
+    <frame name="base_link"/>
+    <link name="base_link_inertia">
+      <pose relative_to="base_link">0 0 0 0 0 0</pose>
+      <inertial>
+        <pose>0 0 0.02 0 0 0</pose>
+        <mass>4</mass>
+        <inertia>
+          <ixx>0.25</ixx>
+          <ixy>0</ixy>
+          <ixz>0</ixz>
+          <iyy>0.25</iyy>
+          <iyz>0</iyz>
+          <izz>0.5</izz>
+        </inertia>
+      </inertial>
+      <visual name="visual_1">
+        <pose>0 0 0 0 0 0</pose>
+        <geometry>
+          <cylinder>
+            <radius>0.06</radius>
+            <length>0.04</length>
+          </cylinder>
+        </geometry>
+        <material>
+          <ambient>0.5 0.5 0.5 1</ambient>
+          <diffuse>0.5 0.5 0.5 1</diffuse>
+        </material>
+      </visual>
+    </link>
+    <joint name="base_link-base_link_inertia" type="fixed">
+      <parent>world</parent>
+      <child>base_link_inertia</child>
+    </joint>
+    <link name="link_1">
+      <pose relative_to="base_link_inertia">0 0 0.089159 0 0 0</pose>
+      <inertial>
+        <pose>0 0.00001 1e-7 0 0 0</pose>
+        <mass>2.5</mass>
+        <inertia>
+          <ixx>1</ixx>
+          <ixy>0.1</ixy>
+          <ixz>-0.2</ixz>
+          <iyy>1.5</iyy>
+          <iyz>0</iyz>
+          <izz>2</izz>
+        </inertia>
+      </inertial>
+    </link>
+    <joint name="lift" type="prismatic">
+      <parent>base_link_inertia</parent>
+      <child>link_1</child>
+      <axis>
+        <xyz>0 0 1</xyz>
+        <limit>
+          <lower>0</lower>
+          <upper>0.5</upper>
+          <effort>100</effort>
+          <velocity>1</velocity>
+        </limit>
+        <dynamics>
+          <damping>0.5</damping>
+        </dynamics>
+      </axis>
+    </joint>
+    <frame name="tool0" attached_to="link_1">
+      <pose>0 0 0 0 0 0</pose>
+    </frame>
+  </model>
+</sdf>
+"""
+    )
+
+
+def test_sdformat_takes_published_arms(reference_robot: Any, sdformat: Callable[..., str], tmp_path: Path) -> None:
+    """Valid, without a word; what sdformat hands on has every link, the masses, and flange and tool0 as frames."""
+    robot = robot_of(reference_robot.manipulator)
+    path = write(robot, tmp_path)
+    assert sdformat("--check", path).strip() == "Valid."
+    model = etree.fromstring(sdformat("--print", path).encode()).find("model")
+    frames = {frame.get("name"): frame.get("attached_to") for frame in model.findall("frame")}
+    assert frames == {"base_link": None, **dict.fromkeys(("flange", "tool0"), robot.links[-3].name)}
+    bodies = [link for link in robot.links if link.inertial and link.inertial.mass]
+    assert [link.get("name") for link in model.findall("link")] == [link.name for link in bodies]
+    assert sum(float(mass.text) for mass in model.iter("mass")) == pytest.approx(robot.mass, rel=1e-14)
+
+
+def drake(path: Path) -> tuple[Any, Any]:
+    pytest.importorskip("pydrake")
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(0.001)
+    Parser(plant).AddModels(str(path))
+    plant.Finalize()
+    return plant, plant.CreateDefaultContext()
+
+
+def test_drake_has_published_arms(reference_robot: Any, tmp_path: Path) -> None:
+    """Drake puts tool0 where the publisher computed it, and has an actuator with the effort for every joint."""
+    robot = robot_of(reference_robot.manipulator)
+    plant, context = drake(write(robot, tmp_path))
+    base, tool0 = plant.GetFrameByName("base_link"), plant.GetFrameByName("tool0")
+    names = [joint.name for joint in robot.moving_joints]
+    places = [plant.GetJointByName(name).position_start() for name in names]
+    for values, pose in zip(reference_robot.q, reference_robot.poses, strict=True):
+        q = np.zeros(len(values))
+        q[places] = values
+        plant.SetPositions(context, q)
+        found = plant.CalcRelativeTransform(context, base, tool0).GetAsMatrix4()
+        assert np.abs(found - np.array(pose)).max() < 1e-9
+    actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
+    efforts = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
+    assert efforts == {joint.name: joint.limits.effort for joint in robot.moving_joints}
+
+
+def test_it_stands_in_the_world_unless_told_otherwise(
+    reference_robots: Any, sdformat: Callable[..., str], tmp_path: Path
+) -> None:
+    """A joint holds the base on the world; without it the same file is an arm for whoever holds it."""
+    robot = robot_of(reference_robots[0].manipulator)
+    held, free = text_of(robot), text_of(robot, fixed=False)
+    joint = etree.fromstring(held.encode()).find("model/joint")
+    assert (joint.get("type"), joint.findtext("parent")) == ("fixed", "world")
+    assert "world" not in free
+    assert sdformat("--check", write(robot, tmp_path, fixed=False)).strip() == "Valid."
+    plant, _ = drake(write(robot, tmp_path, fixed=False))
+    assert plant.num_velocities() == len(robot.moving_joints) + 6
+    plant, _ = drake(write(robot, tmp_path))
+    assert plant.num_velocities() == len(robot.moving_joints)
+
+
+def test_a_root_with_mass_is_a_link(arm: Robot) -> None:
+    """It is held by a joint of a name that is free."""
+    heavy = replace(arm, links=(replace(arm.links[0], inertial=arm.links[1].inertial), *arm.links[1:]))
+    model = etree.fromstring(text_of(heavy).encode()).find("model")
+    assert model.find("link").get("name") == "base_link"
+    assert (model.find("joint").get("name"), model.find("joint").findtext("child")) == ("base_joint", "base_link")
+    assert etree.fromstring(text_of(heavy, fixed=False).encode()).find("model/joint").findtext("parent") == "base_link"
+
+
+@pytest.mark.parametrize("name", ["world", "__arm__", "a::b"])
+def test_a_name_of_sdformats_own_is_refused(arm: Robot, name: str) -> None:
+    """The error says which name, and which are taken."""
+    joints = tuple(replace(joint, name=name) if joint.name == "turn" else joint for joint in arm.joints)
+    with pytest.raises(EmitterError) as caught:
+        text_of(replace(arm, joints=joints))
+    (problem,) = caught.value.problems
+    assert (problem.joint, problem.found) == (name, name)
+
+
+def test_a_cell_is_one_model(cli: Callable[..., Any], sdformat: Callable[..., str], tmp_path: Path) -> None:
+    """An arm on another arm, and one beside it: valid, held by the world, and every tool0 where Drake is asked."""
+    cli("run", CONFIGS / "ur5_on_track.yaml", "-o", tmp_path, "--set", "emitters=[sdf]", "--set", "loaders=[]")
+    path = max(tmp_path.glob("*.sdf"), key=lambda each: each.stat().st_size)
+    assert sdformat("--check", path).strip() == "Valid."
+    frames = [frame.get("name") for frame in etree.fromstring(sdformat("--print", path).encode()).iter("frame")]
+    assert len([name for name in frames if name.endswith("tool0")]) == 2
+    plant, context = drake(path)
+    from dh2urdf.kinematics import KinematicChain
+
+    assert EMITTER.read_back is not None
+    found = EMITTER.read_back(path)
+    draw = np.random.default_rng(3)
+    joints = {joint.name: float(draw.uniform(-1, 1)) for joint in found.moving_joints}
+    q = np.zeros(len(joints))
+    for name, value in joints.items():
+        q[plant.GetJointByName(name).position_start()] = value
+    plant.SetPositions(context, q)
+    for name in frames:
+        chain = KinematicChain.between(found, "world", name)
+        pose = chain.forward_kinematics([joints[joint.name] for joint in chain.joints if joint.name in joints])
+        T = plant.GetFrameByName(name).CalcPoseInWorld(context)
+        assert np.abs(T.translation() - pose.translation).max() < 1e-12
+        assert np.abs(T.rotation().matrix().ravel() - pose.rotation).max() < 1e-12
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_the_loaders_take_it(cli: Callable[..., Any], tmp_path: Path, *, fixed: bool) -> None:
+    """Where a run writes SDF, Gazebo's loader takes it, and finds no lost frame; so does Drake's where there is no URDF."""
+    pytest.importorskip("pydrake")
+    if not (shutil.which("gz") or shutil.which("ign")):
+        pytest.skip("sdformat is not installed (Debian: libsdformat-dev, ignition-tools)")
+    emitters = f"emitters=[{{stage: sdf, options: {{fixed: {str(fixed).lower()}}}}}]"
+    loaders = "loaders=[{stage: gazebo, options: {poses: 3}}, {stage: drake, options: {poses: 3}}]"
+    cli("run", CONFIGS / "ur5_on_track.yaml", "-o", tmp_path, "--set", emitters, "--set", loaders)
+    for entry in json.loads((tmp_path / "report.json").read_text("utf-8"))["manipulators"]:
+        assert entry["status"] == "ok"
+        for report in entry["loaders"].values():
+            assert report["findings"] == []
+            assert report["position_error"] < 1e-13
+        assert all(joint["effort"] > 0 for joint in entry["loaders"]["drake"]["joints"])

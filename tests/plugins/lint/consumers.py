@@ -1,0 +1,278 @@
+"""What the consumers themselves do with files: each in a process of its own, and each file in a fork of that.
+
+`python consumers.py CONSUMER FILE…` prints a JSON line for each file.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+SECONDS = 240
+
+
+@dataclass
+class Behaviour:
+    """What a consumer did with a file.
+
+    Attributes:
+        end: ``loads``, ``refuses`` (an exception, or an exit status), or ``crashes`` (a signal).
+        printed: what it printed, on both streams.
+        masses: mass of each body by its name [kg]; what a consumer merges or drops is not there.
+        joints: moving joints: name to (lower, upper), None where it has none.
+        finite: whether its numbers are.
+        positions: how many numbers its position vector has.
+    """
+
+    end: str
+    printed: str = ""
+    masses: dict[str, float] = field(default_factory=dict)
+    joints: dict[str, Any] = field(default_factory=dict)
+    finite: bool = True
+    positions: int = 0
+    extra: dict[str, Any] = field(default_factory=dict)
+
+
+def behaviours(consumer: str, paths: Sequence[Path]) -> list[Behaviour]:
+    """What a consumer does with some files."""
+    if consumer in COMMANDS:
+        with ThreadPoolExecutor(2) as threads:
+            return list(threads.map(COMMANDS[consumer], paths))
+    with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes a log into the folder where it is called
+        done = subprocess.run(
+            [sys.executable, str(Path(__file__).resolve()), consumer, *(str(path.resolve()) for path in paths)],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=SECONDS,
+        )
+    return [Behaviour(**json.loads(line)) for line in done.stdout.splitlines()]
+
+
+# --- Python packages --------------------------------------------------------------------------------------------------
+
+
+def pybullet(path: str) -> Behaviour:
+    import pybullet as p
+
+    p.connect(p.DIRECT)
+    robot = p.loadURDF(path, useFixedBase=True, flags=p.URDF_USE_INERTIA_FROM_FILE)
+    found = Behaviour("loads")
+    found.masses[p.getBodyInfo(robot)[0].decode()] = p.getDynamicsInfo(robot, -1)[0]
+    extra = found.extra
+    extra |= {"inertias": {}, "axis": {}, "effort": {}, "start": {}, "told": True}
+    numbers: list[float] = []
+    for index in range(p.getNumJoints(robot)):
+        info, dynamics = p.getJointInfo(robot, index), p.getDynamicsInfo(robot, index)
+        joint, link = info[1].decode(), info[12].decode()
+        found.masses[link], extra["inertias"][link] = dynamics[0], dynamics[2]
+        if info[2] == p.JOINT_FIXED:
+            continue
+        found.joints[joint] = (info[8], info[9])
+        extra["axis"][joint], extra["effort"][joint] = info[13], info[10]
+        try:
+            extra["start"][joint] = p.getJointState(robot, index)[0]
+            p.resetJointState(robot, index, 0.3)
+            numbers.extend(p.getLinkState(robot, index, computeForwardKinematics=True)[4])
+        except p.error:
+            extra["told"] = False
+    found.positions = len(found.joints)
+    found.finite = all(map(math.isfinite, numbers))
+    return found
+
+
+def mujoco(path: str) -> Behaviour:
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(path)
+    found = Behaviour("loads", positions=model.nq)
+    found.masses = {model.body(i).name: float(model.body(i).mass[0]) for i in range(1, model.nbody)}
+    for i in range(model.njnt):
+        joint = model.joint(i)
+        found.joints[joint.name] = joint.range.tolist() if model.jnt_limited[i] else None
+    data = mujoco.MjData(model)
+    found.extra["start"] = data.qpos.tolist()
+    mujoco.mj_step(model, data)
+    found.finite = bool(all(map(math.isfinite, [*data.qpos, *data.qacc])))
+    found.extra["equalities"] = model.neq
+    found.extra["axis"] = {model.joint(i).name: model.joint(i).axis.tolist() for i in range(model.njnt)}
+    return found
+
+
+def pinocchio(path: str) -> Behaviour:
+    import numpy as np
+    import pinocchio as pin
+
+    model = pin.buildModelFromUrdf(path)
+    # The shapes are read by a function of their own.
+    found = Behaviour("loads", positions=model.nq)
+    try:
+        pin.buildGeomFromUrdf(model, path, pin.GeometryType.VISUAL)
+    except Exception as error:  # noqa: BLE001 - whatever it raises is the answer
+        found.extra["geometry"] = str(error)
+    inertias = found.extra["inertias"] = {}
+    for index in range(1, model.njoints):
+        joint = model.joints[index]
+        found.masses[model.names[index]] = model.inertias[index].mass
+        inertias[model.names[index]] = model.inertias[index].inertia.diagonal().tolist()
+        found.joints[model.names[index]] = (
+            (float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q]))
+            if joint.nq == 1
+            else None
+        )
+    data = model.createData()
+    q = pin.neutral(model)
+    pin.framesForwardKinematics(model, data, q)
+    if not model.existFrame("tool0"):
+        return found
+    found.extra["tool0"] = data.oMf[model.getFrameId("tool0")].translation.tolist()
+    pin.framesForwardKinematics(model, data, pin.integrate(model, q, np.full(model.nv, 0.3)))
+    rotation = data.oMf[model.getFrameId("tool0")].rotation
+    found.finite = all(map(math.isfinite, rotation.ravel()))
+    found.extra["rigid"] = bool(np.allclose(rotation.T @ rotation, np.eye(3)))
+    return found
+
+
+def drake(path: str) -> Behaviour:
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+    from pydrake.systems.framework import DiagramBuilder
+
+    plant, _ = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.001)
+    parser = Parser(plant)
+    for package in filter(None, os.environ.get("DRAKE_PACKAGES", "").split(os.pathsep)):
+        parser.package_map().Add(Path(package).name, package)
+    parser.AddModels(Path(path))
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    found = Behaviour("loads", positions=plant.num_positions())
+    from pydrake.multibody.tree import BodyIndex, JointIndex
+
+    bodies = [plant.get_body(BodyIndex(i)) for i in range(1, plant.num_bodies())]
+    found.masses = {body.name(): body.default_mass() for body in bodies}
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(JointIndex(index))
+        if joint.num_positions() == 1:
+            found.joints[joint.name()] = (
+                float(joint.position_lower_limits()[0]),
+                float(joint.position_upper_limits()[0]),
+            )
+        elif joint.num_positions():
+            found.joints[joint.name()] = None
+    numbers = [x for body in bodies for x in plant.EvalBodyPoseInWorld(context, body).translation()]
+    found.finite = all(map(math.isfinite, numbers))
+    found.extra["constraints"] = plant.num_constraints()
+    found.extra["inertias"] = {
+        body.name(): body.default_rotational_inertia().get_moments().tolist() for body in bodies if body.default_mass()
+    }
+    found.extra["start"] = plant.GetPositions(context).tolist()
+    return found
+
+
+READERS: dict[str, Callable[[str], Behaviour]] = {
+    "pybullet": pybullet,
+    "mujoco": mujoco,
+    "pinocchio": pinocchio,
+    "drake": drake,
+}
+
+
+def _each_in_a_fork(consumer: str, paths: list[str]) -> None:
+    """Everything that it prints goes to a file, through C too; the answer to standard output."""
+    __import__({"drake": "pydrake.multibody.plant"}.get(consumer, consumer))
+    if consumer == "drake":
+        __import__("pydrake.multibody.parsing")
+    for path in paths:
+        with tempfile.TemporaryDirectory() as folder:
+            printed, answer = Path(folder, "printed"), Path(folder, "answer")
+            child = os.fork()
+            if child == 0:
+                target = os.open(printed, os.O_CREAT | os.O_WRONLY)
+                os.dup2(target, 1)
+                os.dup2(target, 2)
+                try:
+                    found = READERS[consumer](path)
+                except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the answer
+                    end = "crashes" if isinstance(error, SystemExit) else "refuses"
+                    found = Behaviour(end, extra={"raised": f"{type(error).__name__}: {error}"})
+                sys.stdout.flush()
+                answer.write_text(json.dumps(found.__dict__))
+                os._exit(0)
+            _, status = os.waitpid(child, 0)
+            if os.WIFSIGNALED(status):
+                found = Behaviour("crashes", extra={"signal": os.WTERMSIG(status)})
+            elif answer.exists():
+                found = Behaviour(**json.loads(answer.read_text()))
+            else:
+                found = Behaviour("refuses", extra={"status": os.WEXITSTATUS(status)})
+            found.printed = printed.read_text(errors="replace")
+        print(json.dumps(found.__dict__), flush=True)  # noqa: T201 - this is a program
+
+
+# --- Programs ---------------------------------------------------------------------------------------------------------
+
+
+def check_urdf(path: Path) -> Behaviour:
+    done = subprocess.run(
+        ["check_urdf", path],  # noqa: S607 - of the packages that the tests need
+        capture_output=True,
+        text=True,
+        errors="replace",
+        check=False,
+        timeout=SECONDS,
+    )
+    end = "crashes" if done.returncode < 0 else "refuses" if done.returncode else "loads"
+    return Behaviour(end, printed=done.stderr, extra={"stdout": done.stdout, "status": done.returncode})
+
+
+def sdformat(path: Path) -> Behaviour:
+    command = shutil.which("gz") or shutil.which("ign")
+    assert command
+    found = Behaviour("loads")
+    for option in ("--check", "--print"):
+        done = subprocess.run(
+            [command, "sdf", option, path],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            check=False,
+            timeout=SECONDS,
+        )
+        found.printed += done.stderr
+        found.extra[option] = (done.returncode, done.stdout[:300])
+        if done.returncode < 0:
+            found.end = "crashes"
+        elif done.returncode or not done.stdout.strip():
+            found.end = "refuses"
+    if found.end == "loads":
+        for link in re.finditer(r"<link name='(.*?)'.*?</link>", done.stdout, re.DOTALL):
+            mass = re.search(r"<mass>(.*?)</mass>", link[0])
+            found.masses[link[1]] = float(mass[1]) if mass else math.nan
+        for joint in re.finditer(r"<joint name='(.*?)' type='(.*?)'.*?</joint>", done.stdout, re.DOTALL):
+            ends = [re.search(rf"<{word}>(.*?)</{word}>", joint[0]) for word in ("lower", "upper")]
+            found.joints[joint[1]] = [float(end[1]) if end else None for end in ends]
+        found.finite = "nan" not in done.stdout
+    found.printed = "\n".join(
+        line for line in re.sub(r"\x1b\[[0-9;]*m", "", found.printed).splitlines() if "backtrace" not in line
+    )
+    return found
+
+
+COMMANDS: dict[str, Callable[[Path], Behaviour]] = {"ros": check_urdf, "gazebo": sdformat}
+
+if __name__ == "__main__":
+    _each_in_a_fork(sys.argv[1], sys.argv[2:])

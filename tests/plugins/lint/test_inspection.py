@@ -1,0 +1,187 @@
+"""Reading what strangers wrote: nothing crashes, nothing hangs, and what is read is what stands there."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from faulty_files import SOUND
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dh2urdf.errors import InputError
+from dh2urdf.kinematics import KinematicChain, angle_error, position_error
+from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.lint import inspection
+from dh2urdf_plugins.lint.inspection import inspect_urdf, inspect_xacro
+from dh2urdf_plugins.lint.tree import DEEPEST, NotXmlError, numbers_of, parse
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from conftest import ReferenceRobot
+
+EXPECTED = {"root-without-inertial", "fixed-link", "continuous-joint", "zero-outside-limits"}
+"""What may be noted of a file that is right: none of it is a warning."""
+
+
+def test_what_the_project_writes_has_notes_only(reference_robot: ReferenceRobot, tmp_path: Path) -> None:
+    """The URDF of a published arm has no error and no warning, for any consumer."""
+    robot = TRANSFORM.transform(reference_robot.manipulator, TRANSFORM.options())
+    path = tmp_path / "arm.urdf"
+    path.write_bytes(EMITTER.emit(robot, "arm", EMITTER.options())[0].content)
+    found = inspect_urdf(path)
+    assert [finding for finding in found.findings if finding.severity != "note"] == []
+    assert {finding.rule for finding in found.findings} <= EXPECTED
+    assert found.robot is not None
+    ours, theirs = KinematicChain.between(robot), KinematicChain.between(found.robot)
+    for q in reference_robot.q:
+        assert position_error(ours.forward_kinematics(q), theirs.forward_kinematics(q)) < 1e-12
+        assert angle_error(ours.forward_kinematics(q), theirs.forward_kinematics(q)) < 1e-12
+
+
+WORDS = re.findall(r'<[^>]*>|"[^"]*"|\s+', SOUND)
+
+
+@given(st.binary(max_size=200))
+def test_bytes_are_a_tree_or_no_xml(content: bytes) -> None:
+    """Whatever bytes come, there is a tree, or a reason with a place."""
+    try:
+        parse(content)
+    except NotXmlError as error:
+        assert error.reason
+        assert error.line >= 1
+
+
+@given(st.lists(st.sampled_from(WORDS), max_size=60))
+def test_pieces_of_a_description_are_inspected(tmp_path_factory: pytest.TempPathFactory, pieces: list[str]) -> None:
+    """Elements in any order and number are said something of, and nothing is raised."""
+    path = tmp_path_factory.getbasetemp() / "pieces.urdf"
+    path.write_text(f'<robot name="r">{"".join(pieces)}</robot>')
+    assert inspect_urdf(path).findings
+
+
+@given(
+    st.integers(0, len(SOUND) - 1),
+    st.integers(1, 40),
+    st.sampled_from(["", "0", "-", "nan", '"', "<link/>", "é", "../"]),
+)
+def test_a_description_with_a_hole_is_inspected(
+    tmp_path_factory: pytest.TempPathFactory, start: int, length: int, instead: str
+) -> None:
+    """A piece of the file is gone, or is something else: nothing is raised, and every place is inside the file."""
+    text = SOUND[:start] + instead + SOUND[start + length :]
+    path = tmp_path_factory.getbasetemp() / "hole.urdf"
+    path.write_text(text)
+    for finding in inspect_urdf(path).findings:
+        assert finding.effects
+        assert finding.mark is not None
+        assert 1 <= (finding.mark.line or 0) <= text.count("\n") + 1
+
+
+@given(st.text(alphabet="01.e-+_ nainfx٣\t", max_size=12))
+def test_numbers_are_those_that_all_readers_take(text: str) -> None:
+    """Decimal digits, finite, with spaces between them: what is read is what `float` makes of it."""
+    found = numbers_of(text, 1)
+    if found is not None:
+        assert found == (float(text),)
+        assert "_" not in text
+        assert text.strip()
+
+
+def test_entities_are_not_expanded(tmp_path: Path) -> None:
+    """A thousand million of one letter are a finding, and no memory."""
+    entities = "".join(f'<!ENTITY e{i + 1} "{f"&e{i};" * 10}">' for i in range(9))
+    path = tmp_path / "bomb.urdf"
+    path.write_text(f'<?xml version="1.0"?>\n<!DOCTYPE r [<!ENTITY e0 "l">{entities}]>\n<robot name="&e9;"/>')
+    (finding,) = inspect_urdf(path).findings
+    assert (finding.rule, finding.severity) == ("document-type", "error")
+
+
+def test_no_depth_is_recursed_into(tmp_path: Path) -> None:
+    """A hundred thousand elements inside each other are passed over; a thousand joints in a row are a chain."""
+    path = tmp_path / "deep.urdf"
+    depth = 100 * DEEPEST
+    path.write_text(f'<robot name="r"><link name="a">{"<visual>" * depth}{"</visual>" * depth}</link></robot>')
+    assert inspect_urdf(path).findings
+    links = "".join(f'<link name="l{i}"/>' for i in range(1001))
+    joints = "".join(
+        f'<joint name="j{i}" type="fixed"><parent link="l{i}"/><child link="l{i + 1}"/></joint>' for i in range(1000)
+    )
+    path.write_text(f'<robot name="r">{links}{joints}</robot>')
+    robot = inspect_urdf(path).robot
+    assert robot is not None
+    assert len(KinematicChain.between(robot, "l0", "l1000").joints) == 1000
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "iso-8859-1"])
+def test_encodings_are_read(tmp_path: Path, encoding: str) -> None:
+    """As XML declares them, or as a byte order mark does."""
+    path = tmp_path / "arm.urdf"
+    declared = encoding.removesuffix("-sig")
+    path.write_bytes(SOUND.replace("utf-8", declared, 1).replace("elbow", "élbow").encode(encoding))
+    robot = inspect_urdf(path).robot
+    assert robot is not None
+    assert "élbow" in {joint.name for joint in robot.joints}
+    assert {finding.rule for finding in inspect_urdf(path).findings} - EXPECTED == {"name-characters"}
+
+
+def test_a_file_that_is_not_there_is_an_error(tmp_path: Path) -> None:
+    """And no finding: nothing can be said of it."""
+    for inspect in (inspect_urdf, inspect_xacro):
+        with pytest.raises(InputError, match="no such file"):
+            inspect(tmp_path / "nowhere.urdf")
+
+
+# --- xacro ------------------------------------------------------------------------------------------------------------
+
+XACRO = '<?xml version="1.0"?>\n<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">\n{}\n</robot>\n'
+
+
+def test_a_xacro_is_inspected_as_it_expands(tmp_path: Path) -> None:
+    """Faults are found behind properties and macros; their lines are those of the expanded text, and are called so."""
+    path = tmp_path / "arm.urdf.xacro"
+    text = SOUND.split("?>", 1)[1].replace(
+        '<robot name="arm">', '<robot name="arm" xmlns:xacro="http://ros.org/xacro">'
+    )
+    text = text.replace('lower="-2"', 'lower="${3 + 1}"')
+    path.write_text('<?xml version="1.0"?>' + text)
+    (finding,) = [finding for finding in inspect_xacro(path).findings if finding.rule not in EXPECTED]
+    assert finding.rule == "swapped-limits"
+    assert finding.mark is not None
+    assert finding.mark.file == f"{path} (expanded)"
+    command = [sys.executable, "-c", "import xacro; xacro.main()", path]
+    written = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert 'lower="4"' in written[(finding.mark.line or 0) - 1]
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ('<link name="${nobody}"/>', "nobody"),
+        ('<xacro:include filename="$(find my_package)/arm.xacro"/>', "my_package|ament"),
+        ('<xacro:include filename="nowhere.xacro"/>', "nowhere.xacro"),
+        ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion"),
+    ],
+)
+def test_what_xacro_cannot_expand_is_a_finding(tmp_path: Path, body: str, said: str) -> None:
+    """An undefined property, a package that is not found, a file that is not there, a macro without end."""
+    path = tmp_path / "arm.xacro"
+    path.write_text(XACRO.format(body))
+    (finding,) = inspect_xacro(path).findings
+    assert (finding.rule, finding.severity) == ("xacro-fails", "error")
+    assert re.search(said, finding.message)
+
+
+def test_a_xacro_that_does_not_end_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It computes what the file asks for; that may be anything."""
+    monkeypatch.setattr(inspection, "EXPANSION", 2.0)
+    path = tmp_path / "arm.xacro"
+    path.write_text(XACRO.format('<link name="${9**9**9}"/>'))
+    (finding,) = inspect_xacro(path).findings
+    assert finding.rule == "xacro-fails"
+    assert "did not finish" in finding.message

@@ -1,0 +1,335 @@
+"""Every rule against a file that breaks it, and every sentence of the table against the consumer that it speaks of."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import math
+import os
+import re
+import shutil
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from consumers import Behaviour, behaviours
+from faulty_files import FAULTS, SOUND, write_all
+
+from dh2urdf_plugins.lint.inspection import inspect_urdf
+from dh2urdf_plugins.lint.rules import CONSUMERS, Outcome, rules
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.stages import Finding
+
+OF_ANY_FILE = {"root-without-inertial", "fixed-link"}
+"""Notes of every file that a person would call right."""
+WITHOUT_A_FAULT = {"root-without-inertial", "xacro-fails"}
+"""Rules that the sound file has, or that no URDF can break."""
+INSTALLED = {
+    "pybullet": "pybullet",
+    "mujoco": "mujoco",
+    "pinocchio": "pinocchio",
+    "drake": "pydrake",
+}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return write_all(tmp_path_factory.mktemp("lint"))
+
+
+def by_rule(path: Path) -> dict[str, Finding]:
+    return {finding.rule: finding for finding in inspect_urdf(path).findings}
+
+
+# --- What is found ----------------------------------------------------------------------------------------------------
+
+
+def test_every_rule_has_a_file_that_breaks_it() -> None:
+    """None is untried."""
+    assert set(rules()) == set(FAULTS) | WITHOUT_A_FAULT
+
+
+def test_a_sound_file_has_nothing_but_two_notes(files: dict[str, Path]) -> None:
+    """The root frame that KDL wants, and the frames that some readers merge."""
+    findings = inspect_urdf(files["sound"]).findings
+    assert {finding.rule for finding in findings} == OF_ANY_FILE
+    assert {finding.severity for finding in findings} == {"note"}
+
+
+@pytest.mark.parametrize("rule", FAULTS)
+def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
+    """Once, at its line, with the consumers of the table; and nothing else is."""
+    fault = FAULTS[rule]
+    findings = inspect_urdf(files[rule]).findings
+    (finding,) = [finding for finding in findings if finding.rule == rule]
+    assert {finding.rule for finding in findings} - OF_ANY_FILE - {*fault.besides} <= {rule}
+    assert finding.mark is not None
+    assert (finding.mark.file, finding.mark.line) == (str(files[rule]), fault.line)
+    if finding.mark.column is not None and rule != "not-xml":  # there expat points at the text
+        line = fault.text.splitlines()[fault.line - 1]
+        assert line[finding.mark.column - 1] == "<"
+    assert finding.mend == rules()[rule].mend
+    of = fault.of or tuple(rules()[rule].outcomes)
+    assert [effect.consumer for effect in finding.effects] == [name for name in CONSUMERS if name in of]
+
+
+def test_the_table_is_in_order() -> None:
+    """Names are in kebab-case; every fault, mend and sentence is a phrase without a full stop."""
+    for rule in rules().values():
+        assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
+        assert rule.effects
+        assert set(rule.outcomes) <= set(CONSUMERS)
+        for text in (rule.fault, rule.mend, *(effect.text for effect in rule.effects)):
+            assert text == text.strip()
+            assert not text.endswith(".")
+
+
+# --- What the consumers do --------------------------------------------------------------------------------------------
+
+IGNORED = {"repeated-element", "unknown-element", "mimic-joint", "mimic-undefined", "mimic-of-fixed", "cycle"}
+"""Faults whose effect is that a part of the file is ignored: what is measured is the sound robot."""
+UNMEASURED = {
+    # check_urdf prints the tree of links, and nothing else of what it read.
+    *(("ros", rule) for rule in ("axis-zero", "missing-range", "swapped-limits", "missing-inertial", "negative-mass")),
+    *(("ros", rule) for rule in ("nothing-that-weighs", "missing-mesh", "unresolved-package")),
+    *(("ros", f"inertia-{rule}") for rule in ("not-positive-definite", "triangle-inequality")),
+    # Without a display nothing is drawn; the merged tool0 is not in the SDF.
+    *(("gazebo", rule) for rule in ("missing-mesh", "unresolved-package", "several-parents")),
+}
+
+
+def _expected(rule: str, path: Path, consumer: str) -> tuple[str, list[Outcome], list[str]]:
+    """How loading should end, the outcomes, and the sentences."""
+    fault = FAULTS[rule]
+    found = [finding for finding in inspect_urdf(path).findings if finding.rule in {rule, *fault.besides}]
+    effects = [(finding.rule, effect) for finding in found for effect in finding.effects if effect.consumer == consumer]
+    outcomes = [rules()[name].outcomes[consumer] for name, _ in effects]
+    ends = {outcome.value for outcome in outcomes if outcome in {Outcome.REFUSES, Outcome.CRASHES}}
+    return min(ends, default="loads"), outcomes, [effect.text for _, effect in effects]
+
+
+def _measured(behaviour: Behaviour) -> tuple[Any, ...]:
+    return behaviour.masses, behaviour.joints, behaviour.finite, behaviour.positions, behaviour.extra
+
+
+def _printed(behaviour: Behaviour, sound: Behaviour) -> list[str]:
+    return [line for line in behaviour.printed.splitlines() if line not in sound.printed]
+
+
+@pytest.fixture(scope="module", params=[name for name in CONSUMERS if name != "coppeliasim"])
+def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, dict[str, Behaviour]]:
+    """A consumer, and what it does with every file."""
+    consumer = str(request.param)
+    if consumer in INSTALLED and find_spec(INSTALLED[consumer]) is None:
+        pytest.skip(f"{consumer} is not installed")
+    if consumer == "ros" and not shutil.which("check_urdf"):
+        pytest.skip("check_urdf is not installed")
+    if consumer == "gazebo" and not (shutil.which("gz") or shutil.which("ign")):
+        pytest.skip("sdformat is not installed")
+    return consumer, dict(zip(files, behaviours(consumer, list(files.values())), strict=True))
+
+
+def test_the_table_says_what_happens(measured: tuple[str, dict[str, Behaviour]], files: dict[str, Path]) -> None:
+    """A consumer refuses, crashes or loads as the table has it; what it loads otherwise is measured; it says what it says."""
+    consumer, found = measured
+    sound, wrong = found["sound"], []
+    assert sound.end == "loads"
+    for rule in FAULTS:
+        end, outcomes, sentences = _expected(rule, files[rule], consumer)
+        behaviour = found[rule]
+        if behaviour.end != end:
+            wrong.append(f"{rule}: it {behaviour.end}, and the table says that it {end}: {behaviour.extra}")
+        if end != "loads" or behaviour.end != "loads":
+            continue
+        printed = _printed(behaviour, sound)
+        speaks = Outcome.WARNS in outcomes or any(re.search("says so|print", sentence) for sentence in sentences)
+        if bool(printed) != speaks:
+            wrong.append(f"{rule}: it printed {printed}, and the table says {sentences}")
+        changes = set(outcomes) & {Outcome.ALTERS, Outcome.LOSES}
+        differs = _measured(behaviour) != _measured(sound)
+        if changes and not differs and not printed and rule not in IGNORED and (consumer, rule) not in UNMEASURED:
+            wrong.append(f"{rule}: it makes the same of it as of the sound file, and the table says {sentences}")
+        if rule in IGNORED and Outcome.ALTERS in outcomes and behaviour.masses != sound.masses:
+            wrong.append(f"{rule}: the masses are {behaviour.masses}")
+    assert wrong == []
+
+
+ONE = pytest.approx(1.0)
+SAID: dict[tuple[str, str], Callable[[Behaviour], bool]] = {
+    ("pybullet", "missing-inertial"): lambda b: (
+        b.masses["link_1"] == 1.0 and b.extra["inertias"]["link_1"] == [1, 1, 1]
+    ),
+    ("pybullet", "frame-without-inertial"): lambda b: b.masses["tool0"] == 1.0,
+    ("pybullet", "long-line"): lambda b: b.masses["link_2"] == 0.0,
+    ("pybullet", "invalid-number"): lambda b: b.joints["elbow"] == [-2, 1],
+    ("pybullet", "unexpanded-xacro"): lambda b: b.extra["effort"]["elbow"] == 0.0,
+    ("pybullet", "axis-not-unit"): lambda b: b.extra["axis"]["elbow"] == [0, 2, 0],
+    ("pybullet", "axis-zero"): lambda b: not b.finite,
+    ("pybullet", "missing-axis"): lambda b: b.extra["axis"]["elbow"] == [1, 0, 0],
+    ("pybullet", "continuous-joint"): lambda b: b.joints["elbow"] == [0, -1],
+    ("pybullet", "missing-range"): lambda b: b.joints["elbow"] == [0, -1],
+    ("pybullet", "swapped-limits"): lambda b: b.joints["elbow"] == [2, -2],  # lower > upper is its word for no limits
+    ("pybullet", "floating-joint"): lambda b: b.positions == 1,
+    ("pybullet", "mimic-joint"): lambda b: b.positions == 2,
+    ("pybullet", "negative-mass"): lambda b: b.masses["link_2"] == -1.0,
+    ("pybullet", "too-many-joints"): lambda b: not b.extra["told"],
+    ("pybullet", "zero-outside-limits"): lambda b: b.extra["start"]["elbow"] == 0.0,
+    ("pybullet", "inertia-not-positive-definite"): lambda b: b.extra["inertias"]["link_2"] == [0, 0, 0],
+    ("pybullet", "inertia-triangle-inequality"): lambda b: b.extra["inertias"]["link_2"] == [0, 0, 0],
+    ("mujoco", "missing-inertial"): lambda b: b.masses["link_1"] == pytest.approx(1000 * math.pi * 0.02**2 * 0.05),
+    ("mujoco", "missing-limit"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "missing-range"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "swapped-limits"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "several-roots"): lambda b: b.masses["stray"] == 1.0 and b.positions == 2,
+    ("mujoco", "planar-joint"): lambda b: b.positions == 4 and b.joints["elbow_TX"] == [-2, 2],
+    ("mujoco", "mimic-joint"): lambda b: b.extra["equalities"] == 1,
+    ("mujoco", "missing-axis"): lambda b: b.extra["axis"]["elbow"] == [1, 0, 0],
+    ("mujoco", "fixed-link"): lambda b: set(b.masses) == {"link_1", "link_2"},
+    ("mujoco", "no-link"): lambda b: b.masses == {},
+    ("mujoco", "zero-outside-limits"): lambda b: b.extra["start"] == [0, 0],
+    ("mujoco", "duplicate-joint"): lambda b: b.positions == 2,
+    ("pinocchio", "missing-inertial"): lambda b: b.masses["shoulder"] == 0.0,
+    ("pinocchio", "mass-without-inertia"): lambda b: (
+        b.masses["elbow"] == 1.0 and b.extra["inertias"]["elbow"] == [0, 0, 0]
+    ),
+    ("pinocchio", "inertial-without-mass"): lambda b: b.masses["elbow"] == 0.0,
+    ("pinocchio", "negative-mass"): lambda b: b.masses["elbow"] == -1.0,
+    ("pinocchio", "continuous-joint"): lambda b: b.positions == 3,
+    ("pinocchio", "floating-joint"): lambda b: b.positions == 1 + 7,
+    ("pinocchio", "planar-joint"): lambda b: b.positions == 1 + 4,
+    ("pinocchio", "missing-range"): lambda b: b.joints["elbow"] == [0, 0],
+    ("pinocchio", "swapped-limits"): lambda b: b.joints["elbow"] == [2, -2],
+    ("pinocchio", "axis-zero"): lambda b: b.finite and not b.extra["rigid"],
+    ("pinocchio", "several-parents"): lambda b: b.extra["tool0"] == pytest.approx([0, 0, 0.1]),
+    ("pinocchio", "missing-mesh"): lambda b: "could not be found" in b.extra["geometry"],
+    ("pinocchio", "unresolved-package"): lambda b: "could not be found" in b.extra["geometry"],
+    ("pinocchio", "package-address"): lambda b: "could not be found" in b.extra["geometry"],
+    ("pinocchio", "relative-mesh"): lambda b: "could not be found" in b.extra["geometry"],
+    ("drake", "missing-inertial"): lambda b: b.masses["link_1"] == 0.0,
+    ("drake", "mass-without-inertia"): lambda b: b.masses["link_2"] == 1.0,
+    ("drake", "inertial-without-mass"): lambda b: b.masses["link_2"] == ONE,
+    ("drake", "zero-mass"): lambda b: b.masses["link_2"] == ONE,
+    ("drake", "negative-mass"): lambda b: b.masses["link_2"] == ONE,
+    ("drake", "invalid-number"): lambda b: b.joints["elbow"] == [-2, 1],
+    ("drake", "missing-limit"): lambda b: b.joints["elbow"] == [-math.inf, math.inf],
+    ("drake", "missing-range"): lambda b: b.joints["elbow"] == [-math.inf, math.inf],
+    ("drake", "several-roots"): lambda b: b.positions == 2 + 7 + 7,
+    ("drake", "floating-joint"): lambda b: b.positions == 1 + 7 + 7,
+    ("drake", "planar-joint"): lambda b: b.positions == 1 + 3 + 7,
+    ("drake", "mimic-joint"): lambda b: b.extra["constraints"] == 1,
+    ("drake", "no-link"): lambda b: b.masses == {},
+    ("ros", "cycle"): lambda b: b.extra["status"] == 0 and "one" not in b.extra["stdout"].split(),
+    ("ros", "mass-without-inertia"): lambda b: b.extra["status"] == 0,
+    ("ros", "several-parents"): lambda b: b.extra["stdout"].count("tool0") == 2,
+    ("gazebo", "missing-inertial"): lambda b: set(b.masses) == {"base_link"},
+    ("gazebo", "zero-mass"): lambda b: set(b.masses) == {"base_link", "link_1"},
+    ("gazebo", "inertial-without-mass"): lambda b: set(b.masses) == {"base_link", "link_1"},
+    ("gazebo", "fixed-link"): lambda b: set(b.masses) == {"base_link", "link_1", "link_2"},
+    ("gazebo", "missing-range"): lambda b: b.joints["elbow"] == [0, 0],
+    ("gazebo", "swapped-limits"): lambda b: b.joints["elbow"] == [-2, 2],
+    ("gazebo", "weightless-chain"): lambda b: "Pose values must be finite" in b.printed,
+}
+"""What a sentence says in numbers."""
+
+
+def test_the_numbers_of_the_table_are_measured(measured: tuple[str, dict[str, Behaviour]]) -> None:
+    """Masses, limits, coordinates and axes are those that the sentences speak of."""
+    consumer, found = measured
+    wrong = [rule for (name, rule), holds in SAID.items() if name == consumer and not holds(found[rule])]
+    assert wrong == [], [found[rule] for rule in wrong]
+
+
+def test_the_root_frame_is_noted_by_pybullet(measured: tuple[str, dict[str, Behaviour]]) -> None:
+    """Of the sound file PyBullet prints that the root has no inertial, and nobody else prints anything."""
+    consumer, found = measured
+    lines = [line for line in found["sound"].printed.splitlines() if "warn" in line.lower() or "No inertial" in line]
+    assert bool(lines) == (consumer == "pybullet")
+
+
+# --- Other people's files ---------------------------------------------------------------------------------------------
+
+
+def foreign_files() -> list[Path]:
+    """The descriptions of the PyPI package example-robot-data."""
+    try:
+        files = importlib.metadata.files("example-robot-data") or ()
+    except importlib.metadata.PackageNotFoundError:
+        return []
+    # The hands of one robot have meshes in a package that is not there, in more ways than a test needs.
+    return sorted(Path(file.locate()).resolve() for file in files if file.suffix == ".urdf" and "alex" not in file.name)
+
+
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros"])
+def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of each of some sixty descriptions a consumer loads those, and only those, of which no finding says that it does not."""
+    paths = foreign_files()
+    if not paths or (consumer in INSTALLED and find_spec(INSTALLED[consumer]) is None):
+        pytest.skip("example-robot-data or the consumer is not installed")
+    if consumer == "ros" and not shutil.which("check_urdf"):
+        pytest.skip("check_urdf is not installed")
+    assert len(paths) > 50
+    if consumer == "pybullet":  # It reads all meshes, and takes its time.
+        paths = paths[::4]
+    share = next(above for above in paths[0].parents if above.name == "example-robot-data")
+    monkeypatch.setenv("DRAKE_PACKAGES", str(share))  # Drake is told where the package is, as the finding asks for.
+    told = {"package-address"} if consumer == "drake" else set()
+    assert _mispredicted(consumer, paths, told) == []
+
+
+def test_what_is_said_of_real_robots_is_true_of_gazebo() -> None:
+    """The same, of a few: sdformat starts slowly."""
+    if not (shutil.which("gz") or shutil.which("ign")):
+        pytest.skip("sdformat is not installed")
+    names = {
+        "ur5_robot",
+        "panda",
+        "z1",
+        "anymal",
+        "allegro_left_hand",
+        "tiago",
+        "talos_reduced",
+        "romeo",
+        "human",
+        "pr2",
+    }
+    paths = [path for path in foreign_files() if path.stem in names]
+    if not paths:
+        pytest.skip("example-robot-data is not installed")
+    assert _mispredicted("gazebo", paths, set()) == []
+
+
+def _mispredicted(consumer: str, paths: Sequence[Path], told: set[str]) -> list[str]:
+    wrong = []
+    for path, behaviour in zip(paths, behaviours(consumer, paths), strict=True):
+        fatal = {
+            finding.rule
+            for finding in inspect_urdf(path).findings
+            for effect in finding.effects
+            if effect.consumer == consumer
+            and rules()[finding.rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}
+        } - told
+        if bool(fatal) != (behaviour.end != "loads"):
+            wrong.append(f"{path.name} {behaviour.end}: {sorted(fatal)} {behaviour.extra}")
+    return wrong
+
+
+def test_a_package_is_found_by_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Above the file, in ROS_PACKAGE_PATH, or in AMENT_PREFIX_PATH."""
+    text = SOUND.replace('<box size="0.1 0.05 0.05"/>', '<mesh filename="package://my_robot/part.obj"/>')
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    for variable, folder in (("ROS_PACKAGE_PATH", "a/my_robot"), ("AMENT_PREFIX_PATH", "b/share/my_robot")):
+        assert "unresolved-package" in by_rule(path)
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / "part.obj").touch()
+        with monkeypatch.context() as context:
+            context.setenv(variable, f"{os.pathsep}{tmp_path / folder.partition('/')[0]}")
+            assert "unresolved-package" not in by_rule(path)
+            assert "missing-mesh" not in by_rule(path)
+    inside = tmp_path / "a" / "my_robot" / "urdf" / "arm.urdf"
+    inside.parent.mkdir()
+    inside.write_text(text)
+    assert "unresolved-package" not in by_rule(inside)

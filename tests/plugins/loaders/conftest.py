@@ -1,0 +1,287 @@
+"""What the tests of all loaders share: an arm written by hand, and requests to load it or a published one."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import pytest
+
+from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
+from dh2urdf.stages import LoadRequest
+from dh2urdf_plugins.emitters import urdf
+from dh2urdf_plugins.transforms import alpha_swap
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+HEIGHT, UPPER_ARM, FOREARM = 0.3, 0.4, 0.35
+
+# An arm in a vertical plane, written by hand: joints 1 and 2 turn about y, joint 3 draws the forearm out along x,
+# joint 4 turns the hand about x without end.
+URDF = """<?xml version="1.0"?>
+<robot name="planar">
+  <link name="base_link"/>
+  <joint name="base_link-base_link_inertia" type="fixed">
+    <parent link="base_link"/>
+    <child link="base_link_inertia"/>
+  </joint>
+  <link name="base_link_inertia">
+    <inertial>
+      <mass value="3"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.02"/>
+    </inertial>
+    <visual>
+      <geometry>
+        <cylinder radius="0.06" length="0.04"/>
+      </geometry>
+      <material name="blue">
+        <color rgba="0.1 0.2 0.6 1"/>
+      </material>
+    </visual>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <origin xyz="0 0 0.3"/>
+    <parent link="base_link_inertia"/>
+    <child link="upper_arm"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2.5" effort="60" velocity="3"/>
+  </joint>
+  <link name="upper_arm">
+    <inertial>
+      <origin xyz="0.2 0.01 0"/>
+      <mass value="2"/>
+      <inertia ixx="0.004" ixy="0.0003" ixz="0.0001" iyy="0.03" iyz="-0.0002" izz="0.031"/>
+    </inertial>
+    <visual>
+      <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
+      <geometry>
+        <cylinder radius="0.04" length="0.4"/>
+      </geometry>
+      <material name="blue">
+        <color rgba="0.1 0.2 0.6 1"/>
+      </material>
+    </visual>
+    <collision>
+      <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
+      <geometry>
+        <cylinder radius="0.04" length="0.3"/>
+      </geometry>
+    </collision>
+  </link>
+  <joint name="elbow" type="revolute">
+    <origin xyz="0.4 0 0"/>
+    <parent link="upper_arm"/>
+    <child link="forearm"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" effort="30" velocity="3"/>
+  </joint>
+  <link name="forearm">
+    <inertial>
+      <mass value="1"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>
+    </inertial>
+    <visual>
+      <origin xyz="0.2 0 0"/>
+      <geometry>
+        <box size="0.4 0.06 0.06"/>
+      </geometry>
+      <material name="blue">
+        <color rgba="0.1 0.2 0.6 1"/>
+      </material>
+    </visual>
+  </link>
+  <joint name="slide" type="prismatic">
+    <origin xyz="0.35 0 0"/>
+    <parent link="forearm"/>
+    <child link="slider"/>
+    <axis xyz="1 0 0"/>
+    <limit lower="0.05" upper="0.2" effort="50" velocity="0.5"/>
+  </joint>
+  <link name="slider">
+    <inertial>
+      <mass value="0.5"/>
+      <inertia ixx="0.002" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.002"/>
+    </inertial>
+    <collision>
+      <geometry>
+        <cylinder radius="0.03" length="0.1"/>
+      </geometry>
+    </collision>
+  </link>
+  <joint name="wrist" type="continuous">
+    <parent link="slider"/>
+    <child link="hand"/>
+    <axis xyz="1 0 0"/>
+    <limit effort="10" velocity="6"/>
+  </joint>
+  <link name="hand">
+    <inertial>
+      <mass value="0.2"/>
+      <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/>
+    </inertial>
+  </link>
+  <joint name="hand-tool0" type="fixed">
+    <parent link="hand"/>
+    <child link="tool0"/>
+  </joint>
+  <link name="tool0">
+    <inertial>
+      <mass value="0"/>
+      <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
+    </inertial>
+  </link>
+</robot>
+"""
+
+
+def body(mass: float, size: float, **more: Any) -> Inertial:
+    return Inertial(mass=mass, inertia=Inertia(ixx=size, iyy=size, izz=size), **more)
+
+
+def fixed(parent: str, child: str) -> Joint:
+    return Joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child)
+
+
+ALONG_X = Origin(xyz=(0.2, 0.0, 0.0), rpy=(0.0, math.pi / 2, 0.0))
+ROBOT = Robot(
+    name="planar",
+    links=(
+        Link(name="base_link"),
+        Link(
+            name="base_link_inertia",
+            inertial=Inertial(mass=3.0, inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.02)),
+            visuals=(Visual(geometry=Cylinder(radius=0.06, length=0.04)),),
+        ),
+        Link(
+            name="upper_arm",
+            inertial=Inertial(
+                mass=2.0,
+                com=(0.2, 0.01, 0.0),
+                inertia=Inertia(ixx=0.004, ixy=0.0003, ixz=0.0001, iyy=0.03, iyz=-0.0002, izz=0.031),
+            ),
+            visuals=(Visual(geometry=Cylinder(radius=0.04, length=0.4), origin=ALONG_X),),
+            collisions=(Collision(geometry=Cylinder(radius=0.04, length=0.3), origin=ALONG_X),),
+        ),
+        Link(
+            name="forearm",
+            inertial=body(1.0, 0.01),
+            visuals=(Visual(geometry=Box(size=(0.4, 0.06, 0.06)), origin=Origin(xyz=(0.2, 0.0, 0.0))),),
+        ),
+        Link(
+            name="slider",
+            inertial=body(0.5, 0.002),
+            collisions=(Collision(geometry=Cylinder(radius=0.03, length=0.1)),),
+        ),
+        Link(name="hand", inertial=body(0.2, 0.001)),
+        Link(name="tool0", inertial=Inertial(mass=0.0)),
+    ),
+    joints=(
+        fixed("base_link", "base_link_inertia"),
+        Joint(
+            name="shoulder",
+            type=JointType.REVOLUTE,
+            parent="base_link_inertia",
+            child="upper_arm",
+            origin=Origin(xyz=(0.0, 0.0, HEIGHT)),
+            axis=(0.0, 1.0, 0.0),
+            limits=Limits(lower=-2.0, upper=2.5, effort=60.0, velocity=3.0),
+        ),
+        Joint(
+            name="elbow",
+            type=JointType.REVOLUTE,
+            parent="upper_arm",
+            child="forearm",
+            origin=Origin(xyz=(UPPER_ARM, 0.0, 0.0)),
+            axis=(0.0, 1.0, 0.0),
+            limits=Limits(lower=-2.0, upper=2.0, effort=30.0, velocity=3.0),
+        ),
+        Joint(
+            name="slide",
+            type=JointType.PRISMATIC,
+            parent="forearm",
+            child="slider",
+            origin=Origin(xyz=(FOREARM, 0.0, 0.0)),
+            axis=(1.0, 0.0, 0.0),
+            limits=Limits(lower=0.05, upper=0.2, effort=50.0, velocity=0.5),
+        ),
+        Joint(
+            name="wrist",
+            type=JointType.CONTINUOUS,
+            parent="slider",
+            child="hand",
+            axis=(1.0, 0.0, 0.0),
+            limits=Limits(effort=10.0, velocity=6.0),
+        ),
+        fixed("hand", "tool0"),
+    ),
+)
+
+
+def tool_pose(q: tuple[float, ...]) -> tuple[float, ...]:
+    """T(base_link → tool0) of the planar arm by plane trigonometry, as a row-major 4x4 matrix."""
+    shoulder, elbow, slide, wrist = q
+    c, s = math.cos(shoulder + elbow), math.sin(shoulder + elbow)
+    cw, sw = math.cos(wrist), math.sin(wrist)
+    x = UPPER_ARM * math.cos(shoulder) + (FOREARM + slide) * c
+    z = HEIGHT - UPPER_ARM * math.sin(shoulder) - (FOREARM + slide) * s
+    return (c, s * sw, s * cw, x, 0.0, cw, -sw, 0.0, -s, c * sw, c * cw, z, 0.0, 0.0, 0.0, 1.0)
+
+
+POSES = ((0.0, 0.0, 0.05, 0.0), (0.4, -1.3, 0.1, 2.0), (-1.9, 1.1, 0.2, -3.0), (2.4, 1.9, 0.07, 0.5))
+
+
+class PlanarArm(NamedTuple):
+    """The arm by hand: its text, the robot that the text is of, and where plane trigonometry has its tool0.
+
+    Attributes:
+        urdf: the text.
+        robot: the same arm as a robot.
+        poses: joint vectors.
+        expected: T(base_link → tool0) at each.
+        reach: the length of the chain with its rail drawn out [m].
+    """
+
+    urdf: str
+    robot: Robot
+    poses: tuple[tuple[float, ...], ...]
+    expected: tuple[tuple[float, ...], ...]
+    reach: float
+
+
+@pytest.fixture(scope="session")
+def planar() -> PlanarArm:
+    return PlanarArm(URDF, ROBOT, POSES, tuple(map(tool_pose, POSES)), HEIGHT + UPPER_ARM + FOREARM + 0.2)
+
+
+@pytest.fixture
+def request_for(tmp_path: Path) -> Callable[..., LoadRequest]:
+    """The request to load a text, that of the planar arm where none is given."""
+
+    def make(urdf: str = URDF, robot: Robot = ROBOT, **more: Any) -> LoadRequest:
+        path = tmp_path / "planar.urdf"
+        path.write_text(urdf, "utf-8")
+        return LoadRequest(
+            path=path,
+            robot=robot,
+            **{"poses": POSES, "expected": {"tool0": tuple(map(tool_pose, POSES))}, **more},
+        )
+
+    return make
+
+
+@pytest.fixture
+def published_request(tmp_path: Path) -> Callable[..., LoadRequest]:
+    """The request to load a published arm as this project writes it; its poses are its publisher's own."""
+
+    def make(published: Any, **options: Any) -> LoadRequest:
+        robot = alpha_swap.TRANSFORM.transform(published.manipulator, alpha_swap.TRANSFORM.options(**options))
+        (file,) = urdf.EMITTER.emit(robot, "arm", urdf.EMITTER.options())
+        path = tmp_path / file.name
+        path.write_bytes(file.content)
+        matrices = tuple(tuple(number for row in pose for number in row) for pose in published.poses)
+        return LoadRequest(path=path, robot=robot, poses=tuple(map(tuple, published.q)), expected={"tool0": matrices})
+
+    return make

@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from dh2urdf.errors import LoaderError
+from dh2urdf.rotations import IDENTITY
+from dh2urdf_plugins.loaders.comparison import DOUBLE, Body, Comparison, written_joint
+from dh2urdf_plugins.loaders.measures import tensor
+
+
+@pytest.fixture
+def comparison(request_for: Any) -> Comparison:
+    return Comparison("Sim", request_for(), DOUBLE)
+
+
+def held_joints(comparison: Comparison) -> list[dict[str, Any]]:
+    return [{"name": joint.name, **written_joint(joint)} for joint in comparison.robot.moving_joints]
+
+
+def held_bodies(comparison: Comparison) -> dict[str, Body]:
+    zero = Body(0.0, (0.0, 0.0, 0.0), (0.0,) * 9)
+    return {
+        link.name: Body(link.inertial.mass, link.inertial.com, tensor(link.inertial.inertia)) if link.inertial else zero
+        for link in comparison.robot.links
+    }
+
+
+def test_what_was_written_has_no_problems(comparison: Comparison) -> None:
+    """A simulator that holds what was written differs in nothing; the masses add up."""
+    assert comparison.joints(held_joints(comparison)) == []
+    masses, problems = comparison.masses(held_bodies(comparison))
+    assert problems == []
+    assert masses == {"mass": pytest.approx(6.7), "mass_error": 0.0, "inertia_error": 0.0}
+
+
+def test_property_that_a_simulator_lacks_is_not_compared(comparison: Comparison) -> None:
+    """A joint without a word of its effort is right; one whose effort is None is not."""
+    joints = held_joints(comparison)
+    del joints[0]["effort"]
+    assert comparison.joints(joints) == []
+    joints[0]["effort"] = None
+    (problem,) = comparison.joints(joints)
+    assert (problem.joint, problem.field, problem.found, problem.accepted) == ("shoulder", "effort", "None", "60.0")
+
+
+def test_nan_is_not_right(comparison: Comparison) -> None:
+    """A limit, a mass, an inertia or a pose that is no number differs from every number."""
+    joints = held_joints(comparison)
+    joints[0]["lower"] = math.nan
+    assert [problem.field for problem in comparison.joints(joints)] == ["lower"]
+    bodies = held_bodies(comparison)
+    bodies["hand"] = Body(math.nan, (math.nan, 0.0, 0.0), (math.nan,) * 9)
+    assert [problem.field for problem in comparison.masses(bodies)[1]] == ["mass", "com", "inertia"]
+    with pytest.raises(LoaderError, match="another place"):
+        comparison.poses(lambda _q, _links: {"tool0": IDENTITY._replace(translation=(math.nan, 0.0, 0.0))})
+
+
+def test_every_difference_is_told_at_once(comparison: Comparison) -> None:
+    """Lost and unknown joints, and each property that differs, are problems of their own, by the joint's row."""
+    joints = held_joints(comparison)
+    joints[0] |= {"type": "continuous", "upper": None}
+    joints[1]["name"] = "knee"
+    problems = comparison.joints(joints)
+    assert [(problem.joint, problem.field) for problem in problems] == [
+        (None, None),
+        ("shoulder", "type"),
+        ("shoulder", "upper"),
+        ("elbow", None),
+    ]
+
+
+def test_hold_names_the_joint_that_moved_most(comparison: Comparison) -> None:
+    """The largest displacement is told with its joint; an arm that flew apart moved without end."""
+    start = (0.0, 0.0, 0.05, 0.0)
+    hold, findings = comparison.hold(start, [0.0, 0.002, 0.001, 0.0], [])
+    assert (hold["stayed"], hold["joint"], hold["largest_displacement"], findings) == (True, "elbow", 0.002, ())
+    hold, (finding,) = comparison.hold(start, [0.0, 0.2, math.inf, 0.0], [])
+    assert (hold["stayed"], hold["joint"], hold["largest_displacement"]) == (False, "slide", None)
+    assert "moved by without end" in finding.message
+
+
+def test_hold_shows_a_few_pairs(comparison: Comparison) -> None:
+    """Of many overlaps the first are named, and the others counted."""
+    _, (finding,) = comparison.hold((0.0,) * 4, [0.0] * 4, [("a", str(number)) for number in range(8)])
+    assert finding.message.endswith("'a' and '4', 3 more pairs")

@@ -1,0 +1,266 @@
+from __future__ import annotations
+
+import json
+import math
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import LoaderError, MissingProgramError
+from dh2urdf.isolation import load_in_child
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.robot import Link, Origin
+from dh2urdf_plugins.loaders import gazebo
+from dh2urdf_plugins.loaders.gazebo import LOADER, GazeboOptions, find_command, load, read_output, require
+from dh2urdf_plugins.loaders.gazebo_arm import precision
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import LoadReport, LoadRequest
+
+OPTIONS = GazeboOptions()
+CONFIGS = Path(__file__).parents[3] / "configs"
+
+try:
+    find_command()
+except MissingProgramError as error:
+    pytest.skip(str(error), allow_module_level=True)
+
+
+def run(request: LoadRequest) -> LoadReport:
+    return load_in_child(LOADER, request, OPTIONS)
+
+
+def refusal(request: LoadRequest) -> LoaderError:
+    with pytest.raises(LoaderError) as caught:
+        run(request)
+    return caught.value
+
+
+def surprises(report: LoadReport) -> list[str]:
+    """The findings but for the one that every URDF has: its frames are no links in Gazebo."""
+    return [finding.message for finding in report.findings if "Gazebo has no frame" not in finding.message]
+
+
+def test_right_arm_is_confirmed(request_for: Any, planar: Any) -> None:
+    """An arm that was written right has its joints, masses and poses in the SDF, to the last digits of a double."""
+    report = run(request_for())
+    assert (report.simulator, report.poses, report.hold) == ("sdformat", len(planar.poses), {})
+    assert re.fullmatch(r"\d+\.\d+\.\d+", report.version)
+    assert surprises(report) == []
+    assert report.position_error is not None
+    assert report.tolerance is not None
+    assert report.position_error < 1e-14 < report.tolerance < 1e-11
+    assert report.angle_error is not None
+    assert report.angle_error < 1e-14
+    assert report.mass == pytest.approx(6.7, rel=1e-15)
+    assert report.mass_error is not None
+    assert report.mass_error < 1e-14
+    assert report.inertia_error is not None
+    assert report.inertia_error < 1e-15
+
+
+def test_joints_are_reported_as_sdformat_has_them(request_for: Any) -> None:
+    """The report lists the moving joints; a joint whose limits are endless in the SDF is continuous."""
+    shoulder, _, slide, wrist = run(request_for()).joints
+    assert shoulder == {
+        "name": "shoulder",
+        "type": "revolute",
+        "axis": (0.0, 1.0, 0.0),
+        "lower": -2.0,
+        "upper": 2.5,
+        "velocity": 3.0,
+        "effort": 60.0,
+    }
+    assert (slide["type"], slide["lower"], slide["upper"]) == ("prismatic", 0.05, 0.2)
+    assert (wrist["type"], wrist["lower"], wrist["upper"], wrist["effort"]) == ("continuous", None, None, 10.0)
+
+
+def test_lumped_frames_are_a_finding(request_for: Any) -> None:
+    """Links without mass that sdformat lumps into others are named: tool0 is measured at the link that carries it."""
+    (finding,) = run(request_for()).findings
+    assert finding.severity == "notice"
+    assert finding.message.endswith("lumped into others: 'tool0' (in 'hand')")
+
+
+def test_lumped_masses_are_those_of_all_parts(request_for: Any, planar: Any) -> None:
+    """A link is compared with the sum of what it carries: a tool of 0.5 kg, turned and shifted, weighs in the hand."""
+    tool = """<inertial>
+      <origin xyz="0.01 0 0.02"/>
+      <mass value="0.5"/>
+      <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.0025"/>
+    </inertial>"""
+    text = re.sub(r'(<link name="tool0">\s*)<inertial>.*?</inertial>', rf"\1{tool}", planar.urdf, flags=re.DOTALL)
+    text = text.replace('type="fixed">\n    <parent link="hand"/>', f'type="fixed">\n{TURNED}<parent link="hand"/>')
+    hand = next(link for link in planar.robot.links if link.name == "upper_arm").inertial
+    inertia = replace(hand.inertia, ixx=0.001, iyy=0.002, izz=0.0025, ixy=0.0, ixz=0.0, iyz=0.0)
+    body = replace(hand, mass=0.5, com=(0.01, 0.0, 0.02), inertia=inertia)
+    links = tuple(Link(name="tool0", inertial=body) if link.name == "tool0" else link for link in planar.robot.links)
+    joints = tuple(
+        replace(joint, origin=Origin(xyz=(0.0, 0.1, 0.0), rpy=(0.3, 0.0, 0.0))) if joint.child == "tool0" else joint
+        for joint in planar.robot.joints
+    )
+    request = request_for(text, replace(planar.robot, links=links, joints=joints), poses=(), expected={})
+    report = run(request)
+    assert report.mass == pytest.approx(7.2)
+    assert report.inertia_error is not None
+    assert report.inertia_error < 1e-15
+    wrong = request_for(
+        text.replace('"0.01 0 0.02"', '"0.01 0 0.03"'), replace(planar.robot, links=links, joints=joints)
+    )
+    assert "another com of the link 'hand'" in str(refusal(wrong))
+
+
+TURNED = '    <origin xyz="0 0.1 0" rpy="0.3 0 0"/>\n    '
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "message"),
+    [
+        ('xyz="0.4 0 0"', 'xyz="0.401 0 0"', "tool0 in another place, 0.001 m"),
+        ('xyz="0.4 0 0"', 'xyz="-0.4 0 0"', "tool0 in another place, 0.8 m"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 -1 0"/>', r"axis \(0\.0, -1\.0, 0\.0\) where"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 2 0"/>', r"axis \(0\.0, 2\.0, 0\.0\) where"),
+        ('type="continuous"', 'type="fixed"', "lost the joint"),
+        ('name="elbow"', 'name="knee"', "a joint that was not written"),
+        ('lower="-2" upper="2.5"', 'lower="-2" upper="2.6"', r"upper 2\.6 where 2\.5 was written"),
+        ('effort="60"', 'effort="61"', r"effort 61\.0 where 60\.0"),
+        ('velocity="0.5"', 'velocity="5"', r"velocity 5\.0 where 0\.5"),
+        ('mass value="1"', 'mass value="1.1"', r"another mass of the link 'forearm', by 0\.1 kg"),
+        ('xyz="0.2 0.01 0"', 'xyz="0.2 0.011 0"', r"another com of the link 'upper_arm', by 0\.001 m"),
+        ('ixy="0.0003"', 'ixy="-0.0003"', r"another inertia of the link 'upper_arm', by 0\.0006 kg·m²"),
+    ],
+)
+def test_another_arm_is_refused(request_for: Any, planar: Any, *, written: str, instead: str, message: str) -> None:
+    """A file that differs from the robot in a pose, joint or mass property is refused, and the message says in what."""
+    assert written in planar.urdf
+    with pytest.raises(LoaderError, match=message) as caught:
+        load(request_for(planar.urdf.replace(written, instead)), OPTIONS)
+    assert caught.value.problems[0].robot == "planar"
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "messages"),
+    [
+        ('name="elbow"', 'name="shoulder"', ["cannot convert", "'shoulder' is not unique"]),
+        ('lower="-2" upper="2" effort="30"', 'lower="-2" upper="2"', ["cannot convert", "no effort"]),
+        ('iyy="0.03"', 'iyy="0.3"', ["finds the file invalid", "upper_arm has invalid inertia"]),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', ["finds the file invalid", "norm of the xyz vector"]),
+        ('name="elbow"', 'name="forearm"', ["finds the file invalid", "name collision"]),
+        ("</robot>", '<link name="other"/>\n</robot>', ["cannot convert", "Two root links"]),
+        ("</robot>", "", ["cannot convert", "Error parsing XML"]),
+        # What it drops in silence, with all that hangs on it:
+        ('<mass value="1"/>', '<mass value="0"/>', ["lost the joint", "lost the link 'forearm'", "'slider'", "'hand'"]),
+        ('<parent link="base_link_inertia"/>', '<parent link="hand"/>', ["lost the joint"]),
+    ],
+)
+def test_bad_file_is_refused_with_a_reason(
+    request_for: Any, planar: Any, *, written: str, instead: str, messages: list[str]
+) -> None:
+    """What sdformat refuses, and what it loses, is an error; what it printed follows."""
+    assert written in planar.urdf
+    text = str(refusal(request_for(planar.urdf.replace(written, instead))))
+    assert [message for message in messages if message not in text] == []
+    assert "\x1b" not in text
+
+
+def test_missing_file_is_refused(request_for: Any, tmp_path: Path) -> None:
+    """A file that is not there is an error of this manipulator."""
+    request = replace(request_for(), path=tmp_path / "elsewhere.urdf")
+    assert "does not exist" in str(refusal(request))
+
+
+def test_warning_is_a_finding(request_for: Any, planar: Any) -> None:
+    """What sdformat warns of and mends, such as swapped limits, is a finding: others may not mend it."""
+    text = planar.urdf.replace('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"')
+    (message,) = surprises(run(request_for(text)))
+    assert re.fullmatch(r"sdformat printed 'Warning .*\[shoulder\] with limits: .*switching the two\.'", message)
+
+
+def test_messages_are_told_once() -> None:
+    """A message with its indented lines is one finding, without colours, and what `ign` says of itself is none."""
+    request: Any = type("Request", (), {"robot": type("Robot", (), {"name": "arm"})})
+    output = (
+        "Library error: libignition-tools-backward.so not found. Improved backtrace generation will be disabled\n"
+        "Error:   link 'a' is not unique.\n         at line 178 in ./urdf_parser/src/model.cpp\n"
+        "\x1b[1;33mWarning [Utils.cc:130]\x1b[0m unused\n"
+        "\x1b[1;33mWarning [Utils.cc:130]\x1b[0m unused\n"
+    )
+    assert [(problem.severity, problem.message) for problem in read_output(request, output)] == [
+        ("error", "sdformat printed 'Error:   link 'a' is not unique. at line 178 in ./urdf_parser/src/model.cpp'"),
+        ("notice", "sdformat printed 'Warning [Utils.cc:130] unused'"),
+    ]
+
+
+def test_published_arms_are_confirmed(reference_robot: Any, published_request: Any) -> None:
+    """Every published arm is the same arm for Gazebo, and nothing is printed."""
+    report = load(published_request(reference_robot), OPTIONS)
+    assert report.poses == len(reference_robot.q)
+    assert report.position_error is not None
+    assert report.position_error < 1e-13
+    assert surprises(report) == []
+
+
+@pytest.mark.parametrize("name", ["rtb_Panda", "rtb_Stanford", "threelink3d_oblique"])
+def test_turned_frames_are_confirmed(reference_robots: Any, published_request: Any, name: str) -> None:
+    """With the frames of the table, whose origins are turned, the arm is the same too."""
+    (robot,) = [robot for robot in reference_robots if robot.id == name]
+    assert load(published_request(robot, frames="dh"), OPTIONS).poses == len(robot.q)
+
+
+@pytest.mark.parametrize("pitch", [1.5707963267948966, 1.5707963, 1.57079, 1.5707, 1.57, 1.5])
+def test_loss_near_the_singular_pitch_is_foreseen(request_for: Any, planar: Any, pitch: float) -> None:
+    """It loses digits where a pitch is near ±π/2: as many as the tolerance allows, and no more than half."""
+    rpy = (0.2, pitch, 0.3)
+    joints = tuple(
+        replace(joint, origin=Origin(xyz=(0.4, 0.0, 0.0), rpy=rpy)) if joint.name == "elbow" else joint
+        for joint in planar.robot.joints
+    )
+    robot = replace(planar.robot, joints=joints)
+    r, t = KinematicChain.between(robot).forward_kinematics(planar.poses[1])
+    matrix = (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)
+    text = planar.urdf.replace('xyz="0.4 0 0"', f'xyz="0.4 0 0" rpy="{rpy[0]} {pitch!r} {rpy[2]}"')
+    report = load(request_for(text, robot, poses=(planar.poses[1],), expected={"tool0": (matrix,)}), OPTIONS)
+    assert report.angle_tolerance is not None
+    exact = math.cos(pitch) < 1e-15 or math.cos(pitch) > 0.01
+    assert precision(robot).angle <= report.angle_tolerance < (1.1e-12 if exact else 1e-7)
+
+
+@pytest.mark.parametrize(("config", "tips"), [("pair", 2), ("ur5_on_track", 2)])
+def test_cell_is_confirmed(cli: Any, tmp_path: Path, config: str, tips: int) -> None:
+    """A cell, whose root `world` is no link in SDF, is the same: every tool0 of every arm, riders too."""
+    cli("run", CONFIGS / f"{config}.yaml", "-o", tmp_path / "out", "--set", "loaders=[gazebo]")
+    records = json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))["manipulators"]
+    (cell,) = [record for record in records if record["name"] == config]
+    assert cell["status"] == "ok"
+    assert cell["loaders"]["gazebo"]["position_error"] < 1e-13
+    assert len(cell["proof"]["urdf"]["tips"]) == tips
+
+
+def test_missing_command_names_the_packages(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without sdformat's command the error says what to install, before a run and in it."""
+    monkeypatch.setattr(shutil, "which", lambda _name: None)
+    for call in (lambda: require(OPTIONS), lambda: load(request_for(), OPTIONS)):
+        with pytest.raises(MissingProgramError, match="apt-get install ignition-tools libsdformat-dev"):
+            call()
+
+
+def test_command_without_sdformat_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A `gz` that knows no `sdf`, as of a Gazebo without its libraries, is not taken for sdformat."""
+    command = tmp_path / "gz"
+    command.write_text("#!/bin/sh\necho 'I cannot find any available command'\n")
+    command.chmod(0o755)
+    real = shutil.which
+    monkeypatch.setattr(shutil, "which", lambda name: str(command) if name == "gz" else real(name))
+    monkeypatch.setattr(gazebo, "COMMANDS", ("gz",))
+    with pytest.raises(MissingProgramError):
+        find_command()
+
+
+def test_options_are_checked() -> None:
+    """There is at least one pose to measure."""
+    with pytest.raises(ValueError, match="from 1 on"):
+        GazeboOptions(poses=0)

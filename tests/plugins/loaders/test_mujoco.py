@@ -1,0 +1,340 @@
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import LoaderError, MissingDependencyError
+from dh2urdf.isolation import load_in_child
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.robot import Collision, Cylinder, Origin
+from dh2urdf_plugins.emitters import mjcf
+from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.loaders import mujoco_arm
+from dh2urdf_plugins.loaders.mujoco import LOADER, MuJoCoOptions, load, read_output
+from dh2urdf_plugins.loaders.mujoco_picture import graphics
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.stages import LoadReport, LoadRequest
+
+pytest.importorskip("mujoco")
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+OPTIONS = MuJoCoOptions()
+KEPT = '<robot name="planar">\n  <mujoco>\n    <compiler fusestatic="false" discardvisual="false"/>\n  </mujoco>'
+
+
+def run(request: LoadRequest) -> LoadReport:
+    return load_in_child(LOADER, request, OPTIONS)
+
+
+def refusal(request: LoadRequest) -> LoaderError:
+    with pytest.raises(LoaderError) as caught:
+        run(request)
+    return caught.value
+
+
+@pytest.fixture
+def urdf(planar: Any) -> str:
+    """The planar arm's text, with what keeps MuJoCo from fusing its fixed links."""
+    assert planar.urdf.count('<robot name="planar">') == 1
+    return str(planar.urdf.replace('<robot name="planar">', KEPT))
+
+
+def test_right_arm_is_confirmed(request_for: Any, planar: Any, urdf: str) -> None:
+    """An arm that was written right has its joints, masses and poses in MuJoCo; there is no finding and no output."""
+    report = run(request_for(urdf))
+    assert report.simulator == "MuJoCo"
+    assert (report.findings, report.output) == ((), "")
+    assert report.poses == len(planar.poses)
+    assert report.q in planar.poses
+    assert report.position_error is not None
+    assert report.tolerance is not None
+    assert report.position_error < report.tolerance < 1.2e-12
+    assert report.angle_error is not None
+    assert report.angle_tolerance is not None
+    assert report.angle_error < report.angle_tolerance < 1.1e-12
+    assert report.mass == pytest.approx(6.7, rel=1e-15)
+    assert report.mass_error == 0.0
+    assert report.inertia_error is not None
+    assert report.inertia_error < 1e-15
+    assert report.picture is None
+
+
+def test_joints_are_reported_as_mujoco_has_them(request_for: Any, urdf: str) -> None:
+    """The report lists the moving joints, with the efforts; MuJoCo has no velocity limits."""
+    shoulder, _, slide, wrist = run(request_for(urdf)).joints
+    assert shoulder == {
+        "name": "shoulder",
+        "type": "revolute",
+        "axis": (0.0, 1.0, 0.0),
+        "lower": -2.0,
+        "upper": 2.5,
+        "velocity": None,
+        "effort": 60.0,
+    }
+    assert (slide["type"], slide["lower"], slide["upper"]) == ("prismatic", 0.05, 0.2)
+    assert (wrist["type"], wrist["lower"], wrist["upper"], wrist["effort"]) == ("continuous", None, None, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "message"),
+    [
+        ('xyz="0.4 0 0"', 'xyz="0.400000001 0 0"', "tool0 in another place, 1e-09 m"),
+        ('xyz="0.4 0 0"', 'xyz="0.4 0 0" rpy="0.00000001 0 0"', "and 1e-08 rad away"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 -1 0"/>', r"axis \(0\.0, -1\.0, 0\.0\) where"),
+        ('type="continuous"', 'type="fixed"', "lost the joint"),
+        ('name="elbow"', 'name="knee"', "a joint that was not written"),
+        ('lower="-2" upper="2.5"', 'lower="-2" upper="2.6"', r"upper 2\.6 where 2\.5 was written"),
+        ('effort="60"', 'effort="61"', r"effort 61\.0 where 60\.0"),
+        ('effort="60"', "", r"effort None where 60\.0"),
+        ('mass value="1"', 'mass value="1.000001"', r"another mass of the link 'forearm', by 1e-06 kg"),
+        ('xyz="0.2 0.01 0"', 'xyz="0.2 0.011 0"', r"another com of the link 'upper_arm', by 0\.001 m"),
+        ('ixy="0.0003"', 'ixy="-0.0003"', r"another inertia of the link 'upper_arm', by 0\.0006 kg·m²"),
+        ('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"', "type continuous where revolute was written"),
+    ],
+)
+def test_another_arm_is_refused(request_for: Any, urdf: str, written: str, instead: str, message: str) -> None:
+    """A file that differs from the robot in a pose, joint or mass property is refused, and the message says in what."""
+    assert written in urdf
+    error = refusal(request_for(urdf.replace(written, instead, 1)))
+    with pytest.raises(LoaderError, match=message):
+        raise error
+    assert error.problems[0].robot == "planar"
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "said"),
+    [
+        ('mass value="2"', 'mass value="0"', "mass and inertia of moving bodies must be larger"),
+        ('ixx="0.004"', 'ixx="0.4"', "inertia must satisfy A + B >= C"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', "axis too small"),
+        ('box size="0.4 0.06 0.06"', 'box size="0 0.06 0.06"', "must be positive"),
+        ('<link name="hand">', '<link name="slider">', "repeated"),
+        ('<child link="tool0"/>', '<child link="upper_arm"/>', "multiple parents"),
+        ("<robot ", "<", "XML"),
+    ],
+)
+def test_what_mujoco_says_of_a_faulty_file_is_repeated(
+    request_for: Any, urdf: str, written: str, instead: str, said: str
+) -> None:
+    """A file that MuJoCo refuses fails with MuJoCo's own words, in one sentence."""
+    assert written in urdf
+    error = refusal(request_for(urdf.replace(written, instead, 1)))
+    assert error.problems[0].message.startswith("MuJoCo cannot load the file: ")
+    assert said in error.problems[0].message
+    assert "\n" not in error.problems[0].message
+
+
+@pytest.fixture
+def mjcf_text(planar: Any) -> str:
+    """The planar arm as MJCF: tool0 is a site, and every joint has a servo."""
+    (file,) = mjcf.EMITTER.emit(planar.robot, "planar", mjcf.EMITTER.options())
+    return str(file.content.decode())
+
+
+def test_mjcf_is_confirmed(request_for: Any, planar: Any, mjcf_text: str) -> None:
+    """The same arm, its tool0 a site, is found right in MJCF too; its own servos hold it."""
+    report = run(request_for(mjcf_text))
+    assert (report.findings, report.output) == ((), "")
+    assert report.poses == len(planar.poses)
+    assert report.mass == pytest.approx(6.7, rel=1e-15)
+    assert report.hold["stayed"] is True
+    assert [joint["effort"] for joint in report.joints] == [60.0, 30.0, 50.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "message"),
+    [
+        ('forcerange="-60 60"', 'forcerange="-50 50"', r"effort 50\.0 where 60\.0"),
+        ('<site name="tool0"/>', '<site name="tool0" pos="0 0 0.001"/>', r"tool0 in another place, 0\.001 m"),
+        ('<site name="tool0"/>', "", "or lost them: 'tool0'"),
+    ],
+)
+def test_another_mjcf_is_refused(request_for: Any, mjcf_text: str, written: str, instead: str, message: str) -> None:
+    """A weaker actuator, and a site that is elsewhere or nowhere."""
+    assert written in mjcf_text
+    with pytest.raises(LoaderError, match=message):
+        raise refusal(request_for(mjcf_text.replace(written, instead, 1)))
+
+
+def test_fused_links_are_named(request_for: Any, planar: Any) -> None:
+    """Without the option that keeps them, MuJoCo fuses fixed links: they are named, and how to keep them."""
+    (problem,) = refusal(request_for(planar.urdf)).problems
+    assert "'base_link', 'base_link_inertia', 'tool0'" in problem.message
+    assert 'fusestatic="false"' in str(problem.suggestion)
+
+
+def test_missing_file_is_refused(request_for: Any, tmp_path: Path) -> None:
+    """A file that is not there is an error of this manipulator."""
+    request = replace(request_for(), path=tmp_path / "elsewhere.urdf")
+    assert "MuJoCo cannot load the file" in str(refusal(request))
+
+
+def with_effort(robot: Any, effort: float) -> Any:
+    """The robot with another effort of its shoulder, whose is 60 N·m."""
+    joints = tuple(
+        replace(joint, limits=replace(joint.limits, effort=effort)) if joint.name == "shoulder" else joint
+        for joint in robot.joints
+    )
+    return replace(robot, joints=joints)
+
+
+# At the start of the hold test, stretched out along x, gravity asks of the shoulder [N·m]:
+STATIC_LOAD = 9.81 * (2.0 * 0.2 + 1.0 * 0.4 + (0.5 + 0.2) * (0.4 + 0.35 + 0.05))
+
+
+@pytest.mark.parametrize(("share", "stays"), [(1.05, True), (0.95, False)])
+def test_an_arm_stays_where_its_efforts_are_above_its_weight(
+    request_for: Any, planar: Any, urdf: str, *, share: float, stays: bool
+) -> None:
+    """The hold test tells an effort a little above the static load from one a little below; the latter is a notice."""
+    effort = share * STATIC_LOAD
+    request = request_for(urdf.replace('effort="60"', f'effort="{effort}"'), with_effort(planar.robot, effort))
+    report = run(request)
+    assert report.hold["stayed"] is stays
+    assert report.hold["joint"] == "shoulder"
+    assert (report.hold["seconds"], report.hold["start"]) == (2.0, (0.0, 0.0, 0.05, 0.0))
+    if stays:
+        assert 0.0 < report.hold["largest_displacement"] < report.hold["threshold"] == 0.01
+        assert report.findings == ()
+    else:
+        assert report.hold["largest_displacement"] > 0.1
+        (finding,) = report.findings
+        assert (finding.severity, finding.joint, finding.field) == ("notice", "shoulder", "limits.effort")
+
+
+def test_overlap_is_found(request_for: Any, planar: Any, urdf: str) -> None:
+    """Collision shapes that overlap at the start are a finding; the arm stays all the same."""
+    along_x = Origin(xyz=(0.2, 0.0, 0.0), rpy=(0.0, 1.5707963267948966, 0.0))
+    longer = (Collision(geometry=Cylinder(radius=0.04, length=1.2), origin=along_x),)
+    links = tuple(replace(link, collisions=longer) if link.name == "upper_arm" else link for link in planar.robot.links)
+    text = urdf.replace('radius="0.04" length="0.3"', 'radius="0.04" length="1.2"')
+    report = run(request_for(text, replace(planar.robot, links=links)))
+    assert report.hold["contacts"] == [("upper_arm", "slider")]
+    assert report.hold["stayed"] is True
+    (finding,) = report.findings
+    assert "'upper_arm' and 'slider'" in finding.message
+
+
+def test_published_arms_are_confirmed(reference_robot: Any, published_request: Any) -> None:
+    """Every published arm is the same arm in MuJoCo, to double precision, stays, and nothing is printed."""
+    report = run(published_request(reference_robot))
+    assert report.poses == len(reference_robot.q)
+    assert report.hold["stayed"] is True
+    assert report.output == ""
+
+
+def test_cell_is_confirmed(cli: Callable[..., Any], tmp_path: Path) -> None:
+    """Both arms of a cell are where the run file has them, and both hold their weight."""
+    loaders = "loaders=[{stage: mujoco, options: {picture: false, poses: 5}}]"
+    cli("run", CONFIGS / "pair.yaml", "-o", tmp_path / "out", "--set", loaders)
+    report = json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))
+    entry = next(entry for entry in report["manipulators"] if entry["name"] == "pair")["loaders"]["mujoco"]
+    assert len(entry["joints"]) == 12
+    assert entry["position_error"] < entry["tolerance"] < 2e-12
+    assert entry["hold"]["stayed"] is True
+    assert entry["findings"] == []
+
+
+def test_long_arm_is_measured_but_not_held(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An arm of more joints than the hold test takes is compared all the same; that it was left out is said."""
+    monkeypatch.setenv("MUJOCO_GL", "disable")  # which it would set itself
+    monkeypatch.setattr(mujoco_arm, "HELD_JOINTS", 3)
+    rows = tuple(DHRow(joint=f"joint_{i}", link=f"link_{i}", a=0.2, alpha=0.3 * i, d=0.1) for i in range(1, 5))
+    robot = TRANSFORM.transform(
+        Manipulator(name="long", convention=Convention.STANDARD, rows=rows), TRANSFORM.options()
+    )
+    (file,) = EMITTER.emit(robot, "long", EMITTER.options())
+    report = load(request_for(file.content.decode(), robot, poses=(), expected={}), OPTIONS)
+    assert len(report.joints) == 4
+    assert report.mass == pytest.approx(robot.mass)
+    assert report.hold == {}
+    (finding,) = report.findings
+    assert (finding.severity, finding.found) == ("notice", "4 moving joints")
+
+
+@pytest.fixture
+def needs_graphics() -> None:
+    if graphics() == "disable":
+        pytest.skip("there is neither EGL nor OSMesa")
+
+
+@pytest.mark.usefixtures("needs_graphics")
+def test_picture_shows_the_arm(request_for: Any, urdf: str, tmp_path: Path) -> None:
+    """The picture has the arm in it, large and whole: it fills much of the height or width and touches no border."""
+    image_module = pytest.importorskip("PIL.Image")
+    picture = tmp_path / "planar.png"
+    report = run(request_for(urdf, picture=picture))
+    assert (report.picture, report.findings) == ("planar.png", ())
+    with image_module.open(picture) as image:
+        assert image.info == {}
+        red, _, blue = image.convert("RGB").split()
+        assert image.size == (800, 600)
+    coloured = image_module.merge("RGB", (red, red, blue)).convert("HSV").getchannel("S")  # only the arm is blue
+    left, upper, right, lower = coloured.point(lambda value: 255 * (value > 80)).getbbox()
+    assert (right - left) / 800 > 0.6 or (lower - upper) / 600 > 0.6
+    assert min(left, upper, 800 - right, 600 - lower) > 5
+    assert red.getpixel((5, 5)) > 200  # a light background
+
+
+def test_no_graphics_is_a_finding(request_for: Any, urdf: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing renders, the arm is measured all the same; the missing picture is a notice that says what to do."""
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    report = run(request_for(urdf, picture=tmp_path / "planar.png"))
+    assert report.picture is None
+    assert not (tmp_path / "planar.png").exists()
+    assert report.hold["stayed"] is True
+    (finding,) = report.findings
+    assert finding.severity == "notice"
+    assert "took no picture" in finding.message
+    assert "libegl1" in str(finding.suggestion)
+
+
+def test_broken_graphics_are_a_finding(
+    request_for: Any, urdf: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A graphics library that is there and has no device fails nothing but the picture."""
+    monkeypatch.setenv("MUJOCO_GL", "egl")
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_DIRS", str(tmp_path))
+    report = run(request_for(urdf, picture=tmp_path / "planar.png"))
+    assert report.picture is None
+    assert report.position_error is not None
+    assert ["took no picture" in finding.message for finding in report.findings] == [True]
+
+
+@pytest.mark.parametrize(("module", "package"), [("mujoco", "mujoco"), ("PIL.Image", "pillow")])
+def test_missing_package_names_the_extra(
+    request_for: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, package: str
+) -> None:
+    """Without MuJoCo, or without Pillow where a picture is wanted, the error says what to install."""
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(MissingDependencyError) as caught:
+        load(request_for(picture=tmp_path / "planar.png"), OPTIONS)
+    assert (caught.value.package, caught.value.extra) == (package, "dh2urdf[mujoco]")
+
+
+def test_warnings_are_findings(request_for: Any) -> None:
+    """MuJoCo's warnings are findings, each once; what an older one says of unnamed shapes, or EGL of itself, is none."""
+    output = (
+        "libEGL warning: DRI2: failed to authenticate\n"
+        "WARNING: Geom with duplicate name '' encountered in URDF, creating an unnamed geom.\n"
+        "WARNING: Nan, Inf or huge value in QACC at DOF 1. The simulation is unstable. Time = 1.3750.\n" * 2
+    )
+    (finding,) = read_output(request_for(), output)
+    assert "Nan, Inf or huge value in QACC at DOF 1" in finding.message
+    assert finding.severity == "notice"
+
+
+def test_poses_are_counted_from_one() -> None:
+    """There is no run without a pose."""
+    with pytest.raises(ValueError, match="poses is a number from 1 on"):
+        MuJoCoOptions(poses=0)

@@ -1,0 +1,122 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.rotations import HALF_PI, RigidTransform
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.manipulator import Manipulator
+
+
+@pytest.fixture
+def read_one(tmp_path: Path) -> Callable[..., Manipulator | Rejected]:
+    """The manipulator of a table; there are meshes beside it."""
+    (tmp_path / "meshes").mkdir()
+    for name in ("a.stl", "b.dae"):
+        (tmp_path / "meshes" / name).touch()
+
+    def read(text: str, suffix: str = ".yaml") -> Manipulator | Rejected:
+        path = tmp_path / f"arm{suffix}"
+        path.write_text(text)
+        (arm,) = (yaml if suffix == ".yaml" else csv).read(path, TableOptions())
+        return arm
+
+    return read
+
+
+def joint(words: str) -> str:
+    return f"convention: standard\nunits: mm, deg\njoints:\n  - {{name: j, a: 300, alpha: 90, d: 0, {words}}}\n"
+
+
+def test_a_mesh_is_a_path_or_a_mapping(read_one: Callable[..., Manipulator]) -> None:
+    """Its place has the units of the table; its path leads from the folder of the table, and its mark is kept."""
+    arm = read_one(joint("visual: meshes/b.dae, collision: {file: meshes/a.stl, xyz: [1, 0, 0], rpy: [0, 0, 90]}"))
+    (row,) = arm.rows
+    assert row.visual is not None
+    assert row.collision is not None
+    assert [Path(shape.file.path).name for shape in (row.visual, row.collision)] == ["b.dae", "a.stl"]
+    assert row.visual.pose == RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))
+    assert row.collision.pose == RigidTransform.from_xyz_rpy((0.001, 0.0, 0.0), (0.0, 0.0, HALF_PI))
+    assert str(row.visual.mark).endswith("arm.yaml:4:48")
+
+
+@pytest.mark.parametrize(
+    ("scale", "factors"), [("0.001", (0.001,) * 3), ("[1, -1, 2]", (1, -1, 2)), ("1/1000", (0.001,) * 3)]
+)
+def test_a_scale_is_one_factor_or_three(scale: str, factors: object, read_one: Callable[..., Manipulator]) -> None:
+    """It is a bare number, whatever the unit of lengths is."""
+    (row,) = read_one(joint(f"mesh: {{file: meshes/a.stl, scale: {scale}}}")).rows
+    assert row.visual is not None
+    assert row.visual == row.collision
+    assert row.visual.scale == factors
+
+
+def test_one_of_both_goes_before_mesh(read_one: Callable[..., Manipulator]) -> None:
+    """`mesh` is what is seen and touches, as far as nothing else is said."""
+    (row,) = read_one(joint("mesh: meshes/a.stl, visual: meshes/b.dae")).rows
+    assert row.visual is not None
+    assert row.collision is not None
+    assert [Path(shape.file.path).name for shape in (row.visual, row.collision)] == ["b.dae", "a.stl"]
+
+
+def test_the_base_has_meshes_in_comment_lines_too(read_one: Callable[..., Manipulator]) -> None:
+    """Where a CSV table says its base."""
+    arm = read_one(
+        "# convention: standard\n# base: {xyz: [0, 0, 1], mesh: meshes/a.stl}\na,alpha,d\n0.3,0,0\n", suffix=".csv"
+    )
+    assert arm.base_visual is not None
+    assert arm.base_visual == arm.base_collision
+    assert Path(arm.base_visual.file.path).name == "a.stl"
+
+
+def test_a_table_says_what_is_drawn(read_one: Callable[..., Manipulator]) -> None:
+    """All or none; nothing leaves it to the run."""
+    arm = read_one("visuals: none\ncollisions: all\n" + joint("armature: 0.02"))
+    assert (arm.visuals, arm.collisions, arm.rows[0].armature) == (False, True, 0.02)
+    plain = read_one(joint("d: 0").replace("d: 0, d: 0", "d: 0"))
+    assert (plain.visuals, plain.collisions, plain.rows[0].armature) == (None, None, None)
+
+
+@pytest.mark.parametrize(
+    ("words", "place", "field", "message"),
+    [
+        ("visual: meshes/c.stl", "4:48", "visual", "it was looked for at"),
+        ("visual: {file: meshes/c.stl}", "4:55", "visual.file", "it was looked for at"),
+        ("visual: package://arm/a.stl", "4:48", "visual", "is an address, not a path"),
+        ("visual: {xyz: [0, 0, 0]}", "4:48", "visual", "visual has no file"),
+        ("visual: 3", "4:48", "visual", "visual is the number 3"),
+        ("visual: {file: meshes/a.stl, scael: 2}", "4:69", "scael", "did you mean 'scale'?"),
+        ("visual: {file: meshes/a.stl, scale: 2 mm}", "4:76", "visual.scale", "2 mm"),
+        ("visual: {file: meshes/a.stl, rpy: [0, 90]}", "4:74", "visual.rpy", "a list of three numbers"),
+    ],
+)
+def test_what_is_wrong_with_a_mesh_is_told_with_its_place(
+    words: str, place: str, field: str, message: str, read_one: Callable[..., Rejected]
+) -> None:
+    """Line and column, joint and field."""
+    rejected = read_one(joint(words))
+    assert isinstance(rejected, Rejected)
+    (problem,) = rejected.problems
+    assert str(problem.mark).endswith(f"arm.yaml:{place}")
+    assert (problem.joint, problem.field) == ("j", field)
+    assert message in str(problem)
+
+
+def test_defaults_have_no_meshes(read_one: Callable[..., Rejected]) -> None:
+    """One file is not the shape of all links."""
+    rejected = read_one("defaults: {visual: meshes/a.stl}\n" + joint("theta: 0"))
+    assert "'visual' is no key of defaults" in str(rejected.problems[0])
+
+
+def test_words_that_say_nothing_of_what_is_drawn_are_refused(read_one: Callable[..., Rejected]) -> None:
+    """False is not none."""
+    rejected = read_one("visuals: false\n" + joint("theta: 0"))
+    assert "accepted: all, none" in str(rejected.problems[0])

@@ -1,0 +1,145 @@
+"""The reader of MJCF beside MuJoCo: files that the emitter would never write."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from dh2urdf.errors import ProofError
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf_plugins.mjcf_reader import parse_mjcf, read_mjcf
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+FOREIGN = """
+<mujoco model="foreign">
+  <compiler angle="{angle}" eulerseq="{sequence}"/>
+  <default>
+    <joint axis="0 2 0" damping="0.3"/>
+    <default class="arm"><geom type="box" size="0.1 0.2 0.3"/>
+      <default class="hand"><joint axis="1 1 0"/><site pos="0 0 0.1"/></default></default>
+  </default>
+  <worldbody>
+    <geom type="sphere" size="0.01"/>
+    <body name="a" pos="0.1 0.2 0.3" euler="10 20 30" childclass="arm">
+      <inertial pos="0.01 0 0" quat="1 1 0 0" mass="2" diaginertia="1 2 2.5"/>
+      <geom/>
+      <joint name="j1" pos="0.1 0 0" ref="15"/>
+      <body name="b" pos="0 0 0.4" quat="1 2 3 4">
+        <joint name="j2" type="slide" axis="0 0 1" ref="0.1" range="-1 1"/>
+        <joint name="j3" class="hand" range="-20 30"/>
+        <geom class="arm" contype="0" conaffinity="0" rgba="1 0 0 1"/>
+        <geom type="cylinder" size="0.1 0.2" euler="90 0 0"/>
+        <body name="c" pos="0.2 0 0">
+          <inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0.1 0 0"/>
+          <joint name="j4" pos="0 0.1 0.2" actuatorfrcrange="-5 5" limited="false" range="-1 1"/>
+          <site name="tool0" class="hand" euler="0 0 90"/>
+          <site name="c"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize("sequence", ["xyz", "XYZ", "zyx", "ZXz"])
+@pytest.mark.parametrize("angle", ["degree", "radian"])
+def test_frames_are_where_mujoco_has_them(sequence: str, angle: str) -> None:
+    """Degrees, Euler sequences, quaternions, anchors, reference values, several joints of a body, default classes."""
+    mujoco = pytest.importorskip("mujoco")
+    text = FOREIGN.format(sequence=sequence, angle=angle)
+    robot = parse_mjcf(text.encode(), "foreign.xml")
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    draw = np.random.default_rng(5)
+    for _ in range(5):
+        q = dict(zip(("j1", "j2", "j3", "j4"), draw.uniform(-1, 1, 4), strict=True))
+        for name, value in q.items():
+            data.joint(name).qpos[0] = value
+        mujoco.mj_kinematics(model, data)
+        for link in ("a", "b", "c", "tool0"):
+            chain = KinematicChain.between(robot, "world", link)
+            values = [q[joint.name] for joint in chain.joints if joint.type is not JointType.FIXED]
+            pose = chain.forward_kinematics(values)
+            frame = data.site(link) if link == "tool0" else data.body(link)
+            assert np.abs(frame.xpos - pose.translation).max() < 1e-13
+            assert np.abs(frame.xmat - pose.rotation).max() < 1e-13
+
+
+def test_what_it_holds() -> None:
+    """Types, limits, losses, masses, shapes and colours, defaults included."""
+    robot = parse_mjcf(FOREIGN.format(sequence="xyz", angle="degree").encode(), "foreign.xml")
+    assert robot.name == "foreign"
+    assert robot.root == "world"
+    j1, j2, j3, j4 = robot.moving_joints
+    assert [joint.type.value for joint in (j1, j2, j3, j4)] == ["continuous", "prismatic", "revolute", "continuous"]
+    assert j1.axis == (0.0, 1.0, 0.0)
+    assert (j1.damping, j1.friction) == (0.3, None)
+    assert (j2.limits.lower, j2.limits.upper) == (-1.0, 1.0)
+    assert j3.limits.lower == pytest.approx(np.radians(-20))
+    assert j4.limits.effort == 5.0
+    links = {link.name: link for link in robot.links}
+    a, b = links["a"], links["b"]
+    assert a.inertial is not None
+    assert a.inertial.mass == 2.0
+    # Turned by 90° about x, the second and the third moment change places.
+    assert (a.inertial.inertia.iyy, a.inertial.inertia.izz) == pytest.approx((2.5, 2.0))
+    assert a.collisions[0].geometry == Box(size=(0.2, 0.4, 0.6))
+    assert b.visuals[0].material is not None
+    assert b.visuals[0].material.rgba == (1.0, 0.0, 0.0, 1.0)
+    assert b.collisions[0].geometry == Cylinder(radius=0.1, length=0.4)
+    assert links["world"].collisions[0].geometry == Sphere(radius=0.01)
+
+
+def test_a_mesh_is_its_file() -> None:
+    """With its scale."""
+    text = (
+        '<mujoco><asset><mesh name="m" file="a.stl" scale="1 2 3"/></asset>'
+        '<worldbody><body name="a"><geom type="mesh" mesh="m"/></body></worldbody></mujoco>'
+    )
+    assert parse_mjcf(text.encode(), "x").links[1].collisions[0].geometry == Mesh(
+        filename="a.stl", scale=(1.0, 2.0, 3.0)
+    )
+
+
+BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<mujoco>", "not XML"),
+        ("<robot/>", "outermost element is 'robot'"),
+        ("<mujoco/>", "no worldbody"),
+        ('<mujoco><include file="other.xml"/><worldbody/></mujoco>', "include is not read"),
+        (BODY.format('<freejoint name="f"/>'), "freejoint is not read"),
+        (BODY.format('<joint type="ball"/>'), "'ball' is not one of a manipulator"),
+        (BODY.format('<joint axis="0 0 0"/>'), "has no length"),
+        (BODY.format('<joint axis="0 nan 0"/>'), "axis of joint is '0 nan 0'"),
+        (BODY.format('<joint axis="0 1"/>'), "axis of joint is '0 1'"),
+        (BODY.format('<joint axis="0 1_0 0"/>'), "axis of joint is"),
+        (BODY.format('<geom class="x"/>'), "no class 'x'"),
+        (BODY.format('<geom type="capsule" size="1 1"/>'), "'capsule' is not read"),
+        (BODY.format('<geom type="mesh" mesh="m"/>'), "no mesh 'm'"),
+        (BODY.format('<site name="s" axisangle="0 0 1 1"/>'), "given by axisangle is not read"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text: str, message: str) -> None:
+    """What needs MuJoCo's compiler, and what is no MJCF of a manipulator; the error names the file."""
+    with pytest.raises(ProofError, match=message) as caught:
+        parse_mjcf(text.encode(), "arm.xml")
+    mark = caught.value.problems[0].mark
+    assert mark is not None
+    assert mark.file == "arm.xml"
+
+
+def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
+    """It says that the file cannot be read."""
+    with pytest.raises(ProofError, match="cannot be read"):
+        read_mjcf(tmp_path / "none.xml")

@@ -1,0 +1,176 @@
+"""The reader of SDF beside Drake's: files that the emitter would never write."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from dh2urdf.errors import ProofError
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf_plugins.sdf_reader import parse_sdf, read_sdf
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+INERTIAL = "<inertial><mass>2</mass><inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz></inertia></inertial>"
+FOREIGN = f"""<?xml version="1.0"?>
+<sdf version="1.7">
+  <model name="foreign">
+    <frame name="far" attached_to="base"><pose relative_to="near">0 0 0.2 0.3 0 0</pose></frame>
+    <frame name="near"><pose>0.1 0 0 0 0 0.4</pose></frame>
+    <link name="base"><pose>0 0.3 0 0.1 0.2 0.3</pose>{INERTIAL}</link>
+    <joint name="hold" type="fixed"><parent>world</parent><child>base</child></joint>
+    <link name="a"><pose relative_to="j1">0.05 0 0.1 0 0 0.7</pose>
+      <inertial><pose>0.01 0 0 1.5707963267948966 0 0</pose><mass>3</mass>
+        <inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz></inertia></inertial>
+      <visual name="v"><pose relative_to="side">0 0 0.1 0 0 0</pose><geometry><sphere><radius>0.1</radius></sphere>
+        </geometry><material><diffuse>1 0 0 1</diffuse></material></visual>
+      <collision name="c"><geometry><box><size>1 2 3</size></box></geometry></collision>
+      <collision name="d"><geometry><cylinder><radius>1</radius><length>2</length></cylinder></geometry></collision>
+      <visual name="m"><geometry><mesh><uri>a.stl</uri></mesh></geometry></visual>
+    </link>
+    <joint name="j1" type="revolute"><pose relative_to="base">0 0 0.3 0.2 0 0</pose>
+      <parent>base</parent><child>a</child>
+      <axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>2</upper><effort>5</effort><velocity>-1</velocity></limit>
+        <dynamics><damping>0.1</damping><friction>0.2</friction></dynamics></axis></joint>
+    <frame name="side" attached_to="a"><pose>0 0.1 0 0 0.5 0</pose></frame>
+    <link name="b"><pose relative_to="side">0 0 0.4 0 0 0</pose>{INERTIAL}</link>
+    <joint name="j2" type="prismatic"><pose>0 0 0.1 0 0 0.5</pose><parent>side</parent><child>b</child>
+      <axis><xyz expressed_in="base">0 0 1</xyz><limit><lower>-1e16</lower><upper>1e16</upper></limit></axis></joint>
+    <link name="c"><pose>0.5 0.6 0.7 0 0 0</pose>{INERTIAL}</link>
+    <joint name="j3" type="continuous"><parent>b</parent><child>c</child><axis><xyz>1 0 0</xyz></axis></joint>
+    <frame name="tool0" attached_to="j3"><pose>0 0 0.1 0 1 0</pose></frame>
+  </model>
+</sdf>
+"""
+LINKS = ("near", "far", "base", "a", "side", "b", "c", "tool0")
+
+
+def drake_frames(path: Path) -> Any:
+    """T(world → frame) by Drake, as a function of the joint values and the frame's name."""
+    pytest.importorskip("pydrake")
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(0.001)
+    Parser(plant).AddModels(str(path))
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+
+    def frame(values: dict[str, float], name: str) -> np.ndarray:
+        for joint, value in values.items():
+            plant.SetPositions(context, joint_vector(plant, context, joint, value))
+        return np.array(plant.GetFrameByName(name).CalcPoseInWorld(context).GetAsMatrix4())
+
+    return frame
+
+
+def joint_vector(plant: Any, context: Any, joint: str, value: float) -> Any:
+    q = plant.GetPositions(context)
+    q[plant.GetJointByName(joint).position_start()] = value
+    return q
+
+
+def test_frames_are_where_drake_has_them(tmp_path: Path) -> None:
+    """Poses relative to joints, links and frames, joints away from their links, axes in other frames."""
+    path = tmp_path / "foreign.sdf"
+    path.write_text(FOREIGN)
+    frame = drake_frames(path)
+    robot = read_sdf(path)
+    draw = np.random.default_rng(5)
+    for _ in range(5):
+        values = dict(zip(("j1", "j2", "j3"), draw.uniform(-1, 1, 3), strict=True))
+        for name in LINKS:
+            chain = KinematicChain.between(robot, "world", name)
+            q = [values[joint.name] for joint in chain.joints if joint.type is not JointType.FIXED]
+            pose = chain.forward_kinematics(q)
+            T = frame(values, name)
+            assert np.abs(T[:3, :3].ravel() - pose.rotation).max() < 1e-13
+            assert np.abs(T[:3, 3] - pose.translation).max() < 1e-13
+
+
+def test_a_frame_may_be_attached_to_a_frame() -> None:
+    """It stands in that one (which Drake 1.51 has otherwise)."""
+    frames = '<frame name="g" attached_to="f"><pose>0 0 1 0 0 0</pose></frame>'
+    frames += '<frame name="f" attached_to="b"><pose>1 0 0 0 1.5707963267948966 0</pose></frame>'
+    robot = parse_sdf(MODEL.format(frames).encode(), "x")
+    assert KinematicChain.between(robot, "b", "g").forward_kinematics([]).translation == (2.0, 0.0, 0.0)
+
+
+def test_what_it_holds() -> None:
+    """Types, limits, losses, masses, shapes and colours; a limit that is none is none."""
+    robot = parse_sdf(FOREIGN.encode(), "foreign.sdf")
+    assert robot.name == "foreign"
+    joints = {joint.name: joint for joint in robot.joints}
+    assert (joints["j1"].limits.lower, joints["j1"].limits.upper) == (-1.0, 2.0)
+    assert (joints["j1"].limits.effort, joints["j1"].limits.velocity) == (5.0, None)
+    assert (joints["j1"].damping, joints["j1"].friction) == (0.1, 0.2)
+    assert (joints["j2"].limits.lower, joints["j2"].type) == (None, JointType.PRISMATIC)
+    assert joints["j3"].type is JointType.CONTINUOUS
+    a = next(link for link in robot.links if link.name == "a")
+    assert a.inertial is not None
+    assert (a.inertial.mass, a.inertial.com) == (3.0, (0.01, 0.0, 0.0))
+    assert (a.inertial.inertia.iyy, a.inertial.inertia.izz) == pytest.approx((2.5, 2.0))
+    assert [collision.geometry for collision in a.collisions] == [
+        Box(size=(1.0, 2.0, 3.0)),
+        Cylinder(radius=1.0, length=2.0),
+    ]
+    sphere, mesh = a.visuals
+    assert sphere.geometry == Sphere(radius=0.1)
+    assert sphere.origin.xyz == pytest.approx((0.1 * np.sin(0.5), 0.1, 0.1 * np.cos(0.5)))
+    assert sphere.material is not None
+    assert (mesh.geometry, mesh.material) == (Mesh(filename="a.stl"), None)
+
+
+def test_a_link_without_mass_weighs_what_sdf_says() -> None:
+    """1 kg, and 1 kg·m² about each axis."""
+    robot = parse_sdf(b'<sdf version="1.7"><model name="m"><link name="a"/></model></sdf>', "x")
+    inertial = robot.links[1].inertial
+    assert inertial is not None
+    assert (inertial.mass, inertial.inertia.ixx, inertial.inertia.ixy) == (1.0, 1.0, 0.0)
+
+
+MODEL = '<sdf version="1.7"><model name="m"><link name="a"/><link name="b"/>{}</model></sdf>'
+JOINT = '<joint name="j" type="{}"><parent>a</parent><child>b</child><axis><xyz>{}</xyz></axis></joint>'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<sdf>", "not XML"),
+        ("<robot/>", "no model"),
+        ("<sdf/>", "no model"),
+        (MODEL.format(JOINT.format("ball", "0 0 1")), "'ball' is not one of a manipulator"),
+        (MODEL.format(JOINT.format("revolute", "0 1")), "axis/xyz of joint is '0 1'"),
+        (MODEL.format(JOINT.format("revolute", "0 nan 1")), "axis/xyz of joint is"),
+        (MODEL.format('<joint name="j" type="fixed"><parent>a</parent></joint>'), "joint lacks child"),
+        (MODEL.format('<joint name="j" type="fixed"><parent>x</parent><child>b</child></joint>'), "frame 'x'"),
+        (MODEL.format('<frame name="f" attached_to="f"/>'), "to itself"),
+        (MODEL.format('<frame name="f" attached_to="g"/><frame name="g" attached_to="f"/>'), "to itself"),
+        (MODEL.format('<frame attached_to="a"/>'), "frame lacks a name"),
+        (
+            MODEL.format(
+                '<frame name="f" attached_to="a"><pose relative_to="g">0 0 0 0 0 0</pose></frame>'
+                '<frame name="g" attached_to="b"><pose relative_to="f">0 0 0 0 0 0</pose></frame>'
+            ),
+            "relative to itself",
+        ),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text: str, message: str) -> None:
+    """What is no SDF of a manipulator; the error names the file."""
+    with pytest.raises(ProofError, match=message) as caught:
+        parse_sdf(text.encode(), "arm.sdf")
+    mark = caught.value.problems[0].mark
+    assert mark is not None
+    assert mark.file == "arm.sdf"
+
+
+def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
+    """It says that the file cannot be read."""
+    with pytest.raises(ProofError, match="cannot be read"):
+        read_sdf(tmp_path / "none.sdf")

@@ -1,0 +1,84 @@
+"""docs/check.md says what the table of rules says. `pytest --renew` writes it again."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf import agreement
+from dh2urdf.cli.check import command
+from dh2urdf_plugins.lint.inspection import inspect_urdf
+from dh2urdf_plugins.lint.rules import CONSUMERS, rules
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+PAGE = Path(__file__).parents[1] / "docs" / "check.md"
+RULES = re.compile(r"(?<=<!-- rules: )(?P<remark>[^>]*-->\n)(?P<rules>.*?)(?=<!-- /rules -->)", re.DOTALL)
+
+
+def lines() -> Iterator[str]:
+    """The matrix of all rules, then a paragraph for each."""
+    yield f"\n| rule | {' | '.join(CONSUMERS)} |"
+    yield f"|---|{'---|' * len(CONSUMERS)}"
+    for rule in rules().values():
+        cells = " | ".join(rule.outcomes.get(consumer, "") for consumer in CONSUMERS)
+        yield f"| [{rule.name}](#{rule.name}) | {cells} |".replace("|  ", "| ")
+    for rule in rules().values():
+        yield f"\n### {rule.name}\n\n{rule.fault[0].upper()}{rule.fault[1:]}.\n"
+        together: dict[str, list[str]] = {}
+        for effect in rule.effects:
+            together.setdefault(f"{effect.text} ({rule.outcomes[effect.consumer]})", []).append(f"`{effect.consumer}`")
+        for text, consumers in together.items():
+            yield f"- {', '.join(consumers)}: {text}"
+        yield f"\nMend: {rule.mend}."
+
+
+def test_every_rule_is_in_the_page(*, renew: bool) -> None:
+    """With what every consumer does, and how to mend it."""
+    page, generated = PAGE.read_text("utf-8"), "\n".join(lines()) + "\n\n"
+    if renew:
+        PAGE.write_text(RULES.sub(lambda match: match["remark"] + generated, page), "utf-8")
+    match = RULES.search(PAGE.read_text("utf-8"))
+    assert match is not None
+    assert match["rules"] == generated
+
+
+def test_every_option_is_in_the_page() -> None:
+    """And the numbers are those of the code."""
+    page = PAGE.read_text("utf-8")
+    options = {option for parameter in command.params for option in parameter.opts if option.startswith("--")}
+    assert {option for option in options if option not in page} == set()
+    assert f"at {agreement.POSES + 1} joint vectors" in page
+    assert (agreement.TOLERANCE, agreement.NEAR) == (1e-6, 5e-3)
+    assert all(f"`{name}`" in page for name in agreement.USUAL_TIPS)
+
+
+QUOTED = re.compile(r"^(?P<file>\w+\.urdf):\d+:\d+: error: (?P<message>.*)\n(?P<more>(?:    .*\n)+)", re.MULTILINE)
+
+
+def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
+    """Findings, effects and mends; the lines may be others in another version of the package."""
+    try:
+        files = importlib.metadata.files("example-robot-data") or ()
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("example-robot-data is not installed")
+    paths = {file.name: Path(file.locate()) for file in files if file.suffix == ".urdf"}
+    quotes = list(QUOTED.finditer(PAGE.read_text("utf-8")))
+    assert len(quotes) == 4
+    for quote in quotes:
+        finding = next(each for each in inspect_urdf(paths[quote["file"]]).findings if quote["message"] in each.message)
+        said = [f"mend: {finding.mend}"]
+        for effect in finding.effects:
+            severity = "" if effect.severity == finding.severity else f" ({effect.severity})"
+            said.append(f"{effect.consumer}{severity}: {effect.text}")
+        assert {line.strip() for line in quote["more"].splitlines()} <= set(said)
+
+
+def test_the_readme_leads_to_the_page() -> None:
+    """From where it shows the command."""
+    assert "[docs/check.md](docs/check.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

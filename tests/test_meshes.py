@@ -1,0 +1,410 @@
+"""Meshes from a table to the simulators: the same bodies in the same places, and every file where its robots find it."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import shutil
+import tarfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import trimesh
+from lxml import etree
+
+from dh2urdf_plugins.xacro_reader import expand
+
+if TYPE_CHECKING:
+    import subprocess
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+LENGTHS = (0.3, 0.25, 0.2)
+SIZE = (0.06, 0.08, 0.2)
+ORIGINS = (((0.0, 0.1, -0.05), (0.0, 0.0, 0.0)), ((0.1, 0.0, 0.0), (0.3, -0.5, 0.7)), ((0, 0, 0), (0, math.pi / 2, 0)))
+ROWS = (  # a, alpha, d, theta, offset, sign, prismatic
+    (0.0, math.pi / 2, 0.2, 0.1, 0.3, 1, False),
+    (0.3, 0.4, 0.05, 0.0, 0.0, -1, False),
+    (0.1, -math.pi / 2, 0.1, 0.2, 0.05, 1, True),
+)
+BASE = ((0.1, 0.2, 0.3), (0.1, 0.2, 0.3))
+VECTORS = [np.zeros(3), *np.random.default_rng(3).uniform(-0.8, 0.8, (5, 3))]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with boxes as meshes: in metres, and one in millimetres."""
+    meshes = tmp_path / "meshes"
+    meshes.mkdir()
+    box = trimesh.creation.box(SIZE)
+    for name in ("link.stl", "link.obj", "link.dae"):
+        box.export(meshes / name)
+    (meshes / "link.dae").write_text((meshes / "link.dae").read_text().replace("Y_UP", "Z_UP"))
+    box.apply_scale(1000.0)
+    box.export(meshes / "link_mm.stl")
+    return tmp_path
+
+
+def table(convention: str, *files: str, density: float = 1000.0) -> str:
+    """The arm above, each link a mesh where there is a file for it, and the base one."""
+    joints = []
+    for number, (row, origin) in enumerate(zip(ROWS, ORIGINS, strict=True)):
+        a, alpha, d, theta, offset, sign, prismatic = row
+        joint = {
+            "name": f"joint_{number + 1}",
+            **({"type": "prismatic"} if prismatic else {}),
+            "a": a,
+            "alpha": alpha,
+            "d": d,
+            "theta": theta,
+            "offset": offset,
+            "sign": sign,
+            "limits": {"lower": -1, "upper": 1},
+        }
+        if number < len(files):
+            scale = 0.001 if "mm" in files[number] else 1
+            joint["mesh"] = {"file": f"meshes/{files[number]}", "xyz": origin[0], "rpy": origin[1], "scale": scale}
+        joints.append(joint)
+    base = {"xyz": BASE[0], "rpy": BASE[1], **({"mesh": f"meshes/{files[0]}"} if files else {})}
+    return json.dumps(
+        {"name": "arm", "convention": convention, "base": base, "defaults": {"density": density}, "joints": joints}
+    )
+
+
+def matrix(xyz: Any, rpy: Any) -> np.ndarray:
+    """A homogeneous matrix of fixed-axis angles, by trimesh's own code."""
+    T = trimesh.transformations.euler_matrix(*rpy, axes="sxyz")
+    T[:3, 3] = xyz
+    return T
+
+
+def dh_poses(convention: str, q: Any) -> list[np.ndarray]:
+    """The DH frames before the first row and after each, as products of plain matrices."""
+
+    def screw(axis: int, angle: float, length: float) -> np.ndarray:
+        direction = np.eye(3)[axis]
+        T = trimesh.transformations.rotation_matrix(angle, direction)
+        T[:3, 3] = length * direction
+        return T
+
+    poses = [matrix(*BASE)]
+    for (a, alpha, d, theta, offset, sign, prismatic), value in zip(ROWS, q, strict=True):
+        moved = offset + sign * value
+        z = screw(2, theta + (0 if prismatic else moved), d + (moved if prismatic else 0))
+        x = screw(0, alpha, a)
+        poses.append(poses[-1] @ (z @ x if convention == "standard" else x @ z))
+    return poses
+
+
+def mesh_names(path: Path) -> list[str]:
+    return [element.get("filename") for element in etree.fromstring(path.read_bytes()).iter("mesh")]
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+@pytest.mark.parametrize("frames", ["aligned", "dh"])
+def test_meshes_stand_where_the_table_has_them(
+    convention: str, frames: str, folder: Path, cli: Callable[..., Answer]
+) -> None:
+    """Pinocchio has each at base · A₁(q₁) · … · Aᵢ(qᵢ) · origin, where it is seen and where it touches."""
+    import pinocchio
+
+    (folder / "arm.yaml").write_text(table(convention, "link.stl", "link.obj", "link_mm.stl"))
+    cli("convert", "arm.yaml", "-o", "out/arm.urdf", "--frames", frames)
+    model, collisions, visuals = pinocchio.buildModelsFromUrdf(str(folder / "out/arm.urdf"), [str(folder / "out")])
+    origins = [((0, 0, 0), (0, 0, 0)), *ORIGINS]
+    for geometry in (visuals, collisions):
+        data, places = model.createData(), geometry.createData()
+        assert geometry.ngeoms == 4
+        for q in VECTORS:
+            pinocchio.updateGeometryPlacements(model, data, geometry, places, np.array(q))
+            for shape, dh_frame, origin in zip(places.oMg, dh_poses(convention, q), origins, strict=True):
+                assert shape.homogeneous == pytest.approx(dh_frame @ matrix(*origin), abs=1e-12)
+        for each in geometry.geometryObjects:
+            each.geometry.computeLocalAABB()
+            corner = each.geometry.aabb_local.max_
+            assert corner == pytest.approx(np.array(SIZE) / 2, rel=1e-6)
+
+
+def test_every_simulator_finds_the_meshes_and_the_same_masses(folder: Path, cli: Callable[..., Answer]) -> None:
+    """PyBullet, MuJoCo, Pinocchio and yourdfpy: bounds of what touches, and 1000 kg/m³ times the volume."""
+    import mujoco
+    import pinocchio
+    import pybullet
+    import yourdfpy
+
+    (folder / "arm.yaml").write_text(table("standard", "link.stl", "link.obj", "link_mm.stl"))
+    cli("convert", "arm.yaml", "-o", "out/arm.urdf")
+    path = str(folder / "out/arm.urdf")
+    link = 1000.0 * math.prod(SIZE)
+
+    model = mujoco.MjModel.from_xml_path(path)
+    assert model.ngeom == 8
+    assert sorted(model.body_mass[1:]) == pytest.approx(sorted([link] * 4 + [0.0] * (model.nbody - 5)), rel=1e-5)
+    spread = model.mesh_vert.reshape(-1, 3)
+    assert np.abs(spread).max() == pytest.approx(max(SIZE) / 2, rel=1e-5)
+
+    assert pinocchio.buildModelFromUrdf(path).inertias[1].mass == pytest.approx(link, rel=1e-6)
+
+    description = yourdfpy.URDF.load(path, build_collision_scene_graph=True, load_collision_meshes=True)
+    for name, dh_frame in zip(("base_link_inertia", "link_1"), dh_poses("standard", [0, 0, 0]), strict=False):
+        origin = matrix(*ORIGINS[0]) if name == "link_1" else np.eye(4)
+        corners = trimesh.transform_points(trimesh.creation.box(SIZE).vertices, dh_frame @ origin)
+        geometry = description.link_map[name].collisions[0]
+        place = description.get_transform(name, "base_link") @ geometry.origin
+        found = trimesh.transform_points(
+            trimesh.load_mesh(folder / "out" / geometry.geometry.mesh.filename).vertices, place
+        )
+        assert found.max(axis=0) == pytest.approx(corners.max(axis=0), abs=1e-6)
+
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        body = pybullet.loadURDF(path, useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE)
+        poses = dh_poses("standard", [0, 0, 0])
+        for index in range(pybullet.getNumJoints(body)):
+            name = pybullet.getJointInfo(body, index)[12].decode()
+            if name in ("link_1", "link_2", "link_3"):
+                number = int(name[-1])
+                assert pybullet.getDynamicsInfo(body, index)[0] == pytest.approx(link, rel=1e-5)
+                T = poses[number] @ matrix(*ORIGINS[number - 1])
+                corners = trimesh.transform_points(trimesh.creation.box(SIZE).vertices, T)
+                low, high = pybullet.getAABB(body, index)
+                assert low == pytest.approx(corners.min(axis=0), abs=0.006)  # Bullet's margins
+                assert high == pytest.approx(corners.max(axis=0), abs=0.006)
+    finally:
+        pybullet.disconnect(client)
+
+
+def test_the_expanded_xacro_has_the_meshes_of_the_urdf(folder: Path, cli: Callable[..., Answer]) -> None:
+    """Names, scales and origins; the copies lie beside both."""
+    (folder / "arm.yaml").write_text(table("standard", "link.stl", "link.obj", "link_mm.stl"))
+    cli("convert", "arm.yaml", "-o", "out/arm.urdf")
+    cli("convert", "arm.yaml", "-o", "out/arm.urdf.xacro")
+    urdf = etree.parse(folder / "out/arm.urdf")
+    expanded = etree.fromstring(expand(folder / "out/arm.urdf.xacro"))
+    for tag in ("mesh", "compiler"):
+        assert [dict(each.attrib) for each in expanded.iter(tag)] == [dict(each.attrib) for each in urdf.iter(tag)]
+    assert len(list(urdf.iter("mesh"))) == 8
+    names = set(mesh_names(folder / "out/arm.urdf"))
+    assert names == {f"meshes/{path.name}" for path in (folder / "out/meshes").iterdir()}
+
+
+class TestConvert:
+    def test_it_copies_meshes_beside_its_file(self, folder: Path, cli: Callable[..., Answer]) -> None:
+        """Byte for byte, once each, under names with a part of their hashes."""
+        (folder / "arm.yaml").write_text(table("standard", "link.stl", "link.stl", "link.dae"))
+        cli("convert", "arm.yaml", "-o", "out/arm.urdf")
+        names = mesh_names(folder / "out/arm.urdf")
+        assert len(set(names)) == 2
+        for name in names:
+            original = folder / "meshes" / f"link{Path(name).suffix}"
+            assert (folder / "out" / name).read_bytes() == original.read_bytes()
+
+    def test_it_can_name_the_originals(self, folder: Path, cli: Callable[..., Answer]) -> None:
+        """On standard output it has nothing beside it to name."""
+        (folder / "arm.yaml").write_text(table("standard", "link.stl"))
+        cli("convert", "arm.yaml", "-o", "out/arm.urdf", "--meshes", "file")
+        address = f"file://{folder}/meshes/link.stl"
+        assert set(mesh_names(folder / "out/arm.urdf")) == {address}
+        assert not (folder / "out/meshes").exists()
+        assert address in cli("convert", "arm.yaml").stdout
+        told = cli("convert", "arm.yaml", "--meshes", "relative", status=2).stderr
+        assert "--meshes relative copies meshes beside a file" in told
+
+    def test_it_can_name_a_package(self, folder: Path, cli: Callable[..., Answer]) -> None:
+        """The copies lie where the package will have them."""
+        (folder / "arm.yaml").write_text(table("standard", "link.stl"))
+        cli("convert", "arm.yaml", "-o", "arm_description/arm.urdf", "--meshes", "package://arm_description")
+        (name,) = set(mesh_names(folder / "arm_description/arm.urdf"))
+        assert (folder / name.removeprefix("package://")).is_file()
+        assert "accepted: relative" in cli("convert", "arm.yaml", "-o", "a.urdf", "--meshes", "here", status=2).stderr
+
+    def test_a_missing_mesh_is_an_error_of_the_table(self, folder: Path, cli: Callable[..., Answer]) -> None:
+        """With its place; nothing is written."""
+        (folder / "arm.yaml").write_text(
+            "convention: standard\njoints:\n  - {name: j, a: 0.1, alpha: 0, d: 0, visual: meshes/lnik.stl}\n"
+        )
+        told = cli("convert", "arm.yaml", "-o", "out/arm.urdf", status=2).stderr
+        assert told.startswith("arm.yaml:3:47: error: joint 'j', field 'visual': there is no mesh in 'meshes/lnik.stl'")
+        assert f"{folder}/meshes/lnik.stl" in told
+        assert "did you mean" in told
+        assert not (folder / "out").exists()
+
+
+RUN = """
+inputs: arm.csv
+meshes:
+  of: arm
+  joints:
+    joint_1: {mesh: meshes/link.stl}
+    joint_2: {visual: {file: meshes/link_mm.stl, scale: 0.001}}
+"""
+CSV = "# convention: standard\njoint,a,alpha,d\njoint_1,0,pi/2,0.2\njoint_2,0.3,0,0\njoint_3,0.2,0,0\n"
+
+
+@pytest.fixture
+def run(folder: Path, cli: Callable[..., Answer]) -> Callable[..., list[dict[str, Any]]]:
+    """The rows of the manifest of a run with the meshes above."""
+    (folder / "arm.csv").write_text(CSV)
+
+    def call(*words: str | Path, more: str = "", status: int = 0) -> list[dict[str, Any]]:
+        (folder / "run.yaml").write_text(RUN + more)
+        cli("run", "run.yaml", "-o", folder / "out", "--workers", 1, *words, status=status)
+        return [json.loads(line) for line in (folder / "out/manifest.jsonl").read_text().splitlines()]
+
+    return call
+
+
+VARIANTS = """
+variations:
+  - {of: arm, count: 30, vary: {joints: all, field: damping, uniform: [0, 2]}}
+"""
+
+
+class TestRuns:
+    def test_all_manipulators_share_one_copy(self, run: Callable[..., list[dict[str, Any]]], folder: Path) -> None:
+        """Variants and cells have the meshes of their tables, however they are made; the manifest lists the copies."""
+        rows = run(
+            more=VARIANTS + "cells:\n  - {name: pair, arms: [{name: a, of: arm}, {name: b, of: arm, xyz: [1, 0, 0]}]}\n"
+        )
+        assert len(rows) == 32
+        copies = {f"meshes/{path.name}" for path in (folder / "out/meshes").iterdir()}
+        assert len(copies) == 2
+        for row in rows:
+            assert {mesh["path"] for mesh in row["meshes"]} == copies
+            assert set(mesh_names(folder / "out" / row["files"][0]["path"])) == copies
+            assert ("damping" in (folder / "out" / row["files"][0]["path"]).read_text()) == bool(row["drawn"])
+
+    def test_no_meshes_no_mention(self, run: Callable[..., list[dict[str, Any]]], folder: Path) -> None:
+        """Where links are not seen and the originals are named, nothing is copied."""
+        (row,) = run(more="transform: {options: {visuals: none, collisions: none}}\n")
+        assert "meshes" not in row
+        (row,) = run("--set", "output.meshes=file")
+        assert "meshes" not in row
+        assert mesh_names(folder / "out/arm.urdf")[0] == f"file://{folder}/meshes/link.stl"
+        assert not (folder / "out/meshes").exists()
+
+    def test_descriptions_in_folders_find_them(self, run: Callable[..., list[dict[str, Any]]], folder: Path) -> None:
+        """One folder up, and so does PyBullet when the run asks it."""
+        rows = run("--set", "output.layout=folders", "--set", "loaders=pybullet", "--set", "output.size=1")
+        path = folder / "out" / rows[0]["files"][0]["path"]
+        for name in mesh_names(path):
+            assert (path.parent / name).is_file()
+        assert rows[0]["loaders"]["pybullet"]["findings"] == []
+
+    @pytest.mark.parametrize("words", [(), ("--set", "output.meshes=package://arm/description")])
+    def test_a_simulator_finds_them_before_they_are_in_place(
+        self, words: tuple[str, ...], run: Callable[..., list[dict[str, Any]]]
+    ) -> None:
+        """By a path or in a package: the loader works in a folder of its own."""
+        (row,) = run("--set", "loaders=pybullet", *words)
+        report = row["loaders"]["pybullet"]
+        assert report["findings"] == []
+        assert report["mass_error"] < 1e-6
+        assert report["picture"] == "arm.png"
+
+    def test_a_changed_mesh_makes_its_robots_again(self, folder: Path, cli: Callable[..., Answer]) -> None:
+        """With its new mass; the others are kept."""
+        for name in ("arm.csv", "other.csv"):
+            (folder / name).write_text(CSV)
+        (folder / "run.yaml").write_text(RUN.replace("inputs: arm.csv\n", "inputs: [arm.csv, other.csv]\n"))
+
+        def keys(*words: str) -> list[str]:
+            cli("run", "run.yaml", "-o", "out", *words)
+            return [json.loads(line)["key"] for line in (folder / "out/manifest.jsonl").read_text().splitlines()]
+
+        first = keys()
+        before = (folder / "out/arm.urdf").read_bytes()
+        other = (folder / "out/other.urdf").stat().st_mtime_ns
+        assert keys("--resume") == first
+        trimesh.creation.box((0.1, 0.1, 0.1)).export(folder / "meshes/link.stl")
+        changed = keys("--resume")
+        assert (changed[0] != first[0], changed[1]) == (True, first[1])
+        assert (folder / "out/arm.urdf").read_bytes() != before
+        assert (folder / "out/other.urdf").stat().st_mtime_ns == other
+        for name in mesh_names(folder / "out/arm.urdf"):
+            assert (folder / "out" / name).is_file()
+
+    @pytest.mark.parametrize("layout", ["files", "shards"])
+    def test_a_lost_or_damaged_copy_is_made_again(
+        self, layout: str, run: Callable[..., list[dict[str, Any]]], folder: Path
+    ) -> None:
+        """When the run is resumed; the rest is the same, byte for byte."""
+        words = ("--set", f"output.layout={layout}")
+        run(*words, more=VARIANTS)
+        lost, damaged = sorted((folder / "out/meshes").iterdir())
+        contents = {path: path.read_bytes() for path in sorted((folder / "out").rglob("*")) if path.is_file()}
+        lost.unlink()
+        damaged.write_bytes(b"something else")
+        run("--resume", *words, more=VARIANTS)
+        for path, content in contents.items():
+            if path.name != "timing.json":
+                assert path.read_bytes() == content, path
+
+    def test_shards_hold_descriptions_alone(
+        self, run: Callable[..., list[dict[str, Any]]], folder: Path, tmp_path: Path
+    ) -> None:
+        """Unpacked beside the folder of meshes, they find them."""
+        run("--set", "output.layout=shards", more=VARIANTS)
+        unpacked = tmp_path / "unpacked"
+        shutil.copytree(folder / "out/meshes", unpacked / "meshes")
+        with tarfile.open(folder / "out/000000.tar") as shard:
+            assert all(member.name.endswith(".urdf") for member in shard.getmembers())
+            shard.extractall(unpacked, filter="data")
+        assert len(list(unpacked.glob("*.urdf"))) == 31
+        for path in unpacked.glob("*.urdf"):
+            assert all((unpacked / name).is_file() for name in mesh_names(path))
+
+    def test_side_by_side_and_one_by_one_are_the_same_bytes(
+        self, run: Callable[..., list[dict[str, Any]]], folder: Path
+    ) -> None:
+        """A variant made alone is the one that was made among others."""
+        run(more=VARIANTS)
+        together = (folder / "out/arm_07.urdf").read_bytes()
+        run("--set", "emitters=[urdf, xacro]", "--set", "sample.first=1", more=VARIANTS)  # xacro is made one by one
+        assert (folder / "out/arm_07.urdf").read_bytes() == together
+
+    def test_an_object_store_has_them_once(self, folder: Path, bucket: str, cli: Callable[..., Answer]) -> None:
+        """Beside shards."""
+        import fsspec
+
+        (folder / "arm.csv").write_text(CSV)
+        (folder / "run.yaml").write_text(RUN + VARIANTS)
+        cli("run", "run.yaml", "-o", bucket, "--workers", 1, "--set", "output.layout=shards")
+        files = fsspec.open_files(f"{bucket}/meshes/*")
+        assert len(files) == 2
+        with fsspec.open(f"{bucket}/000000.tar") as stream, tarfile.open(fileobj=io.BytesIO(stream.read())) as shard:
+            assert len(shard.getnames()) == 31
+
+    def test_meshes_of_nobody_and_of_no_joint_fail_the_run_s_exit_status(
+        self, folder: Path, cli: Callable[..., Answer]
+    ) -> None:
+        """The other manipulators are made."""
+        (folder / "arm.csv").write_text(CSV)
+        (folder / "other.csv").write_text(CSV)
+        entries = "[{of: amr, base: {mesh: meshes/link.stl}}, {of: other, joints: {joint_9: {mesh: meshes/link.stl}}}]"
+        (folder / "run.yaml").write_text(f"inputs: [arm.csv, other.csv]\nmeshes: {entries}\n")
+        told = cli("run", "run.yaml", "-o", "out", status=1).stderr
+        assert "run.yaml:2:15: error: " in told
+        assert "did you mean 'arm'?" in told
+        assert "has no joint 'joint_9'" in told
+        assert (folder / "out/arm.urdf").is_file()
+        assert not (folder / "out/other.urdf").exists()
+
+
+def test_without_trimesh_the_message_says_what_to_install(
+    folder: Path, dh2urdf: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    """In one line, with the exit status of what is not installed; where all masses are given it is not missed."""
+    (folder / "trimesh.py").write_text("raise ImportError('not here')\n")
+    (folder / "arm.yaml").write_text(table("standard", "link.stl"))
+    told = dh2urdf("convert", "arm.yaml", "-o", "out/arm.urdf", path=[folder], status=3).stderr
+    assert told.strip().endswith("needs trimesh: pip install 'dh2urdf[meshes]'")
+    body = "mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}"
+    (folder / "arm.yaml").write_text(
+        f"convention: standard\njoints:\n  - {{a: 0.3, alpha: 0, d: 0.1, {body}, mesh: meshes/link.stl}}\n"
+    )
+    dh2urdf("convert", "arm.yaml", "-o", "out/arm.urdf", path=[folder])

@@ -115,7 +115,7 @@ class TestImportDirection:
                 "remote",
                 "report",
                 "sampling",
-            "studio",
+                "studio",
             ),
         )
         requirements = [*project["dependencies"], *(package for extra in asked for package in extras[extra])]

@@ -27,12 +27,9 @@ EXIT_STATUS = (
 COMMANDS = {
     "run": "Do a whole run that a YAML file describes.",
     "convert": "Turn one table into a robot description.",
-<<<<<<< HEAD
+    "check": "Say what each simulator will do with a robot description.",
     "studio": "Type a table in the browser, see the arm move, press Generate.",
     "view": "Show robots of URDF, xacro, tables and cells in the browser.",
-=======
-    "check": "Say what each simulator will do with a robot description.",
->>>>>>> main
     "plugins": "List every installed stage and its options.",
     "schema": "Print the JSON Schema of run files or tables.",
 }

@@ -88,11 +88,7 @@ class TestWords:
         answer = cli("convrt", "arm.csv", status=2)
         assert answer.stdout == ""
         assert (
-<<<<<<< HEAD
-            "no command 'convrt'; the commands are run, convert, studio, view, plugins, schema; did you mean 'convert'?"
-=======
-            "no command 'convrt'; the commands are run, convert, check, plugins, schema; did you mean 'convert'?"
->>>>>>> main
+            "no command 'convrt'; the commands are run, convert, check, studio, view, plugins, schema; did you mean 'convert'?"
             in answer.stderr
         )
 

@@ -41,6 +41,7 @@ JointVector: TypeAlias = Sequence[Any]
 
 ROOT = "base_link"
 TOOL = "tool0"
+FLANGE = "flange"
 
 
 def dh_transform(convention: Convention, *, a: Any, alpha: Any, d: Any, theta: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike

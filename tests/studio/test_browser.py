@@ -181,7 +181,7 @@ def test_the_paper_stands_side_by_side(studio_address: str, new_tab: Callable[..
     page = tab.open()
     tab.open_exhibit("ur5_paper")
     page.get_by_role("button", name="side by side").click()
-    page.get_by_text("its tool0 is 1.41 m and 90° from where the table has it").wait_for()
+    page.get_by_text("its tool0 is 1.41 m and 90° from the table's").wait_for()
     assert {"tool0", "paper/tool0"} <= set(tab.nodes())
 
 
@@ -236,9 +236,9 @@ def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], c
     tab.open()
     tab.open_exhibit("stanford")
     table = gallery.exhibit("stanford.csv", catalog)
-    assert tab.save("Table as YAML") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
-    assert tab.save("URDF") == ("stanford.urdf", save.robot_file(table, "urdf", "exact", catalog).content)
-    assert tab.save("xacro") == ("stanford.urdf.xacro", save.robot_file(table, "xacro", "exact", catalog).content)
+    assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
+    assert tab.save("Robot as urdf") == ("stanford.urdf", save.robot_file(table, "urdf", "exact", catalog).content)
+    assert tab.save("Robot as xacro") == ("stanford.urdf.xacro", save.robot_file(table, "xacro", "exact", catalog).content)
     assert tab.save("Run file")[0] == "stanford_run.yaml"
     assert tab.save("Everything, as a zip") == ("stanford.zip", save.zipped(save.all_files(table, "exact", catalog)))
 

@@ -49,7 +49,7 @@ def test_the_ur5_by_keyboard(
     tab.wait_for_status("6 axes; the arm is the table's")
     assert tab.cells(1, "a", "alpha", "d") == ur5_cells()[1]
 
-    name, content = tab.save("Table as CSV")
+    name, content = tab.save("Table as csv")
     table = tmp_path / name
     table.write_bytes(content)
     reader = catalog.reader_for(table)

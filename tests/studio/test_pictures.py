@@ -16,19 +16,22 @@ PICTURES = ROOT / "docs" / "studio"
 LAPTOP, TABLET = (1280, 720), (820, 1180)
 
 
+UR5_POSE = [2.4, -1.9, 2.0, -1.7, -1.57, 0.0]
+
+
 def empty(_: Any) -> None:
     """An empty table, as the studio begins."""
 
 
 def ur5(tab: Any) -> None:
     tab.open_exhibit("ur5")
-    set_sliders(tab, [-0.6, -1.0, 1.2, -1.4, -1.57, 0.3])
+    set_sliders(tab, UR5_POSE)
     tab.cell(1, "a").click()
 
 
 def wrong_cell(tab: Any) -> None:
     tab.open_exhibit("ur5")
-    set_sliders(tab, [-0.6, -1.0, 1.2, -1.4, -1.57, 0.3])
+    set_sliders(tab, UR5_POSE)
     tab.type_into(3, "alpha", "pi/x")
     tab.wait_for_status("1 problem")
 
@@ -43,7 +46,7 @@ def panda(tab: Any) -> None:
 def paper(tab: Any) -> None:
     tab.open_exhibit("ur5_paper")
     tab.page.get_by_role("button", name="side by side").click()
-    tab.page.get_by_text("from where the table has it").wait_for()
+    tab.page.get_by_text("from the table's").wait_for()
 
 
 def set_sliders(tab: Any, values: list[float]) -> None:

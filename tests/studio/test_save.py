@@ -58,7 +58,9 @@ def test_a_zip_of_all_runs(catalog: Catalog, cli: Callable[..., Any], tmp_path: 
     (run,) = [name for name in names if name.endswith("_run.yaml")]
     cli("run", run)
     made = {path.name: path.read_bytes() for path in (tmp_path / "build").glob("*/my_arm*")}
-    assert made == {name: (tmp_path / name).read_bytes() for name in names if name.endswith((".urdf", ".xacro"))}
+    robots = [name for name in names if not name.endswith((".csv", ".yaml"))]
+    assert {"my_arm__1.urdf", "my_arm__1.urdf.xacro", "my_arm__1.sdf", "my_arm__1.xml"} <= set(robots)
+    assert made == {name: (tmp_path / name).read_bytes() for name in robots}
 
 
 def test_a_wrong_table_is_not_made(catalog: Catalog) -> None:

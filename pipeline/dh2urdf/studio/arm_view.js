@@ -1,9 +1,12 @@
 // The scene: nodes with parts, moved by one message that holds all poses. It draws when something has changed, and
 // rests when nothing has. `this.$el.scene` is the three.js scene, whose nodes have the names that Python gave them.
-import { CSS2DObject, CSS2DRenderer, OrbitControls, THREE } from "nicegui-scene";
+import { OrbitControls, THREE } from "nicegui-scene";
 
 const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44 };
 const HIGHLIGHT = new THREE.Color(0x4dabf7);
+const MARGIN = 34; // of the picture, for labels [px]
+const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
+const ROWS = [-1, 0, -2, 1, -3, 2, -4, 3]; // of a label above and below its point, in its own heights
 const AXES = [
   [0xe03131, new THREE.Vector3(1, 0, 0)],
   [0x2f9e44, new THREE.Vector3(0, 1, 0)],
@@ -28,8 +31,8 @@ function merged(pieces) {
 
 function frameGeometry() {
   const up = new THREE.Vector3(0, 1, 0);
-  const shaft = new THREE.CylinderGeometry(0.025, 0.025, 0.8, 8).translate(0, 0.4, 0);
-  const head = new THREE.ConeGeometry(0.07, 0.2, 12).translate(0, 0.9, 0);
+  const shaft = new THREE.CylinderGeometry(0.032, 0.032, 0.78, 8).translate(0, 0.39, 0);
+  const head = new THREE.ConeGeometry(0.085, 0.22, 12).translate(0, 0.89, 0);
   return merged(
     AXES.flatMap(([colour, direction]) => {
       const turn = new THREE.Matrix4().makeRotationFromQuaternion(
@@ -38,6 +41,16 @@ function frameGeometry() {
       return [shaft, head].map((geometry) => [geometry, turn, new THREE.Color(colour)]);
     }),
   );
+}
+
+// Takes everything out of a group: labels from the page, materials and, where they are its own, geometries.
+function clear(group, { geometries = false } = {}) {
+  group.traverse(({ userData, geometry, material }) => {
+    userData.element?.remove();
+    material?.dispose();
+    if (geometries) geometry?.dispose();
+  });
+  group.clear();
 }
 
 function matrixOf(numbers, at = 0) {
@@ -65,7 +78,8 @@ export default {
       sphere: new THREE.SphereGeometry(1, 32, 16),
       frame: frameGeometry(),
     };
-    this.reach = 0;
+    for (const geometry of Object.values(this.geometries)) geometry.computeBoundingBox();
+    this.reach = 1;
     this.row = null;
   },
 
@@ -89,14 +103,14 @@ export default {
     } catch {
       this.fault = "This browser gives no WebGL, so the arm cannot be drawn. Everything else works.";
     }
-    this.labels = new CSS2DRenderer({ element: this.$el.querySelector(".arm-view-labels") });
+    this.sheet = this.$el.querySelector(".arm-view-labels");
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     canvas.addEventListener("dblclick", (event) => this.pick(event));
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.$el);
     this.resize();
-    this.look(1.0);
+    this.fit();
   },
 
   beforeUnmount() {
@@ -108,15 +122,12 @@ export default {
   methods: {
     // A drawing takes the place of the one before; see Drawing.as_json.
     show(drawing, poses) {
-      for (const node of this.nodes) {
-        node.traverse((object) => object.isCSS2DObject && object.element.remove());
-        node.traverse((object) => object.material?.dispose());
-      }
-      this.arm.clear();
+      this.reach = drawing.reach;
+      clear(this.arm);
       this.nodes = drawing.nodes.map((node) => this.node(node));
       for (const node of this.nodes) this.arm.add(node);
-      if (Math.abs(Math.log(drawing.reach / (this.reach || 1e-9))) > 0.7) this.look(drawing.reach);
       this.move(poses);
+      if (Math.abs(Math.log(this.reach / this.fitted)) > 0.5) this.fit();
       this.highlight(this.row);
       this.$el.shown = (this.$el.shown ?? 0) + 1;
     },
@@ -127,9 +138,7 @@ export default {
         node.matrix.copy(matrixOf(poses, 12 * index));
         node.matrixWorldNeedsUpdate = true;
       });
-      this.strokes.traverse((object) => object.isCSS2DObject && object.element.remove());
-      this.strokes.traverse((object) => (object.geometry?.dispose(), object.material?.dispose()));
-      this.strokes.clear();
+      clear(this.strokes, { geometries: true });
       for (const stroke of strokes) this.strokes.add(this.stroke(stroke));
       this.draw();
     },
@@ -140,7 +149,7 @@ export default {
       node.matrixAutoUpdate = false;
       node.userData.row = row;
       for (const part of parts) node.add(this.part(part));
-      if (label) node.add(this.label(label, layer, `arm-view-label arm-view-${layer}-label`));
+      if (label) node.add(this.label(label, layer, `arm-view-${layer}-label`));
       return node;
     },
 
@@ -169,13 +178,13 @@ export default {
       return mesh;
     },
 
-    label(text, layer, classes) {
+    label(text, layer, kind) {
       const element = document.createElement("div");
       element.textContent = text;
-      element.className = classes;
-      const label = new CSS2DObject(element);
-      label.center.set(-0.15, 1.1);
-      label.userData.layer = layer;
+      element.className = `arm-view-label ${kind}`;
+      this.sheet.append(element);
+      const label = new THREE.Object3D();
+      label.userData = { layer, element };
       label.visible = this.layers.has(layer);
       return label;
     },
@@ -190,7 +199,7 @@ export default {
       tube.renderOrder = 3;
       tube.userData.row = row;
       tube.name = `${field} ${row + 1}`;
-      const text = this.label(label, "parameters", `arm-view-label arm-view-stroke arm-view-${field}`);
+      const text = this.label(label, "parameters", `arm-view-stroke arm-view-${field}`);
       text.position.copy(vectors.length > 2 ? vectors[Math.floor(vectors.length / 2)] : vectors[0].clone().lerp(vectors[1], 0.5));
       tube.add(text);
       this.emphasise(tube);
@@ -224,63 +233,97 @@ export default {
             object.material.emissiveIntensity = on ? 0.5 : 1;
           } else if (object.isMesh && object.userData.layer === "frames") {
             object.material.opacity = row === null || on ? 1 : 0.35;
-          } else if (object.isCSS2DObject) {
-            object.element.classList.toggle("arm-view-picked", on);
+          } else if (object.userData.element) {
+            object.userData.element.classList.toggle("arm-view-picked", on);
+            delete object.userData.size; // it is bold now, or no longer
           }
         });
       }
       this.draw();
     },
 
-    // The camera where it sees all of an arm of this reach.
-    look(reach) {
-      this.reach = reach;
-      const far = 2.9 * reach;
-      this.camera.position.set(0.62 * far, -0.62 * far, 0.5 * far);
-      this.camera.near = far / 200;
-      this.camera.far = far * 20;
+    // The camera where it sees all of the arm, and is no farther away than that needs.
+    fit() {
+      const away = FROM, right = new THREE.Vector3().crossVectors(this.camera.up, away).normalize();
+      const up = new THREE.Vector3().crossVectors(away, right);
+      const { clientWidth: width, clientHeight: height } = this.$el;
+      const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
+      const room = [[right, wide * (1 - (2 * MARGIN) / (width || 1e3))], [up, tall * (1 - (2 * MARGIN) / (height || 1e3))]];
+      // A camera at c sees p where |(p - c)·right| <= t (c - p)·away, and so for up: for each of the two directions two
+      // planes, which the outermost points push away. The nearest c that satisfies all of them is to be had at once.
+      const points = this.points();
+      let distance = -Infinity;
+      const sides = room.map(([direction, slope]) => {
+        const [one, other] = [1, -1].map((sign) => Math.max(...points.map((p) => sign * p.dot(direction) + slope * p.dot(away))));
+        distance = Math.max(distance, (one + other) / (2 * slope));
+        return direction.clone().multiplyScalar((one - other) / 2);
+      });
+      const depth = points.reduce((sum, p) => sum + p.dot(away), 0) / points.length;
+      this.controls.target.copy(sides[0]).add(sides[1]).addScaledVector(away, depth);
+      this.camera.position.copy(sides[0]).add(sides[1]).addScaledVector(away, distance);
+      this.camera.near = 0.005 * this.reach;
+      this.camera.far = 20 * (distance - depth + this.reach);
       this.camera.updateProjectionMatrix();
-      this.controls.target.set(0, 0, 0.25 * reach);
       this.controls.update();
-      this.grid(reach);
+      this.fitted = this.reach;
+      this.grid(this.reach);
       this.draw();
     },
 
-    fit() {
+    // What has to be seen: the corners of links and joint axes, and the origins of all nodes.
+    points() {
       this.scene.updateMatrixWorld();
-      const box = new THREE.Box3();
-      for (const node of this.nodes)
-        node.traverse((object) => object.isMesh && object.userData.layer === "links" && box.expandByObject(object));
-      this.look(this.reach);
-      if (box.isEmpty()) return;
-      box.expandByScalar(0.06 * this.reach);
-      const centre = box.getCenter(new THREE.Vector3());
-      const away = this.camera.position.clone().sub(this.controls.target).normalize();
-      const right = new THREE.Vector3().crossVectors(this.camera.up, away).normalize();
-      const up = new THREE.Vector3().crossVectors(away, right);
-      const tall = Math.tan((this.camera.fov * Math.PI) / 360);
-      // Every corner has to be inside the picture: behind the nearest plane that shows it.
-      let distance = 0;
-      for (let i = 0; i < 8; i++) {
-        const corner = new THREE.Vector3(...["x", "y", "z"].map((axis, bit) => box[(i >> bit) & 1 ? "max" : "min"][axis])).sub(centre);
-        const aside = Math.max(Math.abs(corner.dot(right)) / (tall * this.camera.aspect), Math.abs(corner.dot(up)) / tall);
-        distance = Math.max(distance, corner.dot(away) + 1.12 * aside);
-      }
-      this.controls.target.copy(centre);
-      this.camera.position.copy(centre).addScaledVector(away, distance);
-      this.controls.update();
-      this.draw();
+      const points = this.nodes.map((node) => new THREE.Vector3().setFromMatrixPosition(node.matrixWorld));
+      this.arm.traverse((object) => {
+        if (!object.isMesh || !["links", "axes"].includes(object.userData.layer)) return;
+        for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) {
+          const half = object.geometry.boundingBox.max; // the shapes have their middle in the origin
+          points.push(new THREE.Vector3(x, y, z).multiply(half).applyMatrix4(object.matrixWorld));
+        }
+      });
+      return points.length ? points : [[-0.8, -0.8, 0], [0.8, -0.8, 0], [0.8, 0.8, 0], [0, 0, 0.9]].map((p) => new THREE.Vector3(...p));
     },
 
     grid(reach) {
-      this.ground.traverse((object) => (object.geometry?.dispose(), object.material?.dispose()));
-      this.ground.clear();
+      clear(this.ground, { geometries: true });
       const step = 10 ** Math.floor(Math.log10(reach / 2)); // 0.1 m for an arm of 0.2 m to 2 m
       const half = Math.ceil((1.6 * reach) / step) * step;
       const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), 0x7c8ba1, 0xc3cfdd);
       grid.rotateX(Math.PI / 2);
       grid.position.z = -0.001 * reach;
       this.ground.add(grid);
+    },
+
+    // Labels beside their points and none over another: what stands out comes first, what finds no room is left out.
+    place() {
+      const labels = [];
+      this.scene.traverse((object) => object.userData.element && labels.push(object));
+      const rank = ({ userData: { element } }) => (element.classList.contains("arm-view-picked") ? 0 : element.classList.contains("arm-view-stroke") ? 2 : 1);
+      labels.sort((one, other) => rank(one) - rank(other));
+      const { clientWidth, clientHeight } = this.$el, taken = [];
+      for (const label of labels) {
+        const place = label.visible && this.room(label, clientWidth, clientHeight, taken);
+        if (place) taken.push(place);
+        const { style } = label.userData.element;
+        style.visibility = place ? "visible" : "hidden";
+        if (place) style.transform = `translate(${place.x}px, ${place.y}px)`;
+      }
+    },
+
+    // A rectangle for a label where no other one is; the place that it had before goes first, so that it does not jump.
+    room(label, width, height, taken) {
+      const at = new THREE.Vector3().setFromMatrixPosition(label.matrixWorld).project(this.camera);
+      const [x, y] = [((at.x + 1) / 2) * width, ((1 - at.y) / 2) * height];
+      if (Math.abs(at.z) > 1 || x < 0 || x > width || y < 0 || y > height) return null;
+      const own = label.userData;
+      const [w, h] = (own.size ??= [own.element.offsetWidth, own.element.offsetHeight]);
+      const places = ROWS.flatMap((row) => [x + 7, x - w - 7].map((left) => ({ x: left, y: y + row * (h + 1) + 2, w, h })));
+      const free = (one) =>
+        one.x >= 0 && one.y >= 0 && one.x + w <= width && one.y + h <= height &&
+        taken.every((other) => one.x + w < other.x || other.x + other.w < one.x || one.y + h < other.y || other.y + other.h < one.y);
+      const index = [own.index ?? 0, ...places.keys()].find((index) => free(places[index]));
+      own.index = index;
+      return index === undefined ? null : places[index];
     },
 
     pick(event) {
@@ -302,7 +345,6 @@ export default {
       this.camera.updateProjectionMatrix();
       this.renderer?.setPixelRatio(Math.min(window.devicePixelRatio, 2));
       this.renderer?.setSize(width, height);
-      this.labels.setSize(width, height);
       this.draw();
     },
 
@@ -313,7 +355,7 @@ export default {
         this.waiting = false;
         this.scene.updateMatrixWorld();
         this.renderer?.render(this.scene, this.camera);
-        this.labels.render(this.scene, this.camera);
+        this.place();
         this.$el.drawn = (this.$el.drawn ?? 0) + 1;
       });
     },

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 LARGEST_FILE = 64 * 2**20
 """Size of a file that may be opened [B]."""
-_TABLE_NAMES = {"csv": "Table as CSV", "yaml": "Table as YAML"}
 _MEANINGS = {
     Convention.STANDARD: "standard (Denavit-Hartenberg, Spong): Rz(θ) Tz(d) Tx(a) Rx(α)",
     Convention.MODIFIED: "modified (Craig): Rx(α) Tx(a) Rz(θ) Tz(d)",
@@ -144,9 +143,9 @@ async def _ask_which(tables: tuple[TableText, ...]) -> TableText | None:
 def savings(catalog: Catalog) -> Iterator[tuple[str, str, str]]:
     """What can be saved: its kind, the format, and what the menu calls it."""
     for name in saving.table_formats(catalog):
-        yield "table", name, _TABLE_NAMES.get(name, f"Table as {name}")
+        yield "table", name, f"Table as {name}"
     for name in saving.robot_formats(catalog):
-        yield "robot", name, {"urdf": "URDF"}.get(name, name)
+        yield "robot", name, f"Robot as {name}"
     yield "run", "", "Run file"
     yield "all", "", "Everything, as a zip"
 

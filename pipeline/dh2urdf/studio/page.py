@@ -125,26 +125,24 @@ class StudioPage:
                 self._ends[key] = field
 
     def _lay_scene(self) -> None:
-        self._view = ArmView(on_pick=self._picked_in_scene)
-        with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
-            ui.html(
-                "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
-                "every row: <code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. "
-                "The arm appears as you type.",
-                sanitize=False,
-            )
-        with ui.element("div").classes("studio-over top"):
+        with ui.element("div").classes("studio-bar"):
             self._layers = {
                 layer: ui.checkbox(_LAYER_NAMES[layer], on_change=self._choose_layers).props("dense size=xs")
                 for layer in LAYERS
             }
             self._variant = ui.toggle(_VARIANT_NAMES, on_change=self._choose_variant)
             self._variant.props('dense unelevated no-caps aria-label="variant"')
-            ui.button(icon="center_focus_strong", on_click=self._view.fit).props(
-                'flat dense round size=sm aria-label="see all of the arm"'
-            ).tooltip("see all of the arm")
-        with ui.element("div").classes("studio-over bottom") as self._remark_box:
-            self._remark = ui.label()
+            fit = ui.button(icon="center_focus_strong", on_click=lambda: self._view.fit())
+            fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
+        self._remark = ui.label().classes("studio-bar studio-remark")
+        self._view = ArmView(on_pick=self._picked_in_scene)
+        with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
+            ui.html(
+                "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
+                "every row: <code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. "
+                "The arm appears as you type. Or open a table of yours, or one of the gallery.",
+                sanitize=False,
+            )
 
     def _lay_motion(self) -> None:
         with ui.element("div").classes("studio-joints"):
@@ -230,7 +228,7 @@ class StudioPage:
         self._numbers.set_content(words.numbers(pose, session.table, session.reach) if pose else "")
         remark = words.remark(session)
         self._remark.set_text(remark)
-        self._remark_box.set_visibility(bool(remark))
+        self._remark.set_visibility(bool(remark))
 
     # --- What is done -------------------------------------------------------------------------------------------------
 

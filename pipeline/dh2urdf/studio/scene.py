@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.kinematics import TOOL, dh_frames, joint_variables, link_poses
+from dh2urdf.kinematics import FLANGE, TOOL, dh_frames, joint_variables, link_poses
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, add, cross, norm, scale
@@ -29,13 +29,13 @@ LAYERS = ("links", "axes", "frames", "parameters", "collision")
 
 GREY: Colour = (0.72, 0.74, 0.77)
 COLLISION: Colour = (0.85, 0.2, 0.45)
-PAPER: Colour = (0.86, 0.56, 0.16)
+PAPER: Colour = (0.45, 0.24, 0.72)
 AXIS_COLOURS: Mapping[JointType, Colour] = {
     JointType.REVOLUTE: (0.95, 0.62, 0.07),
     JointType.CONTINUOUS: (0.95, 0.62, 0.07),
     JointType.PRISMATIC: (0.02, 0.6, 0.55),
 }
-FRAME_SIZE = 0.075
+FRAME_SIZE = 0.08
 """Length of a frame's arrows in reaches of the arm [1]."""
 SMALLEST_REACH = 0.05
 """Reach that an arm of no size is drawn with [m]."""
@@ -111,7 +111,7 @@ class Figure:
         place: where its root is.
         tint: a colour in place of its own ones.
         title: a text that stands at its root.
-        link_frames: whether the frames of its links are shown where it has no table.
+        link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
     """
 
     robot: Robot
@@ -241,9 +241,10 @@ def _nodes(figure: Figure, reach: float) -> Iterator[Node]:
         joint = above.get(link.name)
         row = rows.get(joint.name) if joint else None
         parts = [*_bodies(link, figure.tint), *(_axis(joint, size) if joint else ())]
-        is_frame = link.name == TOOL or (table is None and joint is not None and figure.link_frames)
-        if is_frame:
-            parts.append(Part(shape="frame", size=(size,), layer="frames"))
+        is_flange = link.name == FLANGE
+        is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
+        if is_frame:  # The flange's is smaller: tool0 often stands where it does.
+            parts.append(Part(shape="frame", size=(0.6 * size if is_flange else size,), layer="frames"))
         label = link.name if is_frame else ""
         if joint is None and figure.title:
             yield Node(name=figure.name + link.name, parts=tuple(parts), label=figure.title, layer="links")

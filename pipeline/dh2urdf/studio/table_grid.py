@@ -24,7 +24,7 @@ _HEADERS = {
     "com_y": "com y",
     "com_z": "com z",
 }
-_WIDTHS = {"joint": 100, "type": 80, "link": 90, "lower": 60, "upper": 60}
+_WIDTHS = {"joint": 128, "type": 74, "link": 90, "alpha": 64, "theta": 62, "lower": 58, "upper": 58}
 _WIDTH = 70
 _LENGTHS = ("a", "d", "radius", "com_x", "com_y", "com_z")
 _ANGLES = ("alpha", "theta")
@@ -197,7 +197,7 @@ def _columns(session: Session) -> list[dict[str, Any]]:
         "headerName": "i",
         ":valueGetter": "params => dhGrid.number(params)",
         "editable": False,
-        "width": 44,
+        "width": 48,
         "pinned": "left",
         "rowDrag": True,
         "cellClass": "dh-number",

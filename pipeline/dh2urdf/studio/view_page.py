@@ -49,8 +49,7 @@ class ViewPage:
                 self._lay_scene()
 
     def _lay_scene(self) -> None:
-        self._scene = ArmView(on_pick=self._highlight)
-        with ui.element("div").classes("studio-over top"):
+        with ui.element("div").classes("studio-bar"):
             tables = any(figure.manipulator for figure in self.view.figures)
             for layer, told in _LAYER_NAMES.items():
                 if layer != "parameters" or tables:
@@ -59,11 +58,12 @@ class ViewPage:
             if len(self.view.figures) > 1:
                 choice = ui.toggle({True: "side by side", False: "at one place"}, value=self.view.apart)
                 choice.props("dense unelevated no-caps").on_value_change(self._choose_place)
-            button = ui.button(icon="center_focus_strong", on_click=self._scene.fit)
+            button = ui.button(icon="center_focus_strong", on_click=lambda: self._scene.fit())
             button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
         if unseen := self.view.drawing.unseen:
-            with ui.element("div").classes("studio-over bottom"):
-                ui.label(f"{len(unseen)} mesh files are not drawn: frames, axes and other shapes are.")
+            told = f"{len(unseen)} mesh files are not drawn: frames, axes and other shapes are."
+            ui.label(told).classes("studio-bar studio-remark")
+        self._scene = ArmView(on_pick=self._highlight)
 
     def _highlight(self, row: int | None) -> None:
         self._scene.highlight(row)

@@ -19,7 +19,7 @@ def status(session: Session, errors: int) -> tuple[str, str]:
     """What is to be said of the table in a line, and whether it is good or bad."""
     rows, waiting = len(session.table.rows), session.reading.waiting
     if errors:
-        told = "1 problem" if errors == 1 else f"{errors} problems"
+        told = _count(errors, "problem", "problems")
         return (f"{told}; the last good arm is shown" if session.arm else told), "bad"
     if not rows:
         return "choose the number of axes", ""
@@ -29,7 +29,13 @@ def status(session: Session, errors: int) -> tuple[str, str]:
         done = rows - waiting
         which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
         return f"{which} still empty" + (f"; the arm of the first {done} is shown" if done > 1 else ""), ""
-    return f"{rows} {'axis' if rows == 1 else 'axes'}; the arm is the table's", "good"
+    moving = len(session.arm.manipulator.moving_rows) if session.arm else rows
+    fixed = f" and {_count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
+    return f"{_count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
 
 
 def place(found: CellProblem, table: TableText) -> str:
@@ -80,5 +86,5 @@ def remark(session: Session) -> str:
     distance, angle = error
     return (
         f"The paper's links stand in a straight line: at this pose its tool0 is {distance:.4g} m and "
-        f"{math.degrees(angle):.4g}° from where the table has it."
+        f"{math.degrees(angle):.4g}° from the table's."
     )

@@ -13,13 +13,15 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from dh2urdf.kinematics import as_matrices, forward_kinematics
 from dh2urdf.registry import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser, BrowserContext, Page
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.registry import Catalog
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
@@ -99,7 +101,11 @@ class Tab:
     # --- What stands on the page ---
 
     def cell(self, row: int, field: str) -> Any:
-        return self.page.locator(f".dh-table .ag-row[row-index='{row}'] .ag-cell[col-id='{field}']")
+        return self.page.locator(self._cell(row, field))
+
+    @staticmethod
+    def _cell(row: int, field: str) -> str:
+        return f".dh-table .ag-row[row-index='{row}'] .ag-cell[col-id='{field}']"
 
     def cells(self, row: int, *fields: str) -> list[str]:
         return [self.cell(row, field).inner_text() for field in fields]
@@ -146,6 +152,33 @@ class Tab:
         numbers = self.page.evaluate(script, name)
         return [[numbers[4 * column + row] for column in range(4)] for row in range(4)]
 
+    def wait_for_pose(self, name: str, pose: Any) -> None:
+        """Waits until a node is drawn at a pose, to 1e-6."""
+        script = """([name, expected]) => {
+            const node = document.querySelector('.arm-view').scene.getObjectByName(name);
+            node?.updateWorldMatrix(true, false);
+            return node?.matrixWorld.elements.every((x, i) => Math.abs(x - expected[i]) < 1e-6);
+        }"""
+        self.page.wait_for_function(script, arg=[name, as_matrices(pose).T.ravel().tolist()])
+
+    def wait_for_tool0(self, arm: Manipulator, q: list[float] | None = None) -> None:
+        """Waits until tool0 is drawn where the DH product has it, at joint values or at those of the sliders."""
+        self.wait_for_pose("tool0", forward_kinematics(arm, self.sliders() if q is None else q))
+
+    def press(self, name: str) -> None:
+        """Presses a button that moves the joints, and waits until the sliders have moved."""
+        before = self.sliders()
+        self.page.get_by_role("button", name=name).click()
+        script = """before => {
+            const sliders = [...document.querySelectorAll('.joint-slider input[type=range]')];
+            return sliders.some((slider, i) => slider.valueAsNumber !== before[i]);
+        }"""
+        self.page.wait_for_function(script, arg=before)
+
+    def wait_for_cell(self, row: int, field: str, text: str) -> None:
+        """Waits until a text stands in a cell."""
+        self.page.locator(f"{self._cell(row, field)}:text-is('{text}')").wait_for()
+
     def nodes(self) -> list[str]:
         """The names of what is in the scene."""
         script = "document.querySelector('.arm-view').scene.children[0].children.map(node => node.name)"
@@ -159,24 +192,29 @@ class Tab:
         ]
 
 
-@pytest.fixture
-def new_tab(chromium: Browser) -> Iterator[Callable[..., Tab]]:
-    """Opens tabs, each in a browser profile of its own unless one is given; none asks for anything from elsewhere."""
-    tabs: list[Tab] = []
-    contexts: list[Any] = []
+@pytest.fixture(scope="session")
+def profile(chromium: Browser) -> Iterator[BrowserContext]:
+    """The profile of the browser that all tabs share: what they show is told apart by the tab alone."""
+    context = chromium.new_context(accept_downloads=True)
+    context.set_default_timeout(30_000)
+    yield context
+    context.close()
 
-    def open_tab(address: str, *, context: Any = None, width: int = 1280, height: int = 720) -> Tab:
-        if context is None:
-            context = chromium.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
-            context.set_default_timeout(15_000)
-            contexts.append(context)
-        tab = Tab(context.new_page(), address)
-        tabs.append(tab)
-        return tab
+
+@pytest.fixture
+def new_tab(profile: BrowserContext) -> Iterator[Callable[..., Tab]]:
+    """Opens tabs; none may ask for anything from elsewhere, or have a fault."""
+    tabs: list[Tab] = []
+
+    def open_tab(address: str, *, width: int = 1280, height: int = 720) -> Tab:
+        page = profile.new_page()
+        page.set_viewport_size({"width": width, "height": height})
+        tabs.append(Tab(page, address))
+        return tabs[-1]
 
     yield open_tab
     for tab in tabs:
+        tab.page.close()
+    for tab in tabs:
         assert tab.foreign() == []
         assert tab.faults == []
-    for context in contexts:
-        context.close()

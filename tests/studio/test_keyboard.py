@@ -6,9 +6,7 @@ import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from dh2urdf.kinematics import as_matrices, forward_kinematics
+from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.manipulator import Manipulator
 
 if TYPE_CHECKING:
@@ -63,10 +61,8 @@ def test_the_ur5_by_keyboard(
             keys.press("Shift+ArrowRight" if index % 2 else "Shift+ArrowLeft")
     q = tab.sliders()
     assert len({abs(value) for value in q}) == 6
-    expected = as_matrices(forward_kinematics(arm, q))
-    page.wait_for_timeout(200)
-    assert np.allclose(tab.pose("tool0"), expected, atol=1e-6)
-    assert np.allclose(tab.pose("frame 6"), expected, atol=1e-6)
+    tab.wait_for_pose("tool0", forward_kinematics(arm, q))
+    tab.wait_for_pose("frame 6", forward_kinematics(arm, q))
 
     with page.expect_download() as generating:
         page.keyboard.press("Control+Enter")

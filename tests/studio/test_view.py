@@ -5,9 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from dh2urdf.kinematics import as_matrices
 from dh2urdf.studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
@@ -28,15 +25,14 @@ def test_a_cell_and_an_arm_in_one_scene(
         page = tab.page
         page.goto(address)
         page.wait_for_function("document.querySelectorAll('.joint-slider').length === 19")
-        page.get_by_role("button", name="random pose").click()
-        page.wait_for_timeout(500)
+        tab.press("random pose")
         view = View(load_figures(paths, catalog))
         shown = [slider.value(x) for slider, x in zip(view.sliders, tab.sliders(), strict=True)]
         view.move({slider.name: x for slider, x in zip(view.sliders, shown, strict=True)})
         names = [node.name for node in view.drawing.nodes]
         poses = view.drawing.poses(view.q)
         for name in ("pair/left_tool0", "pair/right_tool0", "panda/tool0"):
-            assert np.allclose(tab.pose(name), as_matrices(poses[names.index(name)]), atol=1e-6)
+            tab.wait_for_pose(name, poses[names.index(name)])
         page.get_by_text("collision", exact=True).click()
         script = """() => {
             let count = 0;

@@ -2,7 +2,7 @@
 // answered, so that a slow machine falls behind by one step and not by many.
 export default {
   template: `
-    <div class="joint-sliders">
+    <div class="joint-sliders" :aria-busy="busy">
       <label v-for="(joint, index) in joints" :key="joint.name" class="joint-slider" :title="joint.name">
         <span class="joint-slider-name">{{ joint.name }}</span>
         <input type="range" step="any" :min="joint.lower" :max="joint.upper" :value="values[index]"
@@ -14,10 +14,11 @@ export default {
       </label>
     </div>`,
 
-  data: () => ({ joints: [], values: [], typed: {} }), // typed: numbers that are not finished yet
+  // typed: numbers that are not finished yet; busy: values are sent and not answered yet
+  data: () => ({ joints: [], values: [], typed: {}, busy: false }),
 
   created() {
-    this.busy = this.pending = false;
+    this.pending = false;
     this.number = 0; // of the values that were sent last
   },
 

@@ -43,14 +43,17 @@ function frameGeometry() {
   );
 }
 
-// Takes everything out of a group: labels from the page, materials and, where they are its own, geometries.
-function clear(group, { geometries = false } = {}) {
+// Takes everything out of a group, and its labels from the page. What the graphics card holds is given to be disposed
+// of later: once the next picture is drawn, so that a shader which that one needs too is not compiled anew.
+function emptied(group) {
+  const held = [];
   group.traverse(({ userData, geometry, material }) => {
     userData.element?.remove();
-    material?.dispose();
-    if (geometries) geometry?.dispose();
+    if (material) held.push(material);
+    if (geometry && !userData.shared) held.push(geometry);
   });
   group.clear();
+  return held;
 }
 
 function matrixOf(numbers, at = 0) {
@@ -72,6 +75,7 @@ export default {
     // Not reactive: three.js has its own ideas of objects.
     this.layers = new Set(["links", "axes", "frames"]);
     this.nodes = [];
+    this.worn = []; // what can be disposed of after the next picture
     this.geometries = {
       box: new THREE.BoxGeometry(1, 1, 1),
       cylinder: new THREE.CylinderGeometry(1, 1, 1, 32).rotateX(Math.PI / 2),
@@ -123,7 +127,7 @@ export default {
     // A drawing takes the place of the one before; see Drawing.as_json.
     show(drawing, poses) {
       this.reach = drawing.reach;
-      clear(this.arm);
+      this.worn.push(...emptied(this.arm));
       this.nodes = drawing.nodes.map((node) => this.node(node));
       for (const node of this.nodes) this.arm.add(node);
       this.move(poses);
@@ -138,7 +142,7 @@ export default {
         node.matrix.copy(matrixOf(poses, 12 * index));
         node.matrixWorldNeedsUpdate = true;
       });
-      clear(this.strokes, { geometries: true });
+      this.worn.push(...emptied(this.strokes));
       for (const stroke of strokes) this.strokes.add(this.stroke(stroke));
       this.draw();
     },
@@ -154,11 +158,9 @@ export default {
     },
 
     part({ shape, size, pose, layer, colour, opacity }) {
-      const material = new THREE.MeshStandardMaterial({
+      const material = new THREE.MeshLambertMaterial({
         color: shape === "frame" ? 0xffffff : new THREE.Color(...colour).convertSRGBToLinear(),
         vertexColors: shape === "frame",
-        roughness: 0.55,
-        metalness: 0.05,
         transparent: opacity < 1,
         opacity,
         depthWrite: opacity === 1,
@@ -173,7 +175,7 @@ export default {
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(x, y, z));
       mesh.renderOrder = { axes: 1, frames: 2 }[layer] ?? 0;
-      mesh.userData.layer = layer;
+      mesh.userData = { layer, shared: true }; // its geometry is that of all parts of its shape
       mesh.visible = this.layers.has(layer);
       return mesh;
     },
@@ -285,7 +287,7 @@ export default {
     },
 
     grid(reach) {
-      clear(this.ground, { geometries: true });
+      this.worn.push(...emptied(this.ground));
       const step = 10 ** Math.floor(Math.log10(reach / 2)); // 0.1 m for an arm of 0.2 m to 2 m
       const half = Math.ceil((1.6 * reach) / step) * step;
       const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), 0x7c8ba1, 0xc3cfdd);
@@ -300,6 +302,7 @@ export default {
       this.scene.traverse((object) => object.userData.element && labels.push(object));
       const rank = ({ userData: { element } }) => (element.classList.contains("arm-view-picked") ? 0 : element.classList.contains("arm-view-stroke") ? 2 : 1);
       labels.sort((one, other) => rank(one) - rank(other));
+      for (const { userData: own } of labels) own.size ??= [own.element.offsetWidth, own.element.offsetHeight]; // all at once
       const { clientWidth, clientHeight } = this.$el, taken = [];
       for (const label of labels) {
         const place = label.visible && this.room(label, clientWidth, clientHeight, taken);
@@ -316,7 +319,7 @@ export default {
       const [x, y] = [((at.x + 1) / 2) * width, ((1 - at.y) / 2) * height];
       if (Math.abs(at.z) > 1 || x < 0 || x > width || y < 0 || y > height) return null;
       const own = label.userData;
-      const [w, h] = (own.size ??= [own.element.offsetWidth, own.element.offsetHeight]);
+      const [w, h] = own.size;
       const places = ROWS.flatMap((row) => [x + 7, x - w - 7].map((left) => ({ x: left, y: y + row * (h + 1) + 2, w, h })));
       const free = (one) =>
         one.x >= 0 && one.y >= 0 && one.x + w <= width && one.y + h <= height &&
@@ -355,6 +358,7 @@ export default {
         this.waiting = false;
         this.scene.updateMatrixWorld();
         this.renderer?.render(this.scene, this.camera);
+        for (const held of this.worn.splice(0)) held.dispose();
         this.place();
         this.$el.drawn = (this.$el.drawn ?? 0) + 1;
       });

@@ -232,7 +232,10 @@ def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], c
     table = gallery.exhibit("stanford.csv", catalog)
     assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
     assert tab.save("Robot as urdf") == ("stanford.urdf", save.robot_file(table, "urdf", "exact", catalog).content)
-    assert tab.save("Robot as xacro") == ("stanford.urdf.xacro", save.robot_file(table, "xacro", "exact", catalog).content)
+    assert tab.save("Robot as xacro") == (
+        "stanford.urdf.xacro",
+        save.robot_file(table, "xacro", "exact", catalog).content,
+    )
     assert tab.save("Run file")[0] == "stanford_run.yaml"
     assert tab.save("Everything, as a zip") == ("stanford.zip", save.zipped(save.all_files(table, "exact", catalog)))
 

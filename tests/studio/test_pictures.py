@@ -103,9 +103,12 @@ def take(tab: Any, name: str) -> None:
 
     tab.page.mouse.move(1, 1)
     # Two frames, so that all is drawn that was asked for; what fades is at its end.
+    tab.page.evaluate("document.querySelector('button:focus')?.blur()")
     tab.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
     picture = Image.open(io.BytesIO(tab.page.screenshot(animations="disabled"))).convert("RGB")
-    picture.quantize(192, dither=Image.Dither.NONE).save(PICTURES / f"{name}.png", optimize=True)
+    picture.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+        PICTURES / f"{name}.png", optimize=True
+    )
 
 
 @pytest.mark.parametrize("name", ALL)

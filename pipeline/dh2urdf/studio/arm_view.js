@@ -288,7 +288,8 @@ export default {
 
     grid(reach) {
       this.worn.push(...emptied(this.ground));
-      const step = 10 ** Math.floor(Math.log10(reach / 2)); // 0.1 m for an arm of 0.2 m to 2 m
+      const power = 10 ** Math.floor(Math.log10(reach / 10));
+      const step = power * [5, 2, 1].find((times) => times * power <= (1 + 1e-9) * (reach / 10)); // 0.1 m for 1 m to 2 m
       const half = Math.ceil((1.6 * reach) / step) * step;
       const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), 0x7c8ba1, 0xc3cfdd);
       grid.rotateX(Math.PI / 2);

@@ -132,7 +132,7 @@ class StudioPage:
             }
             self._variant = ui.toggle(_VARIANT_NAMES, on_change=self._choose_variant)
             self._variant.props('dense unelevated no-caps aria-label="variant"')
-            fit = ui.button(icon="center_focus_strong", on_click=lambda: self._view.fit())
+            fit = ui.button(icon="center_focus_strong", on_click=self._see_all)
             fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
         self._remark = ui.label().classes("studio-bar studio-remark")
         self._view = ArmView(on_pick=self._picked_in_scene)
@@ -364,7 +364,10 @@ class StudioPage:
         if not self._filling:
             self.session.show_variant(event.value)
             self._show_arm()
-            self._view.fit()
+            self._see_all()
+
+    def _see_all(self) -> None:
+        self._view.fit()
 
     def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
         self.session.move(poses(self.session.sliders))
@@ -379,7 +382,7 @@ class StudioPage:
         if table is not None:
             self.session.open(table)
             self.show(all_cells=True)
-            self._view.fit()
+            self._see_all()
 
     def _new(self) -> None:
         self.session.open(type(self.session.table)(name="arm"))

@@ -58,7 +58,7 @@ class ViewPage:
             if len(self.view.figures) > 1:
                 choice = ui.toggle({True: "side by side", False: "at one place"}, value=self.view.apart)
                 choice.props("dense unelevated no-caps").on_value_change(self._choose_place)
-            button = ui.button(icon="center_focus_strong", on_click=lambda: self._scene.fit())
+            button = ui.button(icon="center_focus_strong", on_click=self._see_all)
             button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
         if unseen := self.view.drawing.unseen:
             told = f"{len(unseen)} mesh files are not drawn: frames, axes and other shapes are."
@@ -104,6 +104,9 @@ class ViewPage:
     def _choose_place(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         self.view.place(apart=bool(event.value))
         self._show()
+        self._scene.fit()
+
+    def _see_all(self) -> None:
         self._scene.fit()
 
     def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:

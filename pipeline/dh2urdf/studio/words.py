@@ -28,7 +28,8 @@ def status(session: Session, errors: int) -> tuple[str, str]:
     if waiting:
         done = rows - waiting
         which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
-        return f"{which} still empty" + (f"; the arm of the first {done} is shown" if done > 1 else ""), ""
+        shown = f"; the arm of the {'first row' if done == 1 else f'first {done} rows'} is shown" if done else ""
+        return f"{which} still empty{shown}", ""
     moving = len(session.arm.manipulator.moving_rows) if session.arm else rows
     fixed = f" and {_count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
     return f"{_count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 FIELDS = (
     *("joint", "link", "type", "a", "alpha", "d", "theta", "offset", "sign", "lower", "upper", "velocity", "effort"),
-    *("mass", "com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz", "radius", "damping", "friction"),
+    *("mass", "com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz"),
+    *("radius", "damping", "friction", "armature"),
 )
 """The fields of a row, in the order of their columns."""
 REQUIRED = ("a", "alpha", "d")
@@ -225,7 +226,7 @@ def _values(row: DHRow) -> dict[str, float | None]:
     values: dict[str, float | None] = {"a": row.a, "alpha": row.alpha, "d": row.d, "theta": row.theta}
     values |= {"offset": row.offset or None, "sign": None if row.sign == 1 else row.sign}
     values |= {"lower": limits.lower, "upper": limits.upper, "velocity": limits.velocity, "effort": limits.effort}
-    values |= {"mass": row.mass, "radius": row.radius, "damping": row.damping, "friction": row.friction}
+    values |= {name: getattr(row, name) for name in ("mass", "radius", "damping", "friction", "armature")}
     if com is not None:
         values |= {f"com_{axis}": value for axis, value in zip("xyz", com, strict=True)}
     if inertia is not None:

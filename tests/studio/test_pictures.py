@@ -96,6 +96,7 @@ def test_picture_of_a_cell(renew: bool, request: pytest.FixtureRequest) -> None:
         tab.page.wait_for_function("document.querySelectorAll('.joint-slider').length === 12")
         set_sliders(tab, [15, -110, 115, -95, -90, 0, -15, -110, 115, -95, -90, 0])
         take(tab, "dual_arm")
+        tab.page.close()  # before its server ends, of which it would complain
 
 
 def take(tab: Any, name: str) -> None:

@@ -1,20 +1,18 @@
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.errors import InputError
-from dh2urdf.manipulator import Manipulator
 from dh2urdf.studio import edits
-from dh2urdf.studio.reading import make, open_tables, read, read_whole
+from dh2urdf.studio.reading import make, read, read_whole
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.registry import Catalog
 
-REFERENCE = Path(__file__).parents[1] / "reference" / "inputs"
 GOOD = TableText(
     name="x",
     convention="standard",
@@ -100,40 +98,3 @@ def test_a_row_without_any_text_is_wrong(catalog: Catalog) -> None:
     table = TableText(name="x", convention="standard", rows=({}, *GOOD.rows))
     (found,) = read(table, catalog).errors
     assert (found.row, found.text.partition("\n")[0]) == (0, "row 1 is empty")
-
-
-def _accepted() -> list[Any]:
-    import json
-
-    records = json.loads((REFERENCE / "expected.json").read_text("utf-8"))
-    items = records.items() if isinstance(records, dict) else ((record["file"], record) for record in records)
-    return [name for name, record in items if isinstance(record, dict) and record.get("outcome") == "accept"]
-
-
-@pytest.mark.parametrize("name", _accepted())
-def test_any_table_that_a_reader_takes_can_be_opened(name: str, catalog: Catalog) -> None:
-    """What the tables of real people say is said by their texts too, and the arm is the same."""
-    path = REFERENCE / name
-    reader = catalog.reader_for(path)
-    options = reader.options(convention=None if path.suffix != ".csv" else "standard")
-    try:
-        arms = [item for item in reader.read(path, reader.options()) if isinstance(item, Manipulator)]
-    except InputError:
-        arms = []
-    if not arms:  # it needs an option, which opening does not give
-        assert options is not None
-        with pytest.raises(InputError):
-            open_tables(path, catalog)
-        return
-    for arm, table in zip(arms, open_tables(path, catalog), strict=True):
-        found = read_whole(table, catalog).manipulator
-        assert found is not None
-        assert found.rows == arm.rows
-        assert found.name == arm.name
-
-
-def test_the_texts_of_a_file_are_kept(catalog: Catalog) -> None:
-    """`pi/2` and `-130°` are what the file says, and what is shown."""
-    (table,) = open_tables(Path(__file__).parents[2] / "configs" / "tables" / "scara.csv", catalog)
-    assert table.rows[1]["alpha"] == "pi"
-    assert table.rows[0]["lower"] == "-130°"

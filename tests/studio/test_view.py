@@ -44,3 +44,4 @@ def test_a_cell_and_an_arm_in_one_scene(
         page.wait_for_function(
             "document.querySelector('.arm-view').scene.getObjectByName('panda/base_link').matrixWorld.elements[13] === 0"
         )
+        page.close()  # before its server ends, of which it would complain

@@ -67,6 +67,12 @@ def test_numbers_are_in_the_units_of_the_table() -> None:
     assert "reach at most <b>300.00</b> mm" in told
 
 
+def test_what_is_lost_is_told_in_a_line() -> None:
+    """Six names, and how many there are besides."""
+    assert words.without(["visual of one"]).startswith("The studio's table has no place for visual of one: ")
+    assert "f and 2 more: " in words.without(list("abcdefgh"))
+
+
 def test_the_paper_is_remarked_on(catalog: Catalog) -> None:
     """Where the paper's variant is shown it is said how far it is from the arm, or why it refuses the table."""
     session = Session(catalog, gallery.exhibit("ur5_paper.csv", catalog))

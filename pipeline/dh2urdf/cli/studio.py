@@ -10,7 +10,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 
 if TYPE_CHECKING:
-    from dh2urdf.table_text import TableText
+    from dh2urdf.studio.opening import Opened
 
 
 @click.command(name="studio", epilog=EXIT_STATUS)
@@ -31,8 +31,9 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     """
     from dh2urdf.errors import TableError
     from dh2urdf.registry import load
-    from dh2urdf.studio.reading import open_tables
+    from dh2urdf.studio.opening import open_tables
     from dh2urdf.studio.server import require_nicegui, serve
+    from dh2urdf.studio.words import without
     from dh2urdf.textfiles import check_file
 
     require_nicegui("studio")
@@ -40,7 +41,9 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     opened = None
     if table is not None:
         check_file(table, TableError)
-        opened = _chosen(open_tables(table, catalog), robot, table)
+        opened, lost = _chosen(open_tables(table, catalog), robot, table)
+        if lost:
+            click.echo(without(lost), err=True)
     from dh2urdf.studio.app import build_studio
 
     serve(
@@ -54,7 +57,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     return 0
 
 
-def _chosen(tables: tuple[TableText, ...], robot: str | None, path: Path) -> TableText:
+def _chosen(tables: tuple[Opened, ...], robot: str | None, path: Path) -> Opened:
     """The manipulator that is meant.
 
     Raises:
@@ -63,7 +66,7 @@ def _chosen(tables: tuple[TableText, ...], robot: str | None, path: Path) -> Tab
     from dh2urdf.errors import TableError
     from dh2urdf.source import Mark, Problem, did_you_mean, shown
 
-    names = [table.name for table in tables]
+    names = [opened.table.name for opened in tables]
     if robot is None and len(tables) == 1:
         return tables[0]
     if robot in names:

@@ -11,9 +11,9 @@ from nicegui import run, ui
 
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import gallery
+from dh2urdf.studio import gallery, words
 from dh2urdf.studio import save as saving
-from dh2urdf.studio.reading import open_tables
+from dh2urdf.studio.opening import Opened, open_tables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -92,7 +92,8 @@ async def ask_table(catalog: Catalog) -> TableText | None:
             else:
                 dialog.submit(tables)
 
-        upload = ui.upload(label="a file of yours", auto_upload=True, max_file_size=LARGEST_FILE, on_upload=take)
+        label = "a file of yours: choose it, or drop it here"
+        upload = ui.upload(label=label, auto_upload=True, max_file_size=LARGEST_FILE, on_upload=take)
         upload.props(f'accept="{",".join(suffixes)}" flat bordered').style("width: 100%")
         problem = ui.label().classes("studio-problem error")
         problem.set_visibility(False)
@@ -100,7 +101,7 @@ async def ask_table(catalog: Catalog) -> TableText | None:
         with ui.element("div").classes("studio-gallery"):
             for item in gallery.exhibits():
                 box = ui.element("button").classes("studio-exhibit").props(f'type="button" data-name="{item.name}"')
-                box.on("click", lambda item=item: dialog.submit((gallery.exhibit(item.file, catalog),)))
+                box.on("click", lambda item=item: dialog.submit((Opened(gallery.exhibit(item.file, catalog)),)))
                 with box:
                     with ui.element("b"):
                         ui.label(item.name)
@@ -110,10 +111,16 @@ async def ask_table(catalog: Catalog) -> TableText | None:
     dialog.delete()
     if not tables:
         return None
-    return tables[0] if len(tables) == 1 else await _ask_which(tables)
+    chosen = tables[0] if len(tables) == 1 else await _ask_which(tables)
+    if chosen is None:
+        return None
+    if chosen.lost:
+        ui.notify(words.without(chosen.lost), type="warning", multi_line=True, timeout=0, close_button="Close")
+    table: TableText = chosen.table
+    return table
 
 
-def _tables(name: str, content: bytes, catalog: Catalog) -> tuple[TableText, ...] | str:
+def _tables(name: str, content: bytes, catalog: Catalog) -> tuple[Opened, ...] | str:
     """The tables of a file that was uploaded, or what is wrong with it."""
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         path = Path(folder) / Path(name).name
@@ -124,10 +131,10 @@ def _tables(name: str, content: bytes, catalog: Catalog) -> tuple[TableText, ...
             return str(error).replace(f"{folder}/", "")
 
 
-async def _ask_which(tables: tuple[TableText, ...]) -> TableText | None:
+async def _ask_which(tables: tuple[Opened, ...]) -> Opened | None:
     with ui.dialog() as dialog, ui.card().classes("studio-card"):
         ui.html(f"<h2>The file holds {len(tables)} manipulators</h2>", sanitize=False)
-        names = {number: table.name for number, table in enumerate(tables)}
+        names = {number: opened.table.name for number, opened in enumerate(tables)}
         chosen = ui.select(names, value=0, label="manipulator", with_input=True).style("width: 100%")
         with ui.element("div").classes("studio-row"):
             ui.button("Open", on_click=lambda: dialog.submit(chosen.value))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import as_file, files
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.studio.reading import open_tables
+from dh2urdf.studio.opening import open_tables
 
 if TYPE_CHECKING:
     from dh2urdf.registry import Catalog
@@ -46,4 +46,4 @@ def exhibit(file: str, catalog: Catalog) -> TableText:
     if file not in {item.file for item in exhibits()}:
         raise LookupError(f"the gallery has no {file!r}")
     with as_file(_FOLDER / file) as path:
-        return open_tables(path, catalog)[0]
+        return open_tables(path, catalog)[0].table

@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion import Call, make_robot, read_items
-from dh2urdf.errors import Dh2UrdfError, InputError, ManipulatorError
+from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import Reader, Rejected, Transform
+from dh2urdf.stages import Rejected, Transform
 from dh2urdf.studio.edits import begun
-from dh2urdf.table_text import FIELDS, TableText, WrittenTable, table_text
+from dh2urdf.table_text import FIELDS, TableText, WrittenTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -184,45 +184,3 @@ def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:
     return Call(
         stage=stage, options=make_options(stage.options, {"variant": variant}, where=f"transform {stage.name!r}")
     )
-
-
-# --- Opening ----------------------------------------------------------------------------------------------------------
-
-
-def open_tables(path: Path, catalog: Catalog, reader: Reader[Any] | None = None) -> tuple[TableText, ...]:
-    """The manipulators of a file as tables to edit.
-
-    Their texts are those of the file where the reader tells them and they read as the same arm; else the texts of the
-    numbers that were read.
-
-    Raises:
-        InputError: the file cannot be read, or none of its manipulators can.
-    """
-    reader = reader or catalog.reader_for(path)
-    items = list(read_items(reader, path, reader.options()))
-    arms = [item for item in items if isinstance(item, Manipulator)]
-    if not arms:
-        raise InputError([problem for item in items if isinstance(item, Rejected) for problem in item.problems])
-    typed = _typed(path, reader)
-    return tuple(_faithful(arm, typed.get(arm.name), catalog) for arm in arms)
-
-
-def _typed(path: Path, reader: Reader[Any]) -> dict[str, TableText]:
-    if reader.texts is None:
-        return {}
-    try:
-        return {table.name: table for table in reader.texts(path)}
-    except Dh2UrdfError:  # It can be read, if not so: then its numbers are what there is.
-        return {}
-
-
-def _faithful(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> TableText:
-    """A table as it was typed, names and types filled in, if that reads as the arm; else the texts of its numbers."""
-    if typed is not None:
-        rows = [
-            {"joint": row.joint, "type": "revolute", **texts} for row, texts in zip(arm.rows, typed.rows, strict=False)
-        ]
-        completed = replace(typed, rows=tuple({field: row[field] for field in FIELDS if field in row} for row in rows))
-        if read_whole(completed, catalog).manipulator == arm:
-            return completed
-    return table_text(arm)

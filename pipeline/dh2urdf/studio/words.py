@@ -9,10 +9,15 @@ from dh2urdf.table_text import number_in
 from dh2urdf.units import UNITS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.studio.reading import CellProblem
     from dh2urdf.studio.session import Session
     from dh2urdf.table_text import TableText
+
+MOST_LOST = 6
+"""What a table cannot hold, as far as it is told [1]."""
 
 
 def status(session: Session, errors: int) -> tuple[str, str]:
@@ -37,6 +42,13 @@ def status(session: Session, errors: int) -> tuple[str, str]:
 
 def _count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
+
+
+def without(lost: Sequence[str]) -> str:
+    """What a table that was opened says, and the table on the screen does not."""
+    more = len(lost) - MOST_LOST
+    told = ", ".join(lost[:MOST_LOST]) + (f" and {more} more" if more > 0 else "")
+    return f"The studio's table has no place for {told}: what is made here is without."
 
 
 def place(found: CellProblem, table: TableText) -> str:

@@ -1,0 +1,85 @@
+"""Opening a file: its manipulators as tables to edit, with the texts of their author where that is possible."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.conversion import read_items
+from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Rejected
+from dh2urdf.studio.reading import read_whole
+from dh2urdf.table_text import FIELDS, TableText, table_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from dh2urdf.registry import Catalog
+    from dh2urdf.stages import Reader
+
+
+class Opened(NamedTuple):
+    """A manipulator of a file.
+
+    Attributes:
+        table: it as a table to edit.
+        lost: what it says besides, which such a table has no place for: meshes, for one.
+    """
+
+    table: TableText
+    lost: tuple[str, ...] = ()
+
+
+def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
+    """The manipulators of a file.
+
+    Their texts are those of the file where the reader tells them and they read as the same arm; else the texts of the
+    numbers that were read.
+
+    Raises:
+        InputError: the file cannot be read, or none of its manipulators can.
+    """
+    reader = catalog.reader_for(path)
+    items = list(read_items(reader, path, reader.options()))
+    arms = [item for item in items if isinstance(item, Manipulator)]
+    if not arms:
+        raise InputError([problem for item in items if isinstance(item, Rejected) for problem in item.problems])
+    typed = _typed(path, reader)
+    return tuple(_opened(arm, typed.get(arm.name), catalog) for arm in arms)
+
+
+def _typed(path: Path, reader: Reader[Any]) -> dict[str, TableText]:
+    if reader.texts is None:
+        return {}
+    try:
+        return {table.name: table for table in reader.texts(path)}
+    except Dh2UrdfError:  # It can be read, if not so: then its numbers are what there is.
+        return {}
+
+
+def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> Opened:
+    """A table as it was typed, names and types filled in, if that reads as the arm; else the texts of its numbers."""
+    if typed is not None:
+        rows = [
+            {"joint": row.joint, "type": "revolute", **texts} for row, texts in zip(arm.rows, typed.rows, strict=False)
+        ]
+        completed = replace(typed, rows=tuple({field: row[field] for field in FIELDS if field in row} for row in rows))
+        if read_whole(completed, catalog).manipulator == arm:
+            return Opened(completed)
+    table = table_text(arm)
+    again = read_whole(table, catalog).manipulator
+    return Opened(table, tuple(_lost(arm, again)) if again else ())
+
+
+def _lost(arm: Manipulator, again: Manipulator) -> Iterator[str]:
+    """What an arm says that is otherwise, or not there, when its table is read again."""
+    yield from _different(replace(arm, rows=again.rows), again)
+    for row, other in zip(arm.rows, again.rows, strict=True):
+        yield from (f"{name} of {row.joint}" for name in _different(row, other))
+
+
+def _different(one: Any, other: Any) -> Iterator[str]:  # noqa: ANN401 - two records of a kind
+    names = (field.name for field in fields(one) if field.compare)
+    return (name for name in names if getattr(one, name) != getattr(other, name))

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-POLL = 0.02
+POLL = 0.1
 """How often the memory of child processes is looked at [s]."""
 
 _folders = count()

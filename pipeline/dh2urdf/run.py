@@ -8,7 +8,7 @@ from collections import Counter, deque
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf import sampling
 from dh2urdf.batches import Batch, Doomed, Expected, batches
@@ -20,12 +20,14 @@ from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journ
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
 from dh2urdf.making import Effect, Maker, this_process
+from dh2urdf.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.mesh_section import MeshCall
 from dh2urdf.options import make_options
-from dh2urdf.output import reporting_os_errors, write_all
-from dh2urdf.report.exhibits import Exhibits
+from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
-from dh2urdf.report.json import run_report, write_reports, write_timing
+from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
+from dh2urdf.report.ledger import Ledger
+from dh2urdf.report.overview import Overview
 from dh2urdf.source import Problem, in_file_order
 from dh2urdf.stages import Executor, Loader, Lost, Reader
 from dh2urdf.stores import Store, open_store
@@ -216,7 +218,8 @@ def execute(
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
-            _make(plan, Effect.LOOK, "", None, rows, result, note, Exhibits(0))
+            ledger = Ledger(rows, tempfile.gettempdir())
+            _make(plan, Effect.LOOK, "", None, ledger, result, note, Exhibits(0))
             report = run_report(rows, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
@@ -226,14 +229,19 @@ def execute(
         path = folder / "manifest"
         exhibits = Exhibits()
         with path.open("w+b") as rows:
+            ledger = Ledger(rows, f"{store}/{MANIFEST}")
+            if can_write_parquet():
+                ledger.table = ManifestTable(folder / TABLE)
+            if plan.html and can_write_html():
+                ledger.overview = Overview(FULL, ledger.index)
             try:
-                _make(plan, Effect.MAKE, journal, earlier, rows, result, note, exhibits)
+                _make(plan, Effect.MAKE, journal, earlier, ledger, result, note, exhibits)
             except TableError:  # There is nothing to go on with.
                 store.remove_tree(journal if resume else JOURNAL)
                 raise
-            report = write_reports(store, rows, result)
-            if plan.html and can_write_html():
-                write_html(store, rows, exhibits, plan.recipe, plan.layout)
+            report = write_reports(store, ledger, result)
+            if ledger.overview:
+                write_html(store, ledger.overview, exhibits, plan.recipe, plan.layout)
             else:
                 store.remove(PAGE)  # An older one would tell of another run.
             result.seconds["total"] = time.perf_counter() - started
@@ -259,7 +267,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     effect: Effect,
     journal: str,
     earlier: Earlier | None,
-    rows: BinaryIO,
+    ledger: Ledger,
     result: Result,
     note: Note | None,
     exhibits: Exhibits,
@@ -274,7 +282,6 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         home=this_process(),
         effect=effect,
     )
-    manifest = tempfile.gettempdir() if effect is Effect.LOOK else f"{plan.store}/{MANIFEST}"
     under_way: deque[Batch] = deque()
     expected = Expected(plan)
 
@@ -294,8 +301,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         for answer in answers:
             batch = under_way.popleft()
             report = _rescued(maker, batch, answer) if isinstance(answer, Lost) else answer
-            with reporting_os_errors(manifest):
-                write_all(rows.fileno(), report.rows)
+            ledger.add(report.rows)
             result.add(report)
             readable = readable or report.was_read
             unread.append(replace(report, rows=b""))

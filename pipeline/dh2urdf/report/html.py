@@ -18,14 +18,14 @@ from contextlib import contextmanager
 from dataclasses import fields
 from hashlib import sha256
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf import __version__
 from dh2urdf.layouts import Form
 from dh2urdf.number_text import format_number
-from dh2urdf.report.exhibits import FULL, Exhibit
+from dh2urdf.report.exhibits import Exhibit
 from dh2urdf.report.figures import ARMS, Workspace, arm_figure, bars_figure
-from dh2urdf.report.overview import MOST_DRAWN, SAMPLED, Overview, checks
+from dh2urdf.report.overview import MOST_DRAWN, checks
 from dh2urdf.source import printable
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion import Recipe
     from dh2urdf.layouts import Layout
     from dh2urdf.report.exhibits import Exhibits
+    from dh2urdf.report.overview import Overview
     from dh2urdf.stores import Store
 
 PAGE = "report.html"
@@ -51,12 +52,12 @@ def can_write_html() -> bool:
     return all(find_spec(package) for package in ("jinja2", "matplotlib", "PIL"))
 
 
-def write_html(store: Store, rows: BinaryIO, exhibits: Exhibits, recipe: Recipe, layout: Layout) -> None:
+def write_html(store: Store, overview: Overview, exhibits: Exhibits, recipe: Recipe, layout: Layout) -> None:
     """Write `report.html`.
 
     Args:
         store: where it goes, and where the pictures of the simulators are.
-        rows: the manifest, which is read from its beginning.
+        overview: what was gathered from the rows of its manifest.
         exhibits: what the run's first manipulators are made of.
         recipe: what was done with every manipulator.
         layout: under which names the files lie.
@@ -64,7 +65,6 @@ def write_html(store: Store, rows: BinaryIO, exhibits: Exhibits, recipe: Recipe,
     Raises:
         OutputError: it cannot be written.
     """
-    overview = Overview(rows, FULL)
     with _without_warnings():
         content = page(overview, exhibits, recipe, store, layout)
     store.write(PAGE, content)
@@ -95,7 +95,6 @@ def page(overview: Overview, exhibits: Exhibits, recipe: Recipe, store: Store, l
     text = environment.get_template("page.html").render(
         version=__version__,
         overview=overview,
-        sampled=SAMPLED,
         most_drawn=MOST_DRAWN,
         shown=shown,
         shown_keys={exhibit.number: exhibit.key for exhibit in shown},

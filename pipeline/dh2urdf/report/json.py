@@ -12,16 +12,18 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import orjson
 
 from dh2urdf import __version__
-from dh2urdf.manifest import Index, can_write_parquet, write_parquet
 from dh2urdf.outcome import to_text
 from dh2urdf.output import reporting_os_errors
 
 if TYPE_CHECKING:
+    from dh2urdf.report.ledger import Ledger
     from dh2urdf.run import Result
     from dh2urdf.stores import Store
 
 SCHEMA = "dh2urdf-report/1"
 """Name and version of the form of `report.json`."""
+TABLE = "manifest.parquet"
+"""The manifest as a table."""
 REPORTED = 1000
 """Manipulators that the report repeats from the manifest [1]: the first ones; `timing.json` tells of as many."""
 
@@ -47,8 +49,8 @@ def timing(result: Result) -> dict[str, Any]:
     return {"total": total, "per_second": rate, "steps": steps, "manipulators": result.timings[:REPORTED]}
 
 
-def write_reports(store: Store, rows: BinaryIO, result: Result) -> dict[str, Any]:
-    """Write `report.json`, `index.json` and, with pyarrow, `manifest.parquet`, from the rows of the manifest.
+def write_reports(store: Store, ledger: Ledger, result: Result) -> dict[str, Any]:
+    """Write `index.json`, `report.json` and, where the ledger has one, `manifest.parquet`.
 
     Returns:
         The report as plain data.
@@ -56,18 +58,13 @@ def write_reports(store: Store, rows: BinaryIO, result: Result) -> dict[str, Any
     Raises:
         OutputError: they cannot be written.
     """
-    index = Index()
-    rows.seek(0)
-    for row in rows:
-        index.add_line(row)
-    store.write("index.json", to_text(index.as_json()))
-    report = run_report(rows, result)
+    store.write("index.json", to_text(ledger.index.as_json()))
+    report = run_report(ledger.rows, result)
     store.write("report.json", to_text(report))
-    if can_write_parquet():
-        with store.scratch() as folder:
-            with reporting_os_errors(f"{store}/manifest.parquet"):
-                write_parquet(rows, folder / "manifest.parquet")
-            store.put("manifest.parquet", folder / "manifest.parquet")
+    if ledger.table:
+        with reporting_os_errors(f"{store}/{TABLE}"):
+            ledger.table.finish(ledger.rows)
+        store.put(TABLE, ledger.table.path)
     return report
 
 

@@ -7,11 +7,9 @@ from array import array
 from collections import Counter
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
-import orjson
-
-from dh2urdf.manifest import Index
+from dh2urdf.laws import Value
 from dh2urdf.outcome import Row
 from dh2urdf.proof import TOLERANCE
 from dh2urdf.report.figures import Bars
@@ -19,17 +17,18 @@ from dh2urdf.units import Dimension
 from dh2urdf.variations import FIELDS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
-    from dh2urdf.laws import Value
+    from dh2urdf.failure_index import FailureIndex
 
 LISTED = 1000
 """Manipulators that the table of all lists [1]: failures first, then the first others."""
 SAMPLED = 20_000
-"""Manipulators of a longer run whose drawn values are drawn as distributions [1]."""
+"""Manipulators at most whose drawn values are drawn as distributions [1]; of a longer run at least half as many."""
 MOST_DRAWN = 12
 """Drawn fields that are columns of this table, or that are drawn as distributions [1]."""
 _MOST_WORDS = 12  # different texts that one field may have, in a figure
+_RANKS = 2**32
 _BARS = 24  # of a distribution
 _LOWEST, _HIGHEST = -18, 2  # powers of ten between which errors are counted [m]; below is as good as 0
 
@@ -132,13 +131,13 @@ class Draw:
 
     Attributes:
         key: such as ``a_2``.
-        numbers: the values.
-        words: how often each text was drawn, where it is no number.
+        values: numbers, or text.
+        ranks: of the manipulators that have them; see `Overview`.
     """
 
     key: str
-    numbers: array[float] = field(default_factory=lambda: array("d"))
-    words: Counter[str] = field(default_factory=Counter)
+    values: list[Value] = field(default_factory=list)
+    ranks: array[int] = field(default_factory=lambda: array("I"))
 
     @property
     def unit(self) -> str:
@@ -146,21 +145,24 @@ class Draw:
         field = FIELDS.get(self.key.rpartition("_")[0])
         return " or ".join(_UNITS.get(what, "SI") for what in (field.dimension, field.linear) if what) if field else ""
 
-    def add(self, value: Value) -> None:
-        """Takes a value."""
-        if isinstance(value, str):
-            self.words[value] += 1
-        else:
-            self.numbers.append(value)
+    def add(self, value: Value, rank: int) -> None:
+        """Takes a value of a manipulator."""
+        self.values.append(value)
+        self.ranks.append(rank)
+
+    def thin(self, most: int) -> None:
+        """Leaves the manipulators of the lower ranks."""
+        self.values = [value for value, rank in zip(self.values, self.ranks, strict=True) if rank < most]
+        self.ranks = array("I", [rank for rank in self.ranks if rank < most])
 
     def bars(self) -> Bars | None:
         """Its distribution; None where there is none to draw."""
         import numpy as np
 
-        if self.words:
-            words = self.words.most_common(_MOST_WORDS)
-            return Bars(title=self.key, edges=tuple(w for w, _ in words), counts=tuple(count for _, count in words))
-        values = np.array(self.numbers)
+        if words := Counter(value for value in self.values if isinstance(value, str)):
+            common = words.most_common(_MOST_WORDS)
+            return Bars(title=self.key, edges=tuple(w for w, _ in common), counts=tuple(count for _, count in common))
+        values = np.array(self.values)
         if not values.size or not 0.0 < np.ptp(values) < math.inf:
             return None
         counts, edges = np.histogram(values, bins=_BARS)
@@ -197,61 +199,76 @@ class Entry:
 class Overview:
     """What there is to say of a whole run.
 
+    Of a long run it keeps what was drawn for a sample only. Each manipulator has a rank, and the lowest ranks are kept:
+    multiples of the golden ratio, which are spread evenly, also where a grid repeats itself.
+
     Attributes:
-        count: how many manipulators it has.
+        index: what failed and why.
+        count: how many manipulators there are.
         statuses: how many are ok, failed or skipped.
         first: the rows of the first ones.
         errors: position errors by emitter and loader.
         drawn: what was drawn, by field and joint; of a long run a sample.
+        sampled: of how many manipulators.
         files: how many files were written.
         size: and how long they are [B].
         remarks: notices and findings.
-        index: what failed and why, as `index.json` has it.
     """
 
-    def __init__(self, rows: BinaryIO, most: int) -> None:
-        rows.seek(0)
-        self._share = SAMPLED * 2**32 // max(SAMPLED, sum(1 for _ in rows))
-        self.count = 0
+    def __init__(self, most: int, index: FailureIndex) -> None:
+        """Begin with nothing.
+
+        Args:
+            most: how many of the first rows to keep.
+            index: is told of the same rows.
+        """
+        self.index = index
+        self.count = self.files = self.size = self.remarks = self.sampled = 0
         self.statuses: Counter[str] = Counter()
         self.first: list[Row] = []
         self.errors: dict[str, Errors] = {}
         self.drawn: dict[str, Draw] = {}
-        self.files = self.size = self.remarks = 0
+        self._most = most
+        self._ranks_kept = _RANKS
         self._failed: list[Entry] = []
         self._others: list[Entry] = []
-        index = Index()
-        rows.seek(0)
-        for line in rows:
-            row = orjson.loads(line)
-            self._add(row)
-            index.add(row)
-            if len(self.first) < most:
-                self.first.append(row)
-        self.index = index.as_json()
 
-    def _add(self, row: Row) -> None:
+    def add(self, row: Row) -> None:
+        """Takes one row of the manifest."""
         self.count += 1
         self.statuses[row["status"]] += 1
         self.files += len(row["files"])
-        self.size += sum(file["bytes"] for file in row["files"])
-        remarks = len(row["notices"]) + sum(len(load["findings"]) for load in row["loaders"].values())
+        self.size += sum([file["bytes"] for file in row["files"]])
+        remarks = len(row["notices"]) + sum([len(load["findings"]) for load in row["loaders"].values()])
         self.remarks += remarks
+        if self.count <= self._most:
+            self.first.append(row)
         for check in checks(row):
             if check.name not in self.errors:
                 self.errors[check.name] = Errors(is_simulator=check.is_simulator)
             if check.facts:
                 self.errors[check.name].add(row["name"], check.facts)
-        # Multiples of the golden ratio are spread evenly, also where a grid repeats itself.
-        is_sampled = self.count * 2654435769 % 2**32 < self._share
-        for key, value in row["drawn"].items():
-            if key not in self.drawn and len(self.drawn) < MOST_DRAWN:
-                self.drawn[key] = Draw(key)
-            if is_sampled and key in self.drawn:
-                self.drawn[key].add(value)
+        self._sample(row["drawn"])
         entries = self._failed if row["status"] == "failed" else self._others
         if len(entries) < LISTED:
             entries.append(self._entry(row, remarks))
+
+    def _sample(self, drawn: Mapping[str, Value]) -> None:
+        rank = self.count * 2654435769 % _RANKS
+        for key in drawn if len(self.drawn) < MOST_DRAWN else ():
+            if key not in self.drawn and len(self.drawn) < MOST_DRAWN:
+                self.drawn[key] = Draw(key)
+        if rank >= self._ranks_kept:
+            return
+        self.sampled += 1
+        for key, draw in self.drawn.items():
+            if key in drawn:
+                draw.add(drawn[key], rank)
+        if self.sampled > SAMPLED:
+            self._ranks_kept //= 2
+            self.sampled = sum(number * 2654435769 % _RANKS < self._ranks_kept for number in range(1, self.count + 1))
+            for draw in self.drawn.values():
+                draw.thin(self._ranks_kept)
 
     def _entry(self, row: Row, remarks: int) -> Entry:
         told = row["errors"][0]["message"] if row["errors"] else ""

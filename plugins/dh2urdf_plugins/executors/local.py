@@ -51,7 +51,7 @@ class LocalOptions:
 
     workers: Literal["auto"] | int = field(
         default="auto",
-        metadata={"help": "processes; 1 works in the process itself, auto takes one per processor"},
+        metadata={"help": "processes; 1 works in the process itself, which a crash ends; auto takes one per processor"},
     )
 
     def __post_init__(self) -> None:
@@ -62,8 +62,8 @@ class LocalOptions:
 def map_locally(function: Callable[[Any], Any], tasks: Iterable[Any], options: LocalOptions) -> Iterator[Any]:
     """Results of a function over tasks, in their order, from processes of this machine.
 
-    One task, or one worker, needs no other process: it is done in this one. A task that is a collection of several
-    things is worth a process of its own, which may crash.
+    One task needs no other process: it is done in this one, and so are all where one worker is asked for. A task that
+    is a collection of several things is worth a process of its own, which may crash, on one processor too.
 
     Raises:
         ExecutorError: no worker process can be started, or none can import the function.
@@ -71,7 +71,7 @@ def map_locally(function: Callable[[Any], Any], tasks: Iterable[Any], options: L
     workers = processors() if options.workers == "auto" else options.workers
     waiting = iter(tasks)
     first = list(islice(waiting, 2))
-    if workers == 1 or sum(length_hint(task, 1) for task in first) <= 1:
+    if options.workers == 1 or sum(length_hint(task, 1) for task in first) <= 1:
         yield from map(function, first)
         yield from map(function, waiting)
         return

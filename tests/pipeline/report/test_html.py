@@ -30,7 +30,8 @@ pytest.importorskip("matplotlib")
 from dh2urdf.report.exhibits import EXAMPLES, FULL, Exhibits
 from dh2urdf.report.figures import Workspace, skeleton
 from dh2urdf.report.html import page
-from dh2urdf.report.overview import LISTED, Overview
+from dh2urdf.report.ledger import Ledger
+from dh2urdf.report.overview import LISTED, SAMPLED, Overview
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -329,11 +330,12 @@ class TestManyManipulators:
 
         def made(count: int) -> tuple[bytes, int]:
             with (tmp_path / "rows").open("w+b") as rows:
+                tracemalloc.start()
+                ledger = Ledger(rows, "rows")
+                ledger.overview = overview = Overview(FULL, ledger.index)
                 for number in range(count):
                     row = bad if number % 10 == 0 else good
-                    rows.write(row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1)))
-                tracemalloc.start()
-                overview = Overview(rows, FULL)
+                    ledger.add(row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1)))
                 _, peak = tracemalloc.get_traced_memory()
                 tracemalloc.stop()
             return page(overview, Exhibits(0), plan.recipe, plan.store, plan.layout), peak
@@ -346,6 +348,10 @@ class TestManyManipulators:
         lines = tree.xpath("//table[@id='overview']/tbody/tr")
         assert len(lines) == LISTED
         assert {line.get("data-status") for line in lines} == {"failed"}
+        (sampled,) = [
+            int(number.replace(",", "")) for number in re.findall(r", for ([\d,]+) of the manip", many.decode())
+        ]
+        assert SAMPLED / 2 * 0.99 <= sampled <= SAMPLED
         assert "1,000 of 100,000 manipulators" in text(tree.xpath("//table[@id='overview']/caption")[0])
 
 

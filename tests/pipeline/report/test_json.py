@@ -10,8 +10,10 @@ import pytest
 from dh2urdf import __version__
 from dh2urdf.batch_report import BatchReport
 from dh2urdf.errors import OutputError
+from dh2urdf.manifest_table import ManifestTable
 from dh2urdf.outcome import make_row, to_line, to_text
 from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
+from dh2urdf.report.ledger import Ledger
 from dh2urdf.run import Result
 from dh2urdf.stores import open_store
 
@@ -28,6 +30,15 @@ def row(name: str, status: Any = "ok", **facts: Any) -> dict[str, Any]:
 
 ARM = row("arm")
 BAD = row("bad", "failed", kind="table", errors=[{"message": "'x' is no number", "line": 3}])
+
+
+def ledger(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = True) -> Ledger:
+    """What was gathered from some rows."""
+    made = Ledger((folder / "rows").open("w+b"), "manifest.jsonl")
+    if with_table:
+        made.table = ManifestTable(folder / "table")
+    made.add(b"".join(map(to_line, rows)))
+    return made
 
 
 def manifest(rows: Iterable[dict[str, Any]]) -> io.BytesIO:
@@ -111,27 +122,27 @@ def test_all_files_are_written_whole(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     from pyarrow import parquet
 
-    store, rows = open_store(tmp_path / "out"), manifest([ARM, BAD])
+    store, gathered = open_store(tmp_path / "out"), ledger(tmp_path, [ARM, BAD])
     found = result(batch(ok=1, failed=1))
-    report = write_reports(store, rows, found)
+    report = write_reports(store, gathered, found)
     found.seconds["total"] = 2.0
     write_timing(store, found)
     out = tmp_path / "out"
     written = {path.name for path in out.iterdir()} - {".dh2urdf"}
     assert written == {"report.json", "index.json", "manifest.parquet", "timing.json"}
     assert [path for path in (out / ".dh2urdf").rglob("*") if path.is_file()] == []
-    assert (out / "report.json").read_bytes() == to_text(report) == to_text(run_report(rows, found))
+    assert (out / "report.json").read_bytes() == to_text(report) == to_text(run_report(gathered.rows, found))
     index = json.loads((out / "index.json").read_bytes())
     assert (index["manipulators"], index["failures"]["table"]["names"]) == (2, ["bad"])
     assert parquet.read_table(out / "manifest.parquet")["name"].to_pylist() == ["arm", "bad"]
     assert json.loads((out / "timing.json").read_bytes())["per_second"] == 1.0
 
 
-def test_without_pyarrow_there_is_no_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is an extra, and nobody is told of what is not installed."""
-    monkeypatch.setattr("dh2urdf.report.json.can_write_parquet", lambda: False)
-    write_reports(open_store(tmp_path), manifest([ARM]), result(batch(ok=1)))
-    assert {path.name for path in tmp_path.iterdir()} - {".dh2urdf"} == {"report.json", "index.json"}
+def test_where_there_is_no_table_none_is_written(tmp_path: Path) -> None:
+    """pyarrow is an extra, and nobody is told of what is not installed."""
+    out = tmp_path / "out"
+    write_reports(open_store(out), ledger(tmp_path, [ARM], with_table=False), result(batch(ok=1)))
+    assert {path.name for path in out.iterdir()} - {".dh2urdf"} == {"report.json", "index.json"}
 
 
 def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
@@ -139,7 +150,7 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("")
     store = open_store(tmp_path / "out")
     with pytest.raises(OutputError, match=r"cannot write '.*out"):
-        write_reports(store, manifest([ARM]), result(batch(ok=1)))
+        write_reports(store, ledger(tmp_path, [ARM]), result(batch(ok=1)))
     with pytest.raises(OutputError, match=r"cannot write '.*out"):
         write_timing(store, result(batch(ok=1)))
 
@@ -150,7 +161,6 @@ def test_a_table_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("dh2urdf.report.json.can_write_parquet", lambda: True)
-    monkeypatch.setattr("dh2urdf.report.json.write_parquet", full)
+    monkeypatch.setattr("dh2urdf.manifest_table.ManifestTable.finish", full)
     with pytest.raises(OutputError, match=r"cannot write '.*/manifest\.parquet': No space left on device"):
-        write_reports(open_store(tmp_path), manifest([ARM]), result(batch(ok=1)))
+        write_reports(open_store(tmp_path), ledger(tmp_path, [ARM]), result(batch(ok=1)))

@@ -336,3 +336,11 @@ class TestOptions:
         """Without a number there is a worker per processor."""
         assert EXECUTOR.options() == LocalOptions(workers="auto")
         assert list(EXECUTOR.map(operator.neg, range(10), LocalOptions())) == [-number for number in range(10)]
+
+    def test_auto_leaves_the_process_itself_alone(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A machine with one processor has one worker process, which may crash; the number 1 asks for none."""
+        monkeypatch.setattr("dh2urdf_plugins.executors.local.processors", lambda: 1)
+        own, others = (set(map_locally(call, [os.getpid] * 4, LocalOptions(workers=n))) for n in (1, "auto"))
+        assert own == {os.getpid()}
+        assert len(others) == 1
+        assert own != others

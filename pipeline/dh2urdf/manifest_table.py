@@ -1,17 +1,13 @@
-"""What is made of the manifest of a finished run: a Parquet file for data science, and an index of what failed and why.
+"""The manifest of a run as a Parquet file, for data science: a row for each manipulator, and a column for each fact.
 
-The manifest itself, `manifest.jsonl`, has one JSON object for each manipulator, in the order of the run. Here its rows
-pass by one after the other; none is kept.
+It is written while the rows pass by; none is kept.
 """
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from dataclasses import dataclass, field
 from importlib.util import find_spec
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from orjson import loads
 
@@ -20,21 +16,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
 
-Row: TypeAlias = "Mapping[str, Any]"
-"""What the manifest says of one manipulator."""
+    from dh2urdf.outcome import Row
 
 ROW_GROUP = 10_000
 """Manipulators in a row group of the Parquet file [1]: as many are in memory at once."""
-MAX_REASONS = 100
-"""Reasons of one kind of failure that the index tells apart [1]."""
-MAX_NAMES = 1000
-"""Names of one kind of failure that the index lists [1]."""
-LONGEST_REASON = 300
-"""Characters of a reason [1]; of a longer one the beginning counts."""
-
-
-# --- Parquet ----------------------------------------------------------------------------------------------------------
 
 
 def can_write_parquet() -> bool:
@@ -42,8 +29,8 @@ def can_write_parquet() -> bool:
     return find_spec("pyarrow") is not None
 
 
-def write_parquet(manifest: BinaryIO, target: Path | BinaryIO) -> None:
-    """Write a manifest as a Parquet file: a row for each manipulator, in the same order, and a column for each fact.
+class ManifestTable:
+    """A manifest as a Parquet file: a row for each manipulator, in the same order, and a column for each fact.
 
     ===============================  ===================================================================================
     name, status, kind, source, key  text; `kind` of the failure is null where there is none
@@ -59,35 +46,71 @@ def write_parquet(manifest: BinaryIO, target: Path | BinaryIO) -> None:
     ===============================  ===================================================================================
 
     A column `drawn` or `loaders` that no manipulator fills is left out. The same rows give the same bytes with the same
-    version of pyarrow.
+    version of pyarrow, however many come at once.
 
-    Args:
-        manifest: the JSON lines, which are read twice from their beginning: to learn the columns, and to write them.
-        target: the file that is written, or a binary stream.
-
-    Raises:
-        OSError: the file cannot be written.
+    Attributes:
+        path: the file that is written.
     """
-    from pyarrow import parquet
 
-    columns = _Columns()
-    for line in _lines(manifest):
-        columns.see(loads(line))
-    with parquet.ParquetWriter(target, columns.schema(), use_dictionary=_REPEATED) as writer:
-        lines = _lines(manifest)
-        while some := list(islice(lines, ROW_GROUP)):
-            writer.write_batch(columns.batch(some), ROW_GROUP)
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._columns = _Columns()
+        self._waiting: list[bytes] = []
+        self._writer: ParquetWriter | None = None
+        self._is_outgrown = False
+
+    def add(self, rows: Iterable[Row], lines: Iterable[bytes]) -> None:
+        """Take rows of the manifest, and the same as lines of JSON.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        for row in rows:
+            self._columns.see(row)
+        self._waiting += lines
+        while len(self._waiting) >= ROW_GROUP:
+            self._write(self._waiting[:ROW_GROUP])
+            del self._waiting[:ROW_GROUP]
+
+    def finish(self, manifest: BinaryIO) -> None:
+        """Complete the file, or write it anew where late rows have columns that the first ones had not.
+
+        Args:
+            manifest: all lines.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        self._write(self._waiting)
+        self._close()
+        if self._is_outgrown:
+            self._is_outgrown = False
+            manifest.seek(0)
+            while some := list(islice(manifest, ROW_GROUP)):
+                self._write(some)
+            self._close()
+
+    def _write(self, lines: list[bytes]) -> None:
+        """Write a row group, if the columns are those of the groups before."""
+        from pyarrow import parquet
+
+        schema = self._columns.schema()
+        if self._writer is None:
+            self._writer = parquet.ParquetWriter(self.path, schema, use_dictionary=_REPEATED)
+        self._is_outgrown = self._is_outgrown or self._writer.schema != schema
+        if lines and not self._is_outgrown:
+            self._writer.write_batch(self._columns.batch(lines), ROW_GROUP)
+
+    def _close(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
 
 
 _REPEATED = ["status", "kind", "source"]
 """Columns of few different texts; a dictionary of any other would be as long as the column."""
 _BLOCK = 1 << 20
 """How much text pyarrow reads at once [byte], besides the longest line."""
-
-
-def _lines(manifest: BinaryIO) -> Iterator[bytes]:
-    manifest.seek(0)
-    return iter(manifest)
 
 
 class _Columns:
@@ -284,117 +307,3 @@ def _leaves(facts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, value
         elif name.endswith(".findings"):
             yield name, _messages(value)
-
-
-# --- The index --------------------------------------------------------------------------------------------------------
-
-
-@dataclass(slots=True)
-class _Failures:
-    """The failures of one kind.
-
-    Attributes:
-        names: the first manipulators.
-        reasons: how often each reason was given, in the order of their first appearance.
-        examples: the first message of each reason.
-        others: failures for reasons beyond those that are told apart.
-    """
-
-    names: list[str] = field(default_factory=list)
-    reasons: Counter[str] = field(default_factory=Counter)
-    examples: dict[str, str] = field(default_factory=dict)
-    others: int = 0
-
-    def add(self, name: str, message: str) -> None:
-        """Counts one."""
-        if len(self.names) < MAX_NAMES:
-            self.names.append(name)
-        reason = pattern(message)
-        if reason not in self.reasons:
-            if len(self.reasons) == MAX_REASONS:
-                self.others += 1
-                return
-            self.examples[reason] = message
-        self.reasons[reason] += 1
-
-    def as_json(self) -> dict[str, Any]:
-        """The failures as plain data, the commonest reasons first."""
-        return {
-            "count": self.reasons.total() + self.others,
-            "reasons": [
-                {"count": count, "pattern": reason, "example": self.examples[reason]}
-                for reason, count in self.reasons.most_common()
-            ],
-            "other_reasons": self.others,
-            "names": self.names,
-        }
-
-
-_OK = b'","status":"ok","kind":null,'
-
-
-class Index:
-    """What failed in a run, and why, by kind: gathered while the rows of its manifest pass by."""
-
-    def __init__(self) -> None:
-        self._statuses: Counter[str] = Counter()
-        self._failures: dict[str, _Failures] = {}
-
-    def add(self, row: Row) -> None:
-        """Takes one row of the manifest."""
-        self._statuses[row["status"]] += 1
-        if row["status"] == "failed":
-            message = row["errors"][0]["message"] if row["errors"] else ""
-            self._failures.setdefault(row["kind"], _Failures()).add(row["name"], message)
-
-    def add_line(self, line: bytes) -> None:
-        """Takes one line of the manifest; of one that is ok there is nothing to read but that."""
-        if _OK in line:  # It stands in no name: quotes in texts have a backslash before them.
-            self._statuses["ok"] += 1
-        else:
-            self.add(loads(line))
-
-    def as_json(self) -> dict[str, Any]:
-        """The index as plain data.
-
-        ::
-
-            {
-              "manipulators": 1000000,
-              "ok": 999985,
-              "failed": 15,
-              "failures": {
-                "table": {                      the kind; the commonest first
-                  "count": 12,
-                  "reasons": [                  at most 100, the commonest first
-                    {
-                      "count": 12,              manipulators whose first error has this pattern
-                      "pattern": "'…' is more than a full turn in rad, and no unit is declared for it",
-                      "example": "'90' is more than a full turn in rad, …"
-                    }
-                  ],
-                  "other_reasons": 0,           manipulators with reasons beyond these
-                  "names": ["robot_17", …]      at most 1,000, in the order of the run
-                },
-                …
-              }
-            }
-        """
-        kinds = sorted(self._failures.items(), key=lambda item: -item[1].reasons.total() - item[1].others)
-        return {
-            "manipulators": self._statuses.total(),
-            "ok": self._statuses["ok"],
-            "failed": self._statuses["failed"],
-            "failures": {kind: failures.as_json() for kind, failures in kinds},
-        }
-
-
-_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
-_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
-_NUMBERS = re.compile(r"#(?:, #)+")
-
-
-def pattern(message: str) -> str:
-    """A message without what differs from manipulator to manipulator: quoted text is '…', a number or several are #."""
-    without = _NUMBER.sub("#", _QUOTED.sub("'…'", message[: 4 * LONGEST_REASON]))
-    return _NUMBERS.sub("#", without)[:LONGEST_REASON]

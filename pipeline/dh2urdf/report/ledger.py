@@ -1,0 +1,57 @@
+"""The rows of a run while they come: into its manifest, and past all who gather something from them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, BinaryIO
+
+from orjson import loads
+
+from dh2urdf.failure_index import FailureIndex
+from dh2urdf.output import reporting_os_errors, write_all
+
+if TYPE_CHECKING:
+    from dh2urdf.manifest_table import ManifestTable
+    from dh2urdf.report.overview import Overview
+
+
+class Ledger:
+    """The manifest of a run on its way.
+
+    Everything is gathered in the process of the run while its workers work, so that nothing is left to do afterwards.
+
+    Attributes:
+        rows: the manifest, open to write and to read.
+        index: what failed, and why.
+        table: the manifest as a table, where there will be one.
+        overview: what the page for people says, where there will be one.
+    """
+
+    def __init__(self, rows: BinaryIO, place: str) -> None:
+        """Begin a manifest.
+
+        Args:
+            rows: an empty file.
+            place: where the manifest will be, which errors tell of.
+        """
+        self.rows = rows
+        self.index = FailureIndex()
+        self.table: ManifestTable | None = None
+        self.overview: Overview | None = None
+        self._place = place
+
+    def add(self, block: bytes) -> None:
+        """Take the rows of a batch, as lines of JSON.
+
+        Raises:
+            OutputError: they cannot be written.
+        """
+        with reporting_os_errors(self._place):
+            write_all(self.rows.fileno(), block)
+            lines = block.splitlines(keepends=True)
+            rows = [loads(line) for line in lines]
+            for row in rows:
+                self.index.add(row)
+                if self.overview:
+                    self.overview.add(row)
+            if self.table:
+                self.table.add(rows, lines)

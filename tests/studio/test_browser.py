@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -160,6 +161,42 @@ def test_parameters_are_drawn_on_request(studio_address: str, new_tab: Callable[
     page.locator(".arm-view-stroke", has_text="a₂ = -0.425 m").wait_for()
     texts = page.locator(".arm-view-stroke").all_inner_texts()
     assert {"d₁ = 0.08916 m", "α₁ = 90°", "α₅ = -90°"} <= set(texts)
+
+
+def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """No label lies on another, though three frames of the UR5 stand at one point: all of them can be read."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    script = """() => [...document.querySelectorAll('.arm-view-label')].filter(label => label.style.visibility === 'visible')
+        .map(label => [label.textContent, label.getBoundingClientRect().toJSON()])"""
+    page.wait_for_function(f"({script})().length === 9")
+    labels = page.evaluate(script)
+    assert {text for text, _ in labels} == {*(f"{{{number}}}" for number in range(7)), "flange", "tool0"}
+    for (_, one), (_, other) in itertools.combinations(labels, 2):
+        aside = one["right"] < other["left"] or other["right"] < one["left"]
+        assert aside or one["bottom"] < other["top"] or other["bottom"] < one["top"]
+
+
+@pytest.mark.parametrize("name", ["ur5", "stanford", "track"])
+def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any], name: str) -> None:
+    """All corners of the links of an arm that was opened are inside the picture, and reach over half of it."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit(name)
+    script = """() => {
+        const {scene, camera} = document.querySelector('.arm-view'), corners = [];
+        camera.updateMatrixWorld();
+        scene.traverse(part => {
+            if (part.userData.layer !== 'links' || !part.isMesh) return;
+            const {array, count} = part.geometry.attributes.position;
+            for (let i = 0; i < count; i++)
+                corners.push(camera.position.clone().fromArray(array, 3 * i).applyMatrix4(part.matrixWorld).project(camera));
+        });
+        const reach = axis => Math.max(...corners.map(c => c[axis])) - Math.min(...corners.map(c => c[axis]));
+        return corners.every(({x, y}) => Math.abs(x) < 1 && Math.abs(y) < 1) && Math.max(reach('x'), reach('y')) > 1;
+    }"""
+    page.wait_for_function(f"({script})()")
 
 
 def test_the_paper_stands_side_by_side(studio_address: str, new_tab: Callable[..., Any]) -> None:

@@ -40,6 +40,14 @@ def test_links_and_frames_stand_where_the_table_has_them(reference_robot: Refere
         assert np.allclose(as_matrices(poses[f"frame {len(arm.rows)}"] @ arm.tool), published, atol=1e-9)
 
 
+def test_flange_and_tool0_have_frames(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
+    """Both are shown with their names, and so are the DH frames; links stand in none of their own."""
+    one = figure(reference_robots[0].manipulator, catalog)
+    framed = [node for node in Drawing.of([one]).nodes if any(part.shape == "frame" for part in node.parts)]
+    numbers = range(len(reference_robots[0].manipulator.rows) + 1)
+    assert {node.label for node in framed} == {"flange", "tool0", *(f"{{{number}}}" for number in numbers)}
+
+
 def test_strokes_are_the_parameters(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
     """A segment is as long as its d or a, an arc turns by its angle, and they lead from frame to frame."""
     arm = reference_robot.manipulator

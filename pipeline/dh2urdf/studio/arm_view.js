@@ -261,6 +261,7 @@ export default {
         return direction.clone().multiplyScalar((one - other) / 2);
       });
       const depth = points.reduce((sum, p) => sum + p.dot(away), 0) / points.length;
+      distance = Math.max(distance, depth + 0.3 * this.reach); // of a robot that is a point
       this.controls.target.copy(sides[0]).add(sides[1]).addScaledVector(away, depth);
       this.camera.position.copy(sides[0]).add(sides[1]).addScaledVector(away, distance);
       this.camera.near = 0.005 * this.reach;
@@ -301,7 +302,8 @@ export default {
     place() {
       const labels = [];
       this.scene.traverse((object) => object.userData.element && labels.push(object));
-      const rank = ({ userData: { element } }) => (element.classList.contains("arm-view-picked") ? 0 : element.classList.contains("arm-view-stroke") ? 2 : 1);
+      const is = (label, kind) => label.userData.element.classList.contains(`arm-view-${kind}`);
+      const rank = (label) => is(label, "stroke") - is(label, "picked");
       labels.sort((one, other) => rank(one) - rank(other));
       for (const { userData: own } of labels) own.size ??= [own.element.offsetWidth, own.element.offsetHeight]; // all at once
       const { clientWidth, clientHeight } = this.$el, taken = [];

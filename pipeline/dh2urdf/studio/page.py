@@ -22,13 +22,6 @@ if TYPE_CHECKING:
 
 MOST_PROBLEMS = 30
 """Problems that are spelled out below the table [1]; all wrong cells are marked."""
-_LAYER_NAMES = {
-    "links": "links",
-    "axes": "joint axes",
-    "frames": "DH frames",
-    "parameters": "a α d θ",
-    "collision": "collision",
-}
 _VARIANT_NAMES = {"exact": "exact", "paper": "paper", "both": "side by side"}
 _QUIET = "flat dense no-caps"
 
@@ -127,8 +120,8 @@ class StudioPage:
     def _lay_scene(self) -> None:
         with ui.element("div").classes("studio-bar"):
             self._layers = {
-                layer: ui.checkbox(_LAYER_NAMES[layer], on_change=self._choose_layers).props("dense size=xs")
-                for layer in LAYERS
+                layer: ui.checkbox(told, on_change=self._choose_layers).props("dense size=xs")
+                for layer, told in LAYERS.items()
             }
             self._variant = ui.toggle(_VARIANT_NAMES, on_change=self._choose_variant)
             self._variant.props('dense unelevated no-caps aria-label="variant"')

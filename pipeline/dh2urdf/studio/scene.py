@@ -24,8 +24,14 @@ if TYPE_CHECKING:
 Colour: TypeAlias = tuple[float, float, float]
 """Red, green, blue in 0..1."""
 
-LAYERS = ("links", "axes", "frames", "parameters", "collision")
-"""What can be shown and hidden."""
+LAYERS = {
+    "links": "links",
+    "axes": "joint axes",
+    "frames": "frames",
+    "parameters": "a α d θ",
+    "collision": "collision",
+}
+"""What can be shown and hidden, and what a person calls it."""
 
 GREY: Colour = (0.72, 0.74, 0.77)
 COLLISION: Colour = (0.85, 0.2, 0.45)

@@ -211,11 +211,6 @@ class Session:
         found = chain.forward_kinematics(values)
         return position_error(pose, found), angle_error(pose, found)
 
-    @property
-    def is_current(self) -> bool:
-        """Whether the arm on the screen is the one of the table."""
-        return self.arm is not None and self.reading.manipulator is not None and not self.problems_of_making
-
     def _vector(self, manipulator: Manipulator) -> list[float]:
         return [self.q.get(row.joint, 0.0) for row in manipulator.moving_rows]
 

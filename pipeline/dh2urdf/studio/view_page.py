@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing
+from dh2urdf.studio.scene import LAYERS
 from dh2urdf.studio.widgets import ArmView, JointSliders
 
 if TYPE_CHECKING:
@@ -16,13 +17,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.studio.viewing import View
 
-_LAYER_NAMES = {
-    "links": "links",
-    "axes": "joint axes",
-    "frames": "frames",
-    "parameters": "a α d θ",
-    "collision": "collision",
-}
 MOST_TIPS = 12
 """Ends of arms whose poses are told [1]."""
 
@@ -51,7 +45,7 @@ class ViewPage:
     def _lay_scene(self) -> None:
         with ui.element("div").classes("studio-bar"):
             tables = any(figure.manipulator for figure in self.view.figures)
-            for layer, told in _LAYER_NAMES.items():
+            for layer, told in LAYERS.items():
                 if layer != "parameters" or tables:
                     box = ui.checkbox(told, value=layer in self.view.layers).props("dense size=xs")
                     box.on_value_change(lambda event, layer=layer: self._choose_layer(layer, shown=event.value))

@@ -10,13 +10,21 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.attribution import depending_on
 from dh2urdf.cli import EXIT_STATUS
-from dh2urdf.cli.tables import COMMAND_LINE, READER_OPTIONS, read_manipulator, stage_options, table_options
-from dh2urdf.conversion import Call, Recipe, make_robot, write_robot
+from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.tables import (
+    COMMAND_LINE,
+    READER_OPTIONS,
+    chosen_reader,
+    read_manipulator,
+    stage_calls,
+    table_options,
+)
+from dh2urdf.conversion import Recipe, make_robot, write_robot
 from dh2urdf.errors import SCREENFUL, ConfigError, RobotError, TableError, TransformError
 from dh2urdf.meshes import FILE, RELATIVE, prefix_of
 from dh2urdf.output import safe_stem
-from dh2urdf.registry import load
 from dh2urdf.source import Problem, shown
 from dh2urdf.textfiles import check_file
 from dh2urdf.truth import Truth
@@ -35,14 +43,18 @@ POSES = 8
 @click.option("-o", "--output", "output", metavar="FILE", help="Where to write; standard output without it.")
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
+@click.option("--transform", "transform_name", default=DEFAULT_TRANSFORM, metavar="NAME", help="Transform; alpha-swap.")
 @click.option("--variant", metavar="V", help="exact (the arm itself) or paper (the published algorithm).")
 @click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
 @click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
-def command(
+@without_option
+def command(  # noqa: PLR0917 - click hands everything over by name
     table: Path,
     output: str | None,
     format_name: str | None,
+    reader_name: str | None,
+    transform_name: str,
     robot: str | None,
     settings: tuple[str, ...],
     **flags: str | None,
@@ -59,11 +71,11 @@ def command(
     dh2urdf convert ur5.csv -o ur5.urdf.xacro --frames dh
     dh2urdf convert arms.csv --robot ur10 --set shape=box --set density=1500
     """
-    catalog = load()
+    installed = catalog()
     target = None if output in (None, "-") else Path(str(output))
     check_file(table, TableError)
-    reader = catalog.reader_for(table)
-    transform = catalog.get("transform", DEFAULT_TRANSFORM)
+    reader = chosen_reader(installed, table, reader_name)
+    transform = installed.get("transform", transform_name)
     if target is not None and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
         raise ConfigError(
             Problem(
@@ -74,22 +86,23 @@ def command(
             )
         )
     if format_name or target is None:
-        emitter = catalog.get("emitter", format_name or DEFAULT_EMITTER)
+        emitter = installed.get("emitter", format_name or DEFAULT_EMITTER)
     else:
-        emitter = catalog.emitter_for(target)
+        emitter = installed.emitter_for(target)
     given = {
         "reader": {name: flags[name] for name in READER_OPTIONS},
         "transform": {name: flags[name] for name in ("variant", "frames")},
         "emitter": {},
     }
     stages = {"reader": reader, "transform": transform, "emitter": emitter}
-    options = stage_options(stages, given, settings)
+    calls = stage_calls(installed, stages, given, settings)
     if target is None and emitter.one_file:
-        options["emitter"] = emitter.one_file(options["emitter"])
-    manipulator = read_manipulator(reader, table, options["reader"], robot)
+        with depending_on(calls["emitter"], "one_file"):
+            calls["emitter"] = replace(calls["emitter"], options=emitter.one_file(calls["emitter"].options))
+    manipulator = read_manipulator(calls["reader"], table, robot)
     recipe = Recipe(
-        transform=Call(stage=transform, options=options["transform"]),
-        emitters=(Call(stage=emitter, options=options["emitter"]),),
+        transform=calls["transform"],
+        emitters=(calls["emitter"],),
         poses=POSES,
         mesh_prefix=_mesh_prefix(flags["meshes"], target),
     )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.attribution import Call
 from dh2urdf.conversion import read_items
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.options import make_options
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.registry import Catalog
     from dh2urdf.stages import Reader
 
     F = TypeVar("F", bound=Callable[..., Any])
@@ -31,6 +33,7 @@ def table_options(function: F) -> F:
     """Gives a command the flags that say what a table leaves out."""
     for option in reversed(
         (
+            click.option("--from", "reader_name", metavar="NAME", help="Reader of TABLE; by its suffix."),
             click.option("--robot", metavar="NAME", help="Which manipulator of a table that holds several."),
             click.option("--convention", metavar="C", help="standard or modified, where the table does not say it."),
             click.option("--length-unit", metavar="UNIT", help="Unit of lengths without one: m, cm or mm."),
@@ -47,7 +50,17 @@ def table_options(function: F) -> F:
     return function
 
 
-def read_manipulator(reader: Reader[Any], table: Path, options: Any, robot: str | None) -> Manipulator:  # noqa: ANN401 - the reader's own
+def chosen_reader(catalog: Catalog, table: Path, name: str | None) -> Reader[Any]:
+    """The reader that is named, or the one by the table's suffix.
+
+    Raises:
+        InputError: there is none, or several are.
+        PluginError: it is broken, or two plugins claim its name.
+    """
+    return catalog.get("reader", name) if name else catalog.reader_for(table, "`--from NAME` chooses a reader")
+
+
+def read_manipulator(call: Call[Reader[Any]], table: Path, robot: str | None) -> Manipulator:
     """The manipulator of a table that is meant.
 
     Raises:
@@ -55,7 +68,7 @@ def read_manipulator(reader: Reader[Any], table: Path, options: Any, robot: str 
         ConfigError: the file is a run file.
     """
     try:
-        return _choose(read_items(reader, table, options), robot, table)
+        return _choose(read_items(call.stage, table, call.options, call.plugin), robot, table)
     except TableError:
         from dh2urdf.config import is_run_file  # Reading run files takes modules that a conversion does not need.
 
@@ -108,10 +121,13 @@ def _choose(items: Iterator[Manipulator | Rejected], robot: str | None, table: P
     return chosen
 
 
-def stage_options(
-    stages: Mapping[str, Any], given: Mapping[str, Mapping[str, str | None]], settings: tuple[str, ...] = ()
-) -> dict[str, Any]:
-    """The options of every stage, from the flags and from --set.
+def stage_calls(
+    catalog: Catalog,
+    stages: Mapping[str, Any],
+    given: Mapping[str, Mapping[str, str | None]],
+    settings: tuple[str, ...] = (),
+) -> dict[str, Call[Any]]:
+    """The calls of stages of a catalog, with their options from the flags and from --set.
 
     `--set key=value` goes to the stage that has the option; `--set transform.key=value` says which.
 
@@ -142,12 +158,14 @@ def stage_options(
             )
             continue
         words[kinds[0]][key] = value.strip()
-    options: dict[str, Any] = {}
+    calls: dict[str, Call[Any]] = {}
     for kind, stage in stages.items():
+        plugin, where = catalog.plugin_of(stage), f"{kind} {stage.name!r}"
         try:
-            options[kind] = make_options(stage.options, words[kind], mark=COMMAND_LINE, where=f"{kind} {stage.name!r}")
+            options = make_options(stage.options, words[kind], mark=COMMAND_LINE, where=where, plugin=plugin)
+            calls[kind] = Call(stage=stage, options=options, plugin=plugin)
         except ConfigError as error:
             problems.extend(error.problems)
     if problems:
         raise ConfigError(problems)
-    return options
+    return calls

@@ -322,7 +322,7 @@ class TestExecute:
         assert (first["name"], last["name"]) == ("arm", "hand")
         assert crash["status"] == "failed"
         (problem,) = crash["errors"]
-        assert problem["message"].startswith("reader 'list' failed: ZeroDivisionError: no such number")
+        assert problem["message"].startswith("reader 'list' of lab 1.0 failed: ZeroDivisionError: no such number")
         assert problem["file"] == str(lab.folder / "a.list")
         tracebacks = [text for report in noted for text in report.tracebacks]
         assert ['raise ZeroDivisionError("no such number")' in text for text in tracebacks] == [True]

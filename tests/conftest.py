@@ -221,10 +221,11 @@ def install() -> Callable[..., None]:
         group: str = "dh2urdf",
         version: str = "1.0",
     ) -> None:
-        metadata = folder / f"{distribution}-{version}.dist-info"
+        stem = distribution.replace("-", "_")
+        metadata = folder / f"{stem}-{version}.dist-info"
         metadata.mkdir(parents=True, exist_ok=True)
         (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n")
-        module = f"{distribution.replace('-', '_')}_{plugin}"
+        module = f"{stem}_{plugin}"
         with (metadata / "entry_points.txt").open("a") as points:
             points.write(f"[{group}]\n{plugin} = {module}\n")
         (folder / f"{module}.py").write_text(source)

@@ -12,7 +12,7 @@ from dh2urdf.config import load_config
 from dh2urdf.outcome import to_text
 from dh2urdf.registry import load
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
-from dh2urdf.run import execute, make_plan
+from dh2urdf.runs import execute, make_plan
 from dh2urdf.stores import open_store
 
 

@@ -22,7 +22,7 @@ from dh2urdf.config import load_config
 from dh2urdf.outcome import make_row, to_line
 from dh2urdf.proof import Proof
 from dh2urdf.registry import load
-from dh2urdf.run import execute, make_plan
+from dh2urdf.runs import execute, make_plan
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
@@ -436,7 +436,7 @@ class TestRuns:
     ) -> None:
         """The run is done, and the summary ends with what to type; not where nobody wants the page."""
         monkeypatch.setattr("dh2urdf.cli.run.can_write_html", lambda: False)
-        monkeypatch.setattr("dh2urdf.run.can_write_html", lambda: False)
+        monkeypatch.setattr("dh2urdf.runs.can_write_html", lambda: False)
         _file(tmp_path, "run.yaml", RUN, arms=table(["arm"]))
         assert cli("run", "run.yaml").stdout.splitlines()[-1].endswith("pip install 'dh2urdf[report]'")
         assert not (tmp_path / "out" / "report.html").exists()

@@ -187,7 +187,7 @@ class TestHooks:
 def record_types() -> list[type]:
     """Every dataclass of the host that a plugin is given or gives."""
     found = []
-    for name in ("source", "manipulator", "robot", "stages", "proof", "conversion", "run"):
+    for name in ("source", "manipulator", "robot", "stages", "proof", "conversion", "single_table", "runs"):
         module = importlib.import_module(f"dh2urdf.{name}")
         found += [kind for kind in vars(module).values() if isinstance(kind, type) and is_dataclass(kind)]
     return sorted(set(found), key=lambda kind: kind.__qualname__)

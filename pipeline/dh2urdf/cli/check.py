@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.cli.tables import COMMAND_LINE, READER_OPTIONS, read_manipulator, stage_options, table_options
+from dh2urdf.cli.tables import ASKER, READER_OPTIONS, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.options import COMMAND_LINE
 from dh2urdf.registry import Catalog, load
+from dh2urdf.single_table import read_manipulator, stage_options
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.textfiles import check_file
 
@@ -139,8 +141,8 @@ def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None])
     check_file(table, TableError)
     reader = catalog.reader_for(table)
     given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
-    options = stage_options({"reader": reader}, given)["reader"]
-    return read_manipulator(reader, table, options, flags["robot"])
+    (options,) = stage_options({"reader": [reader]}, ASKER, given)["reader"]
+    return read_manipulator(reader, table, options, flags["robot"], ASKER)
 
 
 def _agreement(

@@ -155,6 +155,13 @@ class TestQuickStart:
         assert loaded_after(code, tmp_path) & HEAVY == set()
         assert (tmp_path / "arm.urdf").is_file()
 
+    def test_converting_in_a_program(self, tmp_path: Path) -> None:
+        """Neither does the function, with the table read before."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        code = "import dh2urdf; arm = dh2urdf.read('arm.csv'); dh2urdf.convert(arm, 'arm.urdf', frames='dh')"
+        assert loaded_after(code, tmp_path) & (HEAVY | {"click"}) == set()
+        assert (tmp_path / "arm.urdf").is_file()
+
     def test_converting_to_xacro(self, tmp_path: Path) -> None:
         """One conversion to xacro imports the real xacro, which proves it, and nothing else that is heavy."""
         (tmp_path / "arm.csv").write_text(TABLE)

@@ -28,9 +28,10 @@ pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
 
 from dh2urdf.report.exhibits import EXAMPLES, FULL, Exhibits
-from dh2urdf.report.figures import Workspace, skeleton
+from dh2urdf.report.figures import Workspace
 from dh2urdf.report.html import page
 from dh2urdf.report.overview import LISTED, Overview
+from dh2urdf.report.skeletons import arm_skeleton
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -450,10 +451,10 @@ class TestDrawings:
         from dh2urdf.truth import Truth
 
         table_ = reference_robot.manipulator
-        arm = skeleton(Truth.of(table_).tips[0])
+        arm = arm_skeleton(Truth.of(table_).tips[0])
         zero = [0.0] * len(table_.moving_rows)
         expected = forward_kinematics(table_, zero)
-        np.testing.assert_allclose(arm.path[-1], expected.translation, atol=1e-12)
+        np.testing.assert_allclose(arm.tips[0], expected.translation, atol=1e-12)
         assert len(arm.axes) == len(zero)
         # A joint turns tool0 about its drawn axis, or moves it along it: by central differences.
         for index, (_, at, direction, slides) in enumerate(arm.axes):

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 HOST = ROOT / "pipeline" / "dh2urdf"
 PLUGINS = ROOT / "plugins" / "dh2urdf_plugins"
-EXAMPLE = ROOT / "tests" / "example_plugin" / "src" / "dh2urdf_example_plugin"
+EXAMPLES = (ROOT / "tests" / "example_plugin", *sorted((ROOT / "examples").iterdir()))
 HOOKS = tuple(f"dh2urdf_{kind}s" for kind in KINDS)
 
 SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake", "zmq"}
@@ -90,10 +90,16 @@ class TestImportDirection:
         foreign = {"dh2urdf_plugins", "lxml", "xacro", "csv"} | SIMULATORS
         assert importing(modules(HOST), lambda name: name.split(".")[0] in foreign) == []
 
+    def test_examples_have_what_a_third_party_has(self) -> None:
+        """No example imports a built-in stage."""
+        theirs = [path for example in EXAMPLES for path in modules(example / "src")]
+        assert importing(theirs, lambda name: name.split(".")[0] == "dh2urdf_plugins") == []
+
     def test_plugins_use_what_is_public(self) -> None:
         """A built-in stage reaches the host through public modules and names only, like anybody's."""
         inner = re.compile(r"dh2urdf\.(cli|report|(.*\.)?_)")
-        assert importing([*modules(PLUGINS), *modules(EXAMPLE)], inner.match) == []
+        theirs = [path for example in EXAMPLES for path in modules(example / "src")]
+        assert importing([*modules(PLUGINS), *theirs], inner.match) == []
 
     def test_every_import_is_of_something_that_is_installed_with_it(self) -> None:
         """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""

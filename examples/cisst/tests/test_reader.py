@@ -45,7 +45,7 @@ def move(x: float, z: float) -> np.ndarray:
 
 
 def test_the_arm_is_where_cisst_has_it() -> None:
-    """T(q) is the product of the base, each joint's Rx(alpha)·Tx(A)·Rz(theta)·Tz(D) with its offset, and the tooltip."""
+    """T(q) is base · Rx(alpha)·Tx(A)·Rz(theta)·Tz(D) of each joint with its offset · tooltip."""
     q = [0.3, -0.4, 0.15, 0.8]
     half = math.pi / 2
     expected = np.array([[0, 1, 0, 0.1], [-1, 0, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]])

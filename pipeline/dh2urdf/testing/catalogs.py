@@ -71,7 +71,7 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
     for name, content in tables.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
     path = folder / "run.yaml"
-    path.write_text(f"{run_file}\noutput: {{directory: build}}\nexecution: {{options: {{workers: 1}}}}\n", "utf-8")
+    path.write_text(f"{run_file}\noutput: {{directory: build}}\n", "utf-8")
     result, _ = execute(make_plan(load_config(path), catalog or load()))
     build = folder / "build"
     return RunOutput(

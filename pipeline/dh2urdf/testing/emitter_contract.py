@@ -155,7 +155,7 @@ class EmitterContract(StageContract):
                 except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever an author's code raises
                     self.breach(
                         clause,
-                        found=f"{type(error).__name__}: {error} from {reading.__name__}, of a file that holds {content!r}",
+                        found=f"{type(error).__name__}: {error} from {reading.__name__}, of {content!r}",
                         accepted="dh2urdf.errors.InputError, or what is derived from it",
                         remedy="say with InputError and a Problem what is wrong with the file and where",
                     )

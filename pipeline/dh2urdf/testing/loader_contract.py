@@ -218,7 +218,7 @@ class LoaderContract(StageContract):
             found = str(error)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever an author's code raises
             found = f"{type(error).__name__}: {error}"
-        self.breach(
+        return self.breach(
             clause,
             found=found,
             accepted="a report of a good file; a LoaderError of any other",

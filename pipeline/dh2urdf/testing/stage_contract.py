@@ -257,7 +257,7 @@ class StageContract:
             raise
         except Exception as error:  # noqa: BLE001 - whatever an author's code raises
             found = str(error) if isinstance(error, CrashError) else f"{type(error).__name__}: {error}"
-        self.breach(
+        return self.breach(
             clause,
             found=found,
             accepted="functions that a worker can import by their names, and results that can be pickled",
@@ -285,7 +285,7 @@ class StageContract:
         for entry, stages in _installed(kind):
             if any(stage.name == self.stage.name and _home(kind, stage) == home for stage in stages):
                 return entry
-        self.breach(
+        return self.breach(
             self.test_registering_imports_nothing_heavy,
             found=f"no installed plugin provides the {self.kind} {self.stage.name!r}",
             accepted=f"a distribution with an entry point of the group {PROJECT!r}",

@@ -10,7 +10,7 @@ import pytest
 
 from dh2urdf.config import load_config
 from dh2urdf.registry import load
-from dh2urdf.run import make_plan
+from dh2urdf.runs import make_plan
 
 ROOT = Path(__file__).parents[1]
 PAGES = ("batches.md", "machines.md")

@@ -50,7 +50,7 @@ def make_options(
     Args:
         options_type: the stage's options dataclass.
         given: what the user wrote: a mapping in a file, or words of the command line by option.
-        mark: where the stage is named, for what has no place of its own.
+        mark: where the stage is named, for what has no place of its own, such as a word.
         where: the stage, for messages, such as ``emitter 'urdf'``.
         plugin: who provides the stage, for messages.
 
@@ -58,12 +58,13 @@ def make_options(
         ConfigError: options are unknown, missing or not what they should be; all of it is said at once.
         BrokenPluginError: the stage's options type itself does not work.
     """
+    place = mark or COMMAND_LINE
     try:
         if isinstance(given, Node):
             expect_mapping(given, f"the options of the {where}")
             return _Call(options_type, given, given.mark, where).options()
-        words = {name: word_node(word) for name, word in (given or {}).items()}
-        return _Call(options_type, Node(words, COMMAND_LINE.file, 0, 0), mark or COMMAND_LINE, where).options()
+        words = {name: word_node(word, place.file) for name, word in (given or {}).items()}
+        return _Call(options_type, Node(words, place.file, 0, 0), place, where).options()
     except InputError:
         raise
     except (Exception, SystemExit) as error:
@@ -73,12 +74,12 @@ def make_options(
         raise BrokenPluginError(name, whose, reason, traceback.format_exc()) from error
 
 
-def word_node(word: str) -> Node:
+def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:
     """A word of the command line as a value: it is read as YAML, and is a text where it is none."""
     try:
-        node = load_yaml(word, COMMAND_LINE.file)
+        node = load_yaml(word, file)
     except InputError:
-        return Node(word, COMMAND_LINE.file, 0, 0, word)
+        return Node(word, file, 0, 0, word)
     if node.text is None:
         node.text = word  # for options that are texts with an inner form, such as a transform
     waiting = [node]

@@ -23,7 +23,7 @@ from dh2urdf.manipulator import (
 )
 from dh2urdf.registry import load
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.run import make_plan
+from dh2urdf.runs import make_plan
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:

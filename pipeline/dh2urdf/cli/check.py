@@ -10,15 +10,10 @@ import click
 
 from dh2urdf.attribution import Call, a_record, depending_on
 from dh2urdf.cli.leaving_out import catalog, without_option
-from dh2urdf.cli.tables import (
-    COMMAND_LINE,
-    READER_OPTIONS,
-    chosen_reader,
-    read_manipulator,
-    stage_calls,
-    table_options,
-)
+from dh2urdf.cli.tables import ASKER, READER_OPTIONS, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.options import COMMAND_LINE
+from dh2urdf.single_table import chosen_reader, read_manipulator, stage_calls
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Inspection
 from dh2urdf.textfiles import check_file
@@ -155,10 +150,10 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
     check_file(table, TableError)
-    reader = chosen_reader(catalog, table, flags["reader_name"])
+    reader = chosen_reader(catalog, table, flags["reader"], ASKER)
     given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
-    call = stage_calls(catalog, {"reader": reader}, given)["reader"]
-    return read_manipulator(call, table, flags["robot"])
+    (call,) = stage_calls(catalog, {"reader": [reader]}, ASKER, given)["reader"]
+    return read_manipulator(call, table, flags["robot"], ASKER)
 
 
 def _agreement(

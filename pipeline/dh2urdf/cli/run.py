@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.leaving_out import catalog, without_option
-from dh2urdf.config import load_config
 from dh2urdf.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
-from dh2urdf.run import execute, make_plan
-from dh2urdf.stores import open_store
+from dh2urdf.runs import execute, load_plan
 
 
 @click.command(name="run", epilog=EXIT_STATUS)
@@ -53,9 +50,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     from dh2urdf.cli.progress import progress
 
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
-    plan = make_plan(load_config(config, overrides), catalog())
-    if output is not None:
-        plan = replace(plan, store=open_store(output))
+    plan = load_plan(config, overrides, output, catalog())
     debug = click.get_current_context().find_root().params["debug"]
     try:
         with progress(quiet=quiet, debug=debug) as note:

@@ -14,6 +14,7 @@ from dh2urdf import sampling
 from dh2urdf.attribution import Call, depending_on, own_work
 from dh2urdf.batches import Batch, Doomed, Expected, batches
 from dh2urdf.cells import CellCall
+from dh2urdf.config import load_config
 from dh2urdf.conversion import Recipe
 from dh2urdf.errors import ConfigError, CrashError, InputError, ManipulatorError, TableError
 from dh2urdf.isolation import run_in_child
@@ -24,6 +25,7 @@ from dh2urdf.making import Effect, Maker
 from dh2urdf.mesh_section import MeshCall
 from dh2urdf.options import make_options
 from dh2urdf.output import reporting_os_errors, write_all
+from dh2urdf.registry import load
 from dh2urdf.report.exhibits import Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import run_report, write_reports, write_timing
@@ -108,6 +110,26 @@ class Result:
         for step, seconds in report.seconds.items():
             self.seconds[step] = self.seconds.get(step, 0.0) + seconds
         self.timings += report.timings
+
+
+def load_plan(
+    path: Path, overrides: Sequence[str] = (), output: str | None = None, catalog: Catalog | None = None
+) -> Plan:
+    """The plan of a run file.
+
+    Args:
+        path: the run file.
+        overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
+        output: where the output goes, if not where the run file says: a folder or an address.
+        catalog: the stages; by default all that are installed.
+
+    Raises:
+        ConfigError: something in the run file is wrong; all of it is said at once.
+        OutputError: nothing can be written there.
+        PluginError: the run needs a plugin that is broken, or a package that is not installed.
+    """
+    plan = make_plan(load_config(path, overrides), catalog or load())
+    return plan if output is None else replace(plan, store=open_store(output))
 
 
 def make_plan(config: RunConfig, catalog: Catalog) -> Plan:

@@ -19,14 +19,14 @@ from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, M
 from dh2urdf.outcome import Row, to_text
 from dh2urdf.registry import KINDS, Catalog, Plugin, load
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
-from dh2urdf.run import execute, make_plan
+from dh2urdf.runs import execute, make_plan
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from dh2urdf import run
+    from dh2urdf import runs
     from dh2urdf.batch_report import BatchReport
 
 # The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
@@ -150,7 +150,7 @@ class Lab:
         provide.__name__ = f"dh2urdf_{kind}"
         return provide
 
-    def plan(self, config: str, **tables: str) -> run.Plan:
+    def plan(self, config: str, **tables: str) -> runs.Plan:
         for name, text in tables.items():
             (self.folder / f"{name}.list").write_text(text)
         (self.folder / "run.yaml").write_text(
@@ -171,7 +171,7 @@ class Lab:
 REPORTS = {"manifest.jsonl", "manifest.parquet", "report.json", "index.json", "timing.json"}
 
 
-def rows(plan: run.Plan, **how: Any) -> list[Row]:
+def rows(plan: runs.Plan, **how: Any) -> list[Row]:
     """The rows of a run, which are in its manifest and, of a short one, in its report."""
     _, report = execute(plan, **how)
     if not how.get("dry_run"):

@@ -34,4 +34,4 @@ def test_its_run_files_are_right(block: str, tmp_path: Path) -> None:
         (tmp_path / mesh).parent.mkdir(exist_ok=True)
         (tmp_path / mesh).touch()
     plan = make_plan(load_config(tmp_path / "run.yaml"), load())
-    assert all(path.is_file() for path, _, _ in plan.inputs)
+    assert all(path.is_file() for path, _ in plan.inputs)

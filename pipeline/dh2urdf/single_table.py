@@ -8,13 +8,13 @@ from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.conversion import Call, Recipe, Written, make_robot, read_items, write_robot
+from dh2urdf.attribution import Call, depending_on
+from dh2urdf.conversion import Recipe, Written, make_robot, read_items, write_robot
 from dh2urdf.errors import ConfigError, RobotError, TableError, TransformError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes import FILE, RELATIVE, prefix_of
 from dh2urdf.options import make_options
 from dh2urdf.output import safe_stem
-from dh2urdf.registry import load
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.proof import Proof
+    from dh2urdf.registry import Catalog
     from dh2urdf.stages import Emitter, Reader
 
 DEFAULT_EMITTER = "urdf"
@@ -38,6 +39,8 @@ class Asker(NamedTuple):
 
     Attributes:
         mark: the place of whatever is wrong with what was asked.
+        reader: what stands before the name of a reader.
+        format: what stands before the name of an emitter.
         robot: what stands before the name of a manipulator.
         out: what stands before the name of a file.
         meshes: what stands before the word for meshes.
@@ -48,6 +51,8 @@ class Asker(NamedTuple):
     """
 
     mark: Mark
+    reader: str
+    format: str
     robot: str
     out: str
     meshes: str
@@ -110,7 +115,10 @@ def convert_table(
     table: Path | Manipulator,
     target: Path | None,
     asker: Asker,
+    catalog: Catalog,
     *,
+    reader: str | None = None,
+    transform: str = DEFAULT_TRANSFORM,
     formats: Sequence[str] = (),
     robot: str | None = None,
     given: Mapping[str, Mapping[str, str | None]] | None = None,
@@ -125,6 +133,9 @@ def convert_table(
         target: the file to write; a folder where there are several formats. None writes nothing: each format is then
             one file.
         asker: who asks.
+        catalog: the stages that there are.
+        reader: name of the reader; without it the table's suffix says it.
+        transform: name of the transform.
         formats: names of emitters; without any the suffix of the target says it, else it is URDF.
         robot: which manipulator of a table that holds several.
         given: options by kind of stage, as words.
@@ -139,17 +150,14 @@ def convert_table(
         OutputError: the files cannot be written.
         PluginError: a plugin that is needed is broken, or something it needs is not installed.
     """
-    catalog = load()
-    reader = None
+    stages: dict[str, list[Any]] = {"reader": []}
     if isinstance(table, Path):
         check_file(table, TableError)
-        reader = catalog.reader_for(table)
-    elif robot is not None:
-        message = f"{asker.robot}{shown(robot)} chooses from a file, and the table is a manipulator already"
-        raise ConfigError(Problem(message=message, mark=asker.mark, found=robot))
-    transform = catalog.get("transform", DEFAULT_TRANSFORM)
-    several = len(formats) > 1
-    if target is not None and not several and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
+        stages["reader"] = [chosen_reader(catalog, table, reader, asker)]
+    else:
+        _refuse_choice(asker, {asker.reader: reader, asker.robot: robot})
+    stages["transform"] = [catalog.get("transform", transform)]
+    if target is not None and len(formats) <= 1 and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
         stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
         raise ConfigError(
             Problem(
@@ -160,25 +168,16 @@ def convert_table(
             )
         )
     if formats or target is None:
-        emitters = [catalog.get("emitter", name) for name in formats or (DEFAULT_EMITTER,)]
+        stages["emitter"] = [catalog.get("emitter", name) for name in formats or (DEFAULT_EMITTER,)]
     else:
-        emitters = [catalog.emitter_for(target)]
-    stages: dict[str, list[Any]] = {"reader": [reader] if reader else [], "transform": [transform], "emitter": emitters}
-    options = stage_options(stages, asker, given or {}, settings)
+        stages["emitter"] = [catalog.emitter_for(target, f"`{asker.format}NAME` chooses an emitter")]
+    calls = stage_calls(catalog, stages, asker, given or {}, settings)
     if target is None:
-        options["emitter"] = [
-            emitter.one_file(chosen) if emitter.one_file else chosen
-            for emitter, chosen in zip(emitters, options["emitter"], strict=True)
-        ]
-    if isinstance(table, Path) and reader:
-        manipulator = read_manipulator(reader, table, options["reader"][0], robot, asker)
-    elif isinstance(table, Manipulator):
-        manipulator = table
+        calls["emitter"] = [_in_one_file(call) for call in calls["emitter"]]
+    manipulator = table if isinstance(table, Manipulator) else read_manipulator(calls["reader"][0], table, robot, asker)
     recipe = Recipe(
-        transform=Call(stage=transform, options=options["transform"][0]),
-        emitters=tuple(
-            Call(stage=emitter, options=chosen) for emitter, chosen in zip(emitters, options["emitter"], strict=True)
-        ),
+        transform=calls["transform"][0],
+        emitters=tuple(calls["emitter"]),
         poses=POSES,
         mesh_prefix=_mesh_prefix(meshes, target, asker),
     )
@@ -188,6 +187,14 @@ def convert_table(
         raise TableError(error.problems) from error
     note((*manipulator.notices, *made.notices))
     return Conversion(manipulator=manipulator, robot=made, written=_write(manipulator, made, recipe, target))
+
+
+def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
+    """An emitter with options that make it give a single file."""
+    if call.stage.one_file is None:
+        return call
+    with depending_on(call, "one_file"):
+        return replace(call, options=call.stage.one_file(call.options))
 
 
 def _write(manipulator: Manipulator, robot: Robot, recipe: Recipe, target: Path | None) -> tuple[Written, ...]:
@@ -230,7 +237,31 @@ def _mesh_prefix(word: str | None, target: Path | None, asker: Asker) -> str | N
 # --- Which manipulator ------------------------------------------------------------------------------------------------
 
 
-def read_manipulator(reader: Reader[Any], table: Path, options: Any, robot: str | None, asker: Asker) -> Manipulator:  # noqa: ANN401 - the reader's own
+def chosen_reader(catalog: Catalog, table: Path, name: str | None, asker: Asker) -> Reader[Any]:
+    """The reader that is named, or the one by the table's suffix.
+
+    Raises:
+        InputError: there is none, or several are.
+        PluginError: it is broken, or two plugins claim its name.
+    """
+    if name:
+        return catalog.get("reader", name)
+    return catalog.reader_for(table, f"`{asker.reader}NAME` chooses a reader")
+
+
+def _refuse_choice(asker: Asker, choices: Mapping[str, str | None]) -> None:
+    """Refuses what chooses from a file, or how to read it, where there is no file any more.
+
+    Raises:
+        ConfigError: something is chosen.
+    """
+    for before, word in choices.items():
+        if word is not None:
+            message = f"{before}{shown(word)} is about a file, and the table is a manipulator already"
+            raise ConfigError(Problem(message=message, mark=asker.mark, found=word))
+
+
+def read_manipulator(call: Call[Reader[Any]], table: Path, robot: str | None, asker: Asker) -> Manipulator:
     """The manipulator of a table that is meant.
 
     Raises:
@@ -238,7 +269,7 @@ def read_manipulator(reader: Reader[Any], table: Path, options: Any, robot: str 
         ConfigError: the file is a run file.
     """
     try:
-        return _choose(read_items(reader, table, options), robot, table, asker)
+        return _choose(read_items(call.stage, table, call.options, call.plugin), robot, table, asker)
     except TableError:
         from dh2urdf.config import is_run_file  # Reading run files takes modules that a conversion does not need.
 
@@ -295,15 +326,17 @@ def _choose(items: Iterator[Manipulator | Rejected], robot: str | None, table: P
 # --- Which options ----------------------------------------------------------------------------------------------------
 
 
-def stage_options(
+def stage_calls(
+    catalog: Catalog,
     stages: Mapping[str, Sequence[Any]],
     asker: Asker,
     given: Mapping[str, Mapping[str, str | None]],
     settings: Iterable[Setting] = (),
-) -> dict[str, list[Any]]:
-    """The options of every stage, in the order of the stages of each kind.
+) -> dict[str, list[Call[Any]]]:
+    """The calls of stages with their options, in the order of the stages of each kind.
 
     Args:
+        catalog: where the stages are from.
         stages: the stages by kind. Those of one kind share what is said: each takes the options that it has.
         asker: who asks.
         given: options by kind; a stage that has no such option is an error.
@@ -335,21 +368,21 @@ def stage_options(
             )
             continue
         words[kinds[0]][key] = value
-    options: dict[str, list[Any]] = {kind: [] for kind in stages}
+    calls: dict[str, list[Call[Any]]] = {kind: [] for kind in stages}
     for kind, some in stages.items():
         for stage in some:
             # What no stage of the kind has is left in, for the message that says so.
-            own = {
-                name: word for name, word in words[kind].items() if name in _fields(stage) or name not in known[kind]
-            }
+            foreign = known[kind].keys() - _fields(stage).keys()
+            own = {name: word for name, word in words[kind].items() if name not in foreign}
+            plugin, where = catalog.plugin_of(stage), f"{kind} {stage.name!r}"
             try:
-                where = f"{kind} {stage.name!r}"
-                options[kind].append(make_options(stage.options, own, mark=asker.mark, where=where))
+                options = make_options(stage.options, own, mark=asker.mark, where=where, plugin=plugin)
+                calls[kind].append(Call(stage=stage, options=options, plugin=plugin))
             except ConfigError as error:
                 problems.extend(error.problems)
     if problems:
         raise ConfigError(problems)
-    return options
+    return calls
 
 
 def _fields(stage: Any) -> Mapping[str, Any]:  # noqa: ANN401 - a stage of any kind

@@ -218,11 +218,14 @@ class TestPlan:
     def test_stages_and_options_are_resolved(self, lab: Lab) -> None:
         """A plan holds the records of the stages, the readers by the files' suffixes, and the options as their types."""
         plan = lab.plan("inputs: [a.list, {path: b.list, stage: list}]\nloaders: paper", a="x", b="y")
-        assert [(path.name, reader.name) for path, reader, _ in plan.inputs] == [("a.list", "list"), ("b.list", "list")]
+        assert [(path.name, reader.stage.name) for path, reader in plan.inputs] == [
+            ("a.list", "list"),
+            ("b.list", "list"),
+        ]
         assert plan.recipe.transform.stage.transform is draw
         assert plan.recipe.transform.options == DrawOptions()
         assert [call.stage.name for call in plan.recipe.loaders] == ["paper"]
-        assert plan.executor.name == "here"
+        assert plan.executor.stage.name == "here"
         assert str(plan.store) == str(lab.output)
 
     def test_all_that_is_wrong_is_said_at_once(self, lab: Lab) -> None:
@@ -319,7 +322,7 @@ class TestExecute:
         assert (first["name"], last["name"]) == ("arm", "hand")
         assert crash["status"] == "failed"
         (problem,) = crash["errors"]
-        assert problem["message"].startswith("reader 'list' failed: ZeroDivisionError: no such number")
+        assert problem["message"].startswith("reader 'list' of lab 1.0 failed: ZeroDivisionError: no such number")
         assert problem["file"] == str(lab.folder / "a.list")
         tracebacks = [text for report in noted for text in report.tracebacks]
         assert ['raise ZeroDivisionError("no such number")' in text for text in tracebacks] == [True]

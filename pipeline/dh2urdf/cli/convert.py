@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, settings_of, table_options
 from dh2urdf.errors import SCREENFUL
-from dh2urdf.single_table import convert_table
+from dh2urdf.single_table import DEFAULT_TRANSFORM, convert_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,14 +24,18 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", "output", metavar="FILE", help="Where to write; standard output without it.")
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
+@click.option("--transform", "transform_name", default=DEFAULT_TRANSFORM, metavar="NAME", help="Transform; alpha-swap.")
 @click.option("--variant", metavar="V", help="exact (the arm itself) or paper (the published algorithm).")
 @click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
 @click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
-def command(
+@without_option
+def command(  # noqa: PLR0917 - click hands everything over by name
     table: Path,
     output: str | None,
     format_name: str | None,
+    reader_name: str | None,
+    transform_name: str,
     robot: str | None,
     settings: tuple[str, ...],
     **flags: str | None,
@@ -52,6 +57,9 @@ def command(
         table,
         target,
         ASKER,
+        catalog(),
+        reader=reader_name,
+        transform=transform_name,
         formats=(format_name,) if format_name else (),
         robot=robot,
         given={

@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from unittest.mock import patch
 
+from dh2urdf.attribution import Call
 from dh2urdf.config import load_config
-from dh2urdf.conversion import Call, make_robot
+from dh2urdf.conversion import make_robot
 from dh2urdf.errors import (
     ConfigError,
     EmitterError,

@@ -200,7 +200,11 @@ class TestHooks:
 def record_types() -> list[type]:
     """Every dataclass of the host that a plugin is given or gives."""
     found = []
-    for name in ("source", "manipulator", "robot", "stages", "proof", "conversion", "single_table", "runs"):
+    modules_of_records = (
+        *("source", "manipulator", "robot", "stages", "discovery", "attribution", "proof", "conversion"),
+        *("single_table", "runs"),
+    )
+    for name in modules_of_records:
         module = importlib.import_module(f"dh2urdf.{name}")
         found += [kind for kind in vars(module).values() if isinstance(kind, type) and is_dataclass(kind)]
     return sorted(set(found), key=lambda kind: kind.__qualname__)

@@ -30,10 +30,10 @@ def breach(stage: Any, clause: Callable[..., Any], *, found: str, accepted: str,
     said = (inspect.getdoc(clause) or "").partition("\n")[0]
     found = found if len(found) <= _SHOWN else f"{found[:_SHOWN]} …"
     found = found.replace("\n", "\n        ")
-    pytest.fail(
+    raise pytest.fail.Exception(
         f"{kind} {getattr(stage, 'name', '?')!r} breaks the contract, clause {clause.__name__}: {said}\n"
         f"    found: {found}\n"
         f"    accepted: {accepted}\n"
         f"    what to do: {remedy}",
         pytrace=False,
-    )
+    ) from None  # What the stage raised is in the message.

@@ -99,7 +99,7 @@ def test_a_breach_is_told(failures: dict[tuple[str, str], str], plugin: str, cla
     """The message names the stage and the clause, and says what was found, what is accepted and what to do."""
     message = failures[plugin, clause]
     first, second, third, fourth = re.split(r"\n    (?! )", message)
-    assert f" breaks the contract, clause {clause}: " in first
+    assert re.match(rf"\w+ '[^']+' breaks the contract, clause {clause}: ", first)
     assert any(first.endswith(getattr(contract, clause).__doc__) for contract in CONTRACTS if hasattr(contract, clause))
     assert second.startswith("found: ")
     assert found in second

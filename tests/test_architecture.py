@@ -118,6 +118,7 @@ class TestImportDirection:
                 "remote",
                 "report",
                 "sampling",
+                "testing",
             ),
         )
         requirements = [*project["dependencies"], *(package for extra in asked for package in extras[extra])]

@@ -32,7 +32,7 @@ COMMAND = "pytest tests/test_public_interface.py --renew"
 TABLE = re.compile(r"(?<=<!-- public: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!-- /public -->)", re.DOTALL)
 
 PUBLIC = {
-    "dh2urdf": "the package itself",
+    "dh2urdf": "the commands as functions, and the records of arms: the Python API",
     "dh2urdf.attribution": "calls of stages, and whose fault it is when one fails",
     "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
     "dh2urdf.conversion": "one manipulator on its way: transform, check, emit, prove",
@@ -57,6 +57,7 @@ PUBLIC = {
     "dh2urdf.seen": "which names of a long file have been seen",
     "dh2urdf.source": "a place in a file, and a problem there",
     "dh2urdf.stages": "the records that a plugin gives, one for each kind of stage",
+    "dh2urdf.testing": "contract tests for the stages of a plugin, and fixtures",
     "dh2urdf.textfiles": "text files in whatever encoding",
     "dh2urdf.units": "units of lengths and angles",
 }
@@ -222,7 +223,7 @@ class TestTheInterface:
         assert found
         assert found["table"] == table, f"`{COMMAND}` writes the table"
 
-    @pytest.mark.parametrize("folder", ["plugins/dh2urdf_plugins", "tests/example_plugin/src"])
+    @pytest.mark.parametrize("folder", ["plugins/dh2urdf_plugins", "tests/example_plugin/src", "examples"])
     def test_it_is_enough(self, folder: str) -> None:
         """The built-in stages and the example use public modules of the host only, and of them public names."""
         wrong = []

@@ -53,7 +53,8 @@ class Call(Generic[S]):
         return f"{self.kind} {self.stage.name!r}"
 
     def __reduce__(self) -> tuple[Callable[..., Call[Any]], tuple[Any, ...]]:
-        whose = (self.plugin.name, self.plugin.distribution_name) if self.plugin else None
+        is_installed = self.plugin is not None and self.plugin.is_installed
+        whose = (self.plugin.name, self.plugin.distribution_name) if self.plugin and is_installed else None
         return _installed_call, (whose, self.kind, self.stage.name, self.options)
 
 

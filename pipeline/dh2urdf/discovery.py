@@ -73,6 +73,11 @@ class Plugin:
         return found.partition(" ")[0] if isinstance(found, str) else found.name
 
     @property
+    def is_installed(self) -> bool:
+        """Whether it was found among what is installed, as every process of this environment finds it."""
+        return self._point is not None
+
+    @property
     def entry(self) -> str:
         """The name of the entry point: what stands before the ``=``."""
         return self.name.partition(" = ")[0]

@@ -40,8 +40,9 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
     """The JSON Schema (2020-12) of a run file, for the stages that are installed."""
     options: dict[str, Any] = {}
     for kind in KINDS:
+        named = _names(catalog, kind)
         for item in catalog.provided(kind):
-            options |= _options_schemas(item)
+            options |= _options_schemas(item, f"{kind}.{named[item.full_name][0]}")
     inputs = _either(_text("a table, or a pattern such as tables/*.csv"), _input(catalog))
     sections = {
         "inputs": _one_or_more(inputs, "the tables that are read"),
@@ -162,8 +163,8 @@ def _stage(
     names = {"enum": _all_of(named), "description": description}
     call = _mapping({"stage": names, "options": {}, **others})
     call["allOf"] = [
-        _if_then({"properties": {"stage": {"enum": own}}}, kind, full_name, named=default not in own)
-        for full_name, own in named.items()
+        _if_then({"properties": {"stage": {"enum": own}}}, f"{kind}.{own[0]}", named=default not in own)
+        for own in named.values()
     ]
     return _either(names, call if default else {**call, "required": ["stage"]})
 
@@ -185,7 +186,7 @@ def _input(catalog: Catalog) -> dict[str, Any]:
         suffixes = "|".join(suffix.replace(".", r"\.") for suffix in getattr(item.stage, "suffixes", ()))
         by_suffix = {"properties": {"path": {"pattern": f"({suffixes})$"}}, "not": {"required": ["stage"]}}
         condition = _either(by_name, by_suffix) if suffixes else by_name
-        call["allOf"].append(_if_then(condition, "reader", item.full_name, named=False))
+        call["allOf"].append(_if_then(condition, f"reader.{named[item.full_name][0]}", named=False))
     return call
 
 
@@ -271,19 +272,19 @@ def _rule() -> dict[str, Any]:
     return rule
 
 
-def _if_then(condition: dict[str, Any], kind: Kind, full_name: str, *, named: bool) -> dict[str, Any]:
+def _if_then(condition: dict[str, Any], definition: str, *, named: bool) -> dict[str, Any]:
     if named:
         condition = {**condition, "required": ["stage"]}
-    options = _or_null({"$ref": f"#/$defs/{kind}.{full_name}"})
+    options = _or_null({"$ref": f"#/$defs/{definition}"})
     return {"if": condition, "then": {"properties": {"options": options}}}
 
 
-def _options_schemas(item: Provided) -> dict[str, Any]:
+def _options_schemas(item: Provided, name: str) -> dict[str, Any]:
     """The definitions that a stage's options need, their own first."""
     from pydantic import TypeAdapter
     from pydantic.errors import PydanticUserError
 
-    name, stage = f"{item.kind}.{item.full_name}", item.stage
+    stage = item.stage
     try:
         schema = TypeAdapter(stage.options).json_schema(ref_template=f"#/$defs/{name}.{{model}}")
     except (PydanticUserError, NameError):  # The program refuses such a stage when it is used; a schema says nothing.

@@ -191,9 +191,9 @@ def test_wrong_run_files_are_not_valid(schema: dict[str, Any], text: str) -> Non
 
 def test_options_carry_their_help_and_default(schema: dict[str, Any]) -> None:
     """An editor shows what an option is for."""
-    rank = schema["$defs"]["emitter.d:dot"]["properties"]["rank"]
+    rank = schema["$defs"]["emitter.dot"]["properties"]["rank"]
     assert rank == {"default": "LR", "enum": ["LR", "TB"], "type": "string", "description": "which way it grows"}
-    assert schema["$defs"]["emitter.d:dot"]["description"] == "graphs"
+    assert schema["$defs"]["emitter.dot"]["description"] == "graphs"
 
 
 @pytest.mark.parametrize("path", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.name)

@@ -161,9 +161,8 @@ class StageContract:
         from dh2urdf.schema import DIALECT, run_schema
 
         self._require_dataclass(self.test_schema)
-        catalog = catalog_of(self.stage)
-        name = f"{self.kind}.{catalog.provided(self.kind)[0].full_name}"
-        definitions = run_schema(catalog)["$defs"]
+        name = f"{self.kind}.{self.stage.name}"
+        definitions = run_schema(catalog_of(self.stage))["$defs"]
         schema = {"$schema": DIALECT, "$defs": definitions, "$ref": f"#/$defs/{name}"}
         own_files = [self.stage.schema()] if getattr(self.stage, "schema", None) else []
         try:

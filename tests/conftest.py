@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 R = TypeVar("R", pytest.TestReport, pytest.CollectReport)
 
 REFERENCE = Path(__file__).with_name("reference")
+collect_ignore = ["example_plugin"]
+"""It has tests of its own, for which it has to be installed: test_example_plugin.py does that."""
 
 # The same examples on every machine and in every run; a failure prints how to repeat it.
 hypothesis.settings.register_profile(

@@ -118,6 +118,7 @@ class TestImportDirection:
                 "remote",
                 "report",
                 "sampling",
+                "testing",
             ),
         )
         requirements = [*project["dependencies"], *(package for extra in asked for package in extras[extra])]
@@ -200,8 +201,11 @@ class TestHooks:
 def record_types() -> list[type]:
     """Every dataclass of the host that a plugin is given or gives."""
     found = []
-    modules = ("source", "manipulator", "robot", "stages", "discovery", "attribution", "proof", "conversion")
-    for name in (*modules, "single_table", "runs"):
+    modules_of_records = (
+        *("source", "manipulator", "robot", "stages", "discovery", "attribution", "proof", "conversion"),
+        *("single_table", "runs"),
+    )
+    for name in modules_of_records:
         module = importlib.import_module(f"dh2urdf.{name}")
         found += [kind for kind in vars(module).values() if isinstance(kind, type) and is_dataclass(kind)]
     return sorted(set(found), key=lambda kind: kind.__qualname__)

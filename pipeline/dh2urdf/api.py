@@ -7,14 +7,24 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.conversion import read_items
-from dh2urdf.errors import TableError
+from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import load
-from dh2urdf.single_table import Asker, Conversion, Setting, chosen_reader, convert_table, read_manipulator, stage_calls
+from dh2urdf.single_table import (
+    DEFAULT_TRANSFORM,
+    Asker,
+    Conversion,
+    Setting,
+    chosen_reader,
+    convert_table,
+    read_manipulator,
+    stage_calls,
+)
 from dh2urdf.source import Mark
 from dh2urdf.textfiles import check_file
 
@@ -22,12 +32,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from dh2urdf.attribution import Call
+    from dh2urdf.registry import Catalog
     from dh2urdf.stages import Reader, Rejected
 
 StrPath: TypeAlias = "str | os.PathLike[str]"
 
 
-def read(table: StrPath, *, robot: str | None = None, **options: object) -> Manipulator:
+def read(table: StrPath, *, robot: str | None = None, reader: str | None = None, **options: object) -> Manipulator:
     """The manipulator of a table.
 
     ::
@@ -35,8 +46,9 @@ def read(table: StrPath, *, robot: str | None = None, **options: object) -> Mani
         arm = dh2urdf.read("panda.csv", convention="modified", angle_unit="deg")
 
     Args:
-        table: the table's file; its suffix chooses the reader.
+        table: the table's file.
         robot: which manipulator is meant, where the table holds several.
+        reader: name of the reader; without it the file's suffix says it.
         options: options of the reader, such as what the table does not say itself.
 
     Raises:
@@ -46,16 +58,17 @@ def read(table: StrPath, *, robot: str | None = None, **options: object) -> Mani
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
     path, asker = Path(table), _asker("read")
-    return read_manipulator(_reader(path, asker, options), path, robot, asker)
+    return read_manipulator(_reading(path, reader, asker, options), path, robot, asker)
 
 
-def read_all(table: StrPath, **options: object) -> Iterator[Manipulator | Rejected]:
+def read_all(table: StrPath, *, reader: str | None = None, **options: object) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a table one by one, none of them held: there may be a million.
 
     One that cannot be read is a `Rejected` in its place, with its problems, and the others go on.
 
     Args:
-        table: the table's file; its suffix chooses the reader.
+        table: the table's file.
+        reader: name of the reader; without it the file's suffix says it.
         options: options of the reader.
 
     Raises:
@@ -65,7 +78,7 @@ def read_all(table: StrPath, **options: object) -> Iterator[Manipulator | Reject
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
     path = Path(table)
-    call = _reader(path, _asker("read_all"), options)
+    call = _reading(path, reader, _asker("read_all"), options)
     return read_items(call.stage, path, call.options, call.plugin)
 
 
@@ -76,6 +89,9 @@ def convert(
     formats: str | Iterable[str] = (),
     robot: str | None = None,
     meshes: str | None = None,
+    reader: str | None = None,
+    transform: str = DEFAULT_TRANSFORM,
+    without: Iterable[str] = (),
     **options: object,
 ) -> Conversion:
     """Turn one table into robot descriptions and prove that they are the same arm, as `dh2urdf convert` does.
@@ -93,6 +109,9 @@ def convert(
         formats: the name of an emitter, or several; URDF without any.
         robot: which manipulator is meant, where the table holds several.
         meshes: ``relative`` (copies beside the file), ``file`` (file:// paths) or ``package://NAME``.
+        reader: name of the reader; without it the table's suffix says it.
+        transform: name of the transform.
+        without: plugins or distributions to leave out.
         options: any options of the stages: each goes to the stage that has it, `frames` to the transform and
             `convention` to the reader. One that several kinds of stages have is named with its kind:
             ``**{"emitter.profile": "ros"}``.
@@ -109,12 +128,15 @@ def convert(
         OutputError: the files cannot be written.
         PluginError: a plugin that is needed is broken, or something it needs is not installed.
     """
+    asker = _asker("convert")
     return convert_table(
         table if isinstance(table, Manipulator) else Path(table),
         None if out is None else Path(out),
-        _asker("convert"),
-        load(),
-        formats=(formats,) if isinstance(formats, str) else tuple(formats),
+        asker,
+        _catalog(without, asker),
+        reader=reader,
+        transform=transform,
+        formats=_names(formats),
         robot=robot,
         settings=_settings(options),
         meshes=meshes,
@@ -128,6 +150,7 @@ def run(
     settings: Mapping[str, object] | None = None,
     resume: bool = False,
     dry_run: bool = False,
+    without: Iterable[str] = (),
 ) -> dict[str, Any]:
     """Do the run that a run file describes, as `dh2urdf run` does.
 
@@ -142,6 +165,7 @@ def run(
         settings: changes of the run file, as ``--set`` takes them: ``{"transform.options.frames": "dh"}``.
         resume: keep what an earlier run has finished and what has not changed since.
         dry_run: read and check everything, write nothing.
+        without: plugins or distributions to leave out.
 
     Returns:
         The report, as `report.json` has it. `exit_status` in it is 0 where all is done, and 1 where a manipulator
@@ -157,7 +181,7 @@ def run(
     from dh2urdf.runs import execute, load_plan
 
     overrides = [setting.text for setting in _settings(settings or {})]
-    plan = load_plan(Path(config), overrides, None if out is None else os.fspath(out))
+    plan = load_plan(Path(config), _catalog(without, _asker("run")), overrides, None if out is None else os.fspath(out))
     _, report = execute(plan, resume=resume, dry_run=dry_run)
     return report
 
@@ -166,7 +190,8 @@ def _asker(function: str) -> Asker:
     """A program that calls one of these functions."""
     return Asker(
         mark=Mark(file=f"dh2urdf.{function}()"),
-        reader="a run file chooses one by `stage: NAME` beside the path",
+        reader="reader=",
+        format="formats=",
         robot="robot=",
         out="out=",
         meshes="meshes=",
@@ -177,13 +202,26 @@ def _asker(function: str) -> Asker:
     )
 
 
-def _reader(table: Path, asker: Asker, options: Mapping[str, object]) -> Call[Reader[Any]]:
+def _catalog(without: Iterable[str], asker: Asker) -> Catalog:
+    """What is installed, without what is to be left out."""
+    try:
+        return load(_names(without))
+    except ConfigError as error:
+        raise ConfigError(replace(problem, mark=asker.mark, field="without") for problem in error.problems) from None
+
+
+def _reading(table: Path, reader: str | None, asker: Asker, options: Mapping[str, object]) -> Call[Reader[Any]]:
     """The reader of a table, with its options."""
     check_file(table, TableError)
     catalog = load()
-    reader = chosen_reader(catalog, table, None, asker)
     given = {"reader": {name: _word(value) for name, value in options.items()}}
-    return stage_calls(catalog, {"reader": [reader]}, asker, given)["reader"][0]
+    (call,) = stage_calls(catalog, {"reader": [chosen_reader(catalog, table, reader, asker)]}, asker, given)["reader"]
+    return call
+
+
+def _names(names: str | Iterable[str]) -> tuple[str, ...]:
+    """One name or several."""
+    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def _settings(options: Mapping[str, object]) -> list[Setting]:

@@ -58,11 +58,11 @@ def make_options(
         ConfigError: options are unknown, missing or not what they should be; all of it is said at once.
         BrokenPluginError: the stage's options type itself does not work.
     """
-    place = mark or COMMAND_LINE
     try:
         if isinstance(given, Node):
             expect_mapping(given, f"the options of the {where}")
             return _Call(options_type, given, given.mark, where).options()
+        place = mark or COMMAND_LINE
         words = {name: word_node(word, place.file) for name, word in (given or {}).items()}
         return _Call(options_type, Node(words, place.file, 0, 0), place, where).options()
     except InputError:

@@ -25,7 +25,6 @@ from dh2urdf.making import Effect, Maker
 from dh2urdf.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.mesh_section import MeshCall
 from dh2urdf.options import make_options
-from dh2urdf.registry import load
 from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
@@ -114,23 +113,21 @@ class Result:
         self.timings += report.timings
 
 
-def load_plan(
-    path: Path, overrides: Sequence[str] = (), output: str | None = None, catalog: Catalog | None = None
-) -> Plan:
+def load_plan(path: Path, catalog: Catalog, overrides: Sequence[str] = (), output: str | None = None) -> Plan:
     """The plan of a run file.
 
     Args:
         path: the run file.
+        catalog: the stages that there are.
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
         output: where the output goes, if not where the run file says: a folder or an address.
-        catalog: the stages; by default all that are installed.
 
     Raises:
         ConfigError: something in the run file is wrong; all of it is said at once.
         OutputError: nothing can be written there.
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
-    plan = make_plan(load_config(path, overrides), catalog or load())
+    plan = make_plan(load_config(path, overrides), catalog)
     return plan if output is None else replace(plan, store=open_store(output))
 
 

@@ -39,7 +39,8 @@ class Asker(NamedTuple):
 
     Attributes:
         mark: the place of whatever is wrong with what was asked.
-        reader: how to say which reader is meant.
+        reader: what stands before the name of a reader.
+        format: what stands before the name of an emitter.
         robot: what stands before the name of a manipulator.
         out: what stands before the name of a file.
         meshes: what stands before the word for meshes.
@@ -51,6 +52,7 @@ class Asker(NamedTuple):
 
     mark: Mark
     reader: str
+    format: str
     robot: str
     out: str
     meshes: str
@@ -131,8 +133,8 @@ def convert_table(
         target: the file to write; a folder where there are several formats. None writes nothing: each format is then
             one file.
         asker: who asks.
-        catalog: the stages.
-        reader: name of the reader; without it the suffix of the table says it.
+        catalog: the stages that there are.
+        reader: name of the reader; without it the table's suffix says it.
         transform: name of the transform.
         formats: names of emitters; without any the suffix of the target says it, else it is URDF.
         robot: which manipulator of a table that holds several.
@@ -151,13 +153,11 @@ def convert_table(
     stages: dict[str, list[Any]] = {"reader": []}
     if isinstance(table, Path):
         check_file(table, TableError)
-        stages["reader"].append(chosen_reader(catalog, table, reader, asker))
-    elif robot is not None:
-        message = f"{asker.robot}{shown(robot)} chooses from a file, and the table is a manipulator already"
-        raise ConfigError(Problem(message=message, mark=asker.mark, found=robot))
+        stages["reader"] = [chosen_reader(catalog, table, reader, asker)]
+    else:
+        _refuse_choice(asker, {asker.reader: reader, asker.robot: robot})
     stages["transform"] = [catalog.get("transform", transform)]
-    several = len(formats) > 1
-    if target is not None and not several and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
+    if target is not None and len(formats) <= 1 and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
         stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
         raise ConfigError(
             Problem(
@@ -170,11 +170,11 @@ def convert_table(
     if formats or target is None:
         stages["emitter"] = [catalog.get("emitter", name) for name in formats or (DEFAULT_EMITTER,)]
     else:
-        stages["emitter"] = [catalog.emitter_for(target)]
+        stages["emitter"] = [catalog.emitter_for(target, f"`{asker.format}NAME` chooses an emitter")]
     calls = stage_calls(catalog, stages, asker, given or {}, settings)
     if target is None:
         calls["emitter"] = [_in_one_file(call) for call in calls["emitter"]]
-    manipulator = read_manipulator(calls["reader"][0], table, robot, asker) if isinstance(table, Path) else table
+    manipulator = table if isinstance(table, Manipulator) else read_manipulator(calls["reader"][0], table, robot, asker)
     recipe = Recipe(
         transform=calls["transform"][0],
         emitters=tuple(calls["emitter"]),
@@ -189,6 +189,14 @@ def convert_table(
     return Conversion(manipulator=manipulator, robot=made, written=_write(manipulator, made, recipe, target))
 
 
+def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
+    """An emitter with options that make it give a single file."""
+    if call.stage.one_file is None:
+        return call
+    with depending_on(call, "one_file"):
+        return replace(call, options=call.stage.one_file(call.options))
+
+
 def _write(manipulator: Manipulator, robot: Robot, recipe: Recipe, target: Path | None) -> tuple[Written, ...]:
     """The files of a robot, proved and put where they belong: at a file's name, into a folder, or nowhere."""
     truth, stem = Truth.of(manipulator), safe_stem(manipulator.name)
@@ -199,14 +207,6 @@ def _write(manipulator: Manipulator, robot: Robot, recipe: Recipe, target: Path 
         return write_robot(truth, robot, recipe, directory=target, stem=stem)
     stem = _stem(target, recipe.emitters[0].stage)
     return write_robot(truth, robot, recipe, directory=target.parent, stem=stem, main_file=target.name)
-
-
-def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
-    """The emitter with the options that make it give a single file."""
-    if call.stage.one_file is None:
-        return call
-    with depending_on(call, "one_file"):
-        return replace(call, options=call.stage.one_file(call.options))
 
 
 def _stem(target: Path, emitter: Emitter[Any]) -> str:
@@ -244,7 +244,21 @@ def chosen_reader(catalog: Catalog, table: Path, name: str | None, asker: Asker)
         InputError: there is none, or several are.
         PluginError: it is broken, or two plugins claim its name.
     """
-    return catalog.get("reader", name) if name else catalog.reader_for(table, asker.reader)
+    if name:
+        return catalog.get("reader", name)
+    return catalog.reader_for(table, f"`{asker.reader}NAME` chooses a reader")
+
+
+def _refuse_choice(asker: Asker, choices: Mapping[str, str | None]) -> None:
+    """Refuses what chooses from a file, or how to read it, where there is no file any more.
+
+    Raises:
+        ConfigError: something is chosen.
+    """
+    for before, word in choices.items():
+        if word is not None:
+            message = f"{before}{shown(word)} is about a file, and the table is a manipulator already"
+            raise ConfigError(Problem(message=message, mark=asker.mark, found=word))
 
 
 def read_manipulator(call: Call[Reader[Any]], table: Path, robot: str | None, asker: Asker) -> Manipulator:
@@ -319,10 +333,10 @@ def stage_calls(
     given: Mapping[str, Mapping[str, str | None]],
     settings: Iterable[Setting] = (),
 ) -> dict[str, list[Call[Any]]]:
-    """The calls of every stage with its options, in the order of the stages of each kind.
+    """The calls of stages with their options, in the order of the stages of each kind.
 
     Args:
-        catalog: where the stages were found.
+        catalog: where the stages are from.
         stages: the stages by kind. Those of one kind share what is said: each takes the options that it has.
         asker: who asks.
         given: options by kind; a stage that has no such option is an error.
@@ -358,9 +372,8 @@ def stage_calls(
     for kind, some in stages.items():
         for stage in some:
             # What no stage of the kind has is left in, for the message that says so.
-            own = {
-                name: word for name, word in words[kind].items() if name in _fields(stage) or name not in known[kind]
-            }
+            foreign = known[kind].keys() - _fields(stage).keys()
+            own = {name: word for name, word in words[kind].items() if name not in foreign}
             plugin, where = catalog.plugin_of(stage), f"{kind} {stage.name!r}"
             try:
                 options = make_options(stage.options, own, mark=asker.mark, where=where, plugin=plugin)

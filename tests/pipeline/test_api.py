@@ -116,6 +116,15 @@ class TestRead:
         assert isinstance(bad, dh2urdf.Rejected)
         assert bad.problems[0].field == "alpha"
 
+    def test_the_reader_can_be_named(self) -> None:
+        """Where the suffix says nothing, or something else."""
+        shutil.copy("ur5.csv", "ur5.txt")
+        assert dh2urdf.read("ur5.txt", reader="csv").name == "ur5"
+        assert [arm.name for arm in dh2urdf.read_all("ur5.txt", reader="csv")] == ["ur5"]
+        assert dh2urdf.convert("ur5.txt", reader="csv").robot.name == "ur5"
+        with pytest.raises(InputError, match="`reader=NAME` chooses a reader"):
+            dh2urdf.read("ur5.txt")
+
     def test_what_is_wrong_is_told(self) -> None:
         """Each error is a documented one, names the call or the file, and what is accepted."""
         with pytest.raises(ConfigError, match=r"dh2urdf.read\(\): error: field 'angle'.*no such option"):
@@ -174,6 +183,9 @@ class TestConvert:
             ({"robot": "ur10"}, TableError, ["no manipulator 'ur10'"]),
             ({"out": "ur5.csv/arm.urdf"}, OutputError, ["cannot write"]),
             ({"density": -1}, ConfigError, ["density"]),
+            ({"out": "arm.docx"}, InputError, ["`formats=NAME` chooses an emitter"]),
+            ({"transform": "beta-swap"}, InputError, ["did you mean 'alpha-swap'?"]),
+            ({"without": "nobody"}, ConfigError, ["nobody"]),
         ],
         ids=lambda value: "-".join(value) if isinstance(value, dict) else "",
     )
@@ -191,8 +203,9 @@ class TestConvert:
     def test_a_manipulator_is_chosen_already(self) -> None:
         """`robot` and options of a reader make no sense with a manipulator, and are errors."""
         arm = dh2urdf.read("ur5.csv")
-        with pytest.raises(ConfigError, match="is a manipulator already"):
-            dh2urdf.convert(arm, robot="ur5")
+        for how in ({"robot": "ur5"}, {"reader": "csv"}):
+            with pytest.raises(ConfigError, match="is a manipulator already"):
+                dh2urdf.convert(arm, **how)  # type: ignore[arg-type]
         with pytest.raises(ConfigError, match="'convention=standard' names no option"):
             dh2urdf.convert(arm, convention="standard")
 

@@ -150,7 +150,7 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
     check_file(table, TableError)
-    reader = chosen_reader(catalog, table, flags["reader"], ASKER)
+    reader = chosen_reader(catalog, table, flags["reader_name"], ASKER)
     given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
     (call,) = stage_calls(catalog, {"reader": [reader]}, ASKER, given)["reader"]
     return read_manipulator(call, table, flags["robot"], ASKER)

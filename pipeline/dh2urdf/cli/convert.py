@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", "output", metavar="FILE", help="Where to write; standard output without it.")
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
-@click.option("--transform", default=DEFAULT_TRANSFORM, metavar="NAME", help="Transform; alpha-swap.")
+@click.option("--transform", "transform_name", default=DEFAULT_TRANSFORM, metavar="NAME", help="Transform; alpha-swap.")
 @click.option("--variant", metavar="V", help="exact (the arm itself) or paper (the published algorithm).")
 @click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
 @click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
@@ -34,8 +34,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     table: Path,
     output: str | None,
     format_name: str | None,
-    reader: str | None,
-    transform: str,
+    reader_name: str | None,
+    transform_name: str,
     robot: str | None,
     settings: tuple[str, ...],
     **flags: str | None,
@@ -58,8 +58,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         target,
         ASKER,
         catalog(),
-        reader=reader,
-        transform=transform,
+        reader=reader_name,
+        transform=transform_name,
         formats=(format_name,) if format_name else (),
         robot=robot,
         given={

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 
 @click.command(name="new-plugin")
 @click.argument("name")
-@click.option("--kind", required=True, type=click.Choice(KINDS), help="The kind of stage.")
-@click.option("--dir", "folder", type=click.Path(path_type=Path), default=".", help="Where its folder is made.")
+@click.option("--kind", required=True, type=click.Choice(KINDS), metavar="KIND", help=f"One of {', '.join(KINDS)}.")
+@click.option(
+    "--dir", "folder", type=click.Path(path_type=Path), default=".", metavar="D", help="Where its folder is made."
+)
 @without_option
 def command(name: str, kind: str, folder: Path) -> int:
     """Write a small distribution NAME with one working stage, its tests, and all that goes with it.

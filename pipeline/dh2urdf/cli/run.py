@@ -50,7 +50,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     from dh2urdf.cli.progress import progress
 
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
-    plan = load_plan(config, overrides, output, catalog())
+    plan = load_plan(config, catalog(), overrides, output)
     debug = click.get_current_context().find_root().params["debug"]
     try:
         with progress(quiet=quiet, debug=debug) as note:

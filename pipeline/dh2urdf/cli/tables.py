@@ -19,7 +19,8 @@ READER_OPTIONS = ("convention", "length_unit", "angle_unit", "base", "tool")
 """The options of readers that have a flag of their own."""
 ASKER = Asker(
     mark=COMMAND_LINE,
-    reader="`--from NAME` chooses a reader",
+    reader="--from ",
+    format="--to ",
     robot="--robot ",
     out="-o ",
     meshes="--meshes ",
@@ -34,7 +35,7 @@ def table_options(function: F) -> F:
     """Gives a command the flags that say what a table leaves out."""
     for option in reversed(
         (
-            click.option("--from", "reader", metavar="NAME", help="Reader of TABLE; by its suffix."),
+            click.option("--from", "reader_name", metavar="NAME", help="Reader of TABLE; by its suffix."),
             click.option("--robot", metavar="NAME", help="Which manipulator of a table that holds several."),
             click.option("--convention", metavar="C", help="standard or modified, where the table does not say it."),
             click.option("--length-unit", metavar="UNIT", help="Unit of lengths without one: m, cm or mm."),

@@ -29,10 +29,11 @@ def breach(stage: Any, clause: Callable[..., Any], *, found: str, accepted: str,
     kind = next((kind for kind, record in RECORDS.items() if isinstance(stage, record)), type(stage).__name__)
     said = (inspect.getdoc(clause) or "").partition("\n")[0]
     found = found if len(found) <= _SHOWN else f"{found[:_SHOWN]} …"
-    pytest.fail(
+    found = found.replace("\n", "\n        ")
+    raise pytest.fail.Exception(
         f"{kind} {getattr(stage, 'name', '?')!r} breaks the contract, clause {clause.__name__}: {said}\n"
         f"    found: {found}\n"
         f"    accepted: {accepted}\n"
         f"    what to do: {remedy}",
         pytrace=False,
-    )
+    ) from None  # What the stage raised is in the message.

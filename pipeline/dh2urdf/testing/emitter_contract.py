@@ -282,12 +282,12 @@ def _emit_all(
 
 def _fault(file: EmittedFile) -> str | None:
     """Why nobody can read a file; None where somebody can, or its format is not known here."""
-    from lxml import etree
+    from xml.parsers.expat import ExpatError, ParserCreate
 
     suffix = Path(file.name).suffix.lower()
     try:
-        if suffix in (".xml", ".urdf", ".xacro", ".srdf", ".sdf", ".mjcf", ".svg", ".html.xml"):
-            etree.fromstring(file.content)
+        if suffix in (".xml", ".urdf", ".xacro", ".srdf", ".sdf", ".mjcf", ".svg"):
+            ParserCreate().Parse(file.content, True)
         elif suffix == ".json":
             json.loads(file.content)
         elif suffix == ".toml":
@@ -298,6 +298,6 @@ def _fault(file: EmittedFile) -> str | None:
             load_yaml(file.content.decode(), file.name)
         elif suffix in (".txt", ".md", ".csv", ".tsv", ".dot", ".gv", ".html", ".py"):
             file.content.decode()
-    except (etree.XMLSyntaxError, InputError, ValueError) as error:
+    except (ExpatError, InputError, ValueError) as error:
         return str(error)
     return None

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from dh2urdf.robot import Robot
+
 ASIDE = 0.1
 """How far from where the robot is the contract asserts it to be, to see whether that is found [m]."""
 
@@ -236,7 +238,7 @@ class LoaderContract(StageContract):
         picture = folder / f"{path.name.partition('.')[0]}.png" if self.stage.picture(self.given()) else None
         return LoadRequest(path=path, robot=robot, poses=poses, expected={"tool0": frames}, picture=picture)
 
-    def _written(self, robot: Any, folder: Path) -> Path:  # noqa: ANN401 - a Robot
+    def _written(self, robot: Robot, folder: Path) -> Path:
         emitter = self.emitter
         try:
             emitter = emitter or load().get("emitter", self.stage.formats[0])

@@ -7,10 +7,11 @@ shows whether the order of a set has got into the result.
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -103,9 +104,6 @@ def marked() -> Iterator[str]:
 
 def _end(mark: str) -> None:
     """Ends what a stage has left behind: the machine of the tests is as it was."""
-    import signal
-    from contextlib import suppress
-
     for number in processes(mark):
         with suppress(ProcessLookupError, PermissionError):
             os.kill(number, signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)

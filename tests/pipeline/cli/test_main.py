@@ -88,7 +88,7 @@ class TestWords:
         answer = cli("convrt", "arm.csv", status=2)
         assert answer.stdout == ""
         assert (
-            "no command 'convrt'; the commands are run, convert, check, plugins, schema; did you mean 'convert'?"
+            "no command 'convrt'; the commands are run, convert, check, plugins, schema, new-plugin; did you mean 'convert'?"
             in answer.stderr
         )
 

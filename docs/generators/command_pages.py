@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 
 import click
-from markdown import code, table
+from pieces import code, prose, table
 
 from dh2urdf.cli import COMMANDS, EXIT_STATUS, dh2urdf
 
@@ -43,11 +43,12 @@ def _help(text: str) -> Iterator[str]:
         if paragraph.startswith(KEEP_LINES):
             yield f"```sh\n{paragraph.removeprefix(KEEP_LINES).strip()}\n```"
         else:
-            yield " ".join(re.sub(r"(?<!\S)(--[a-z-]+)", r"`\1`", paragraph).split())
+            yield " ".join(re.sub(r"(?<!\S)(--[a-z-]+)", r"`\1`", prose(paragraph)).split())
 
 
 def _options(command: click.Command, context: click.Context) -> Iterator[tuple[str, str]]:
     for parameter in command.get_params(context):
-        if record := parameter.get_help_record(context):
+        record = parameter.get_help_record(context)
+        if isinstance(parameter, click.Option) and record:  # Arguments are told of in the text.
             names, text = record
-            yield code(names), text
+            yield code(names), prose(text)

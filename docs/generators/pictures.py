@@ -25,6 +25,8 @@ A, ALPHA, D, THETA = 1.7, math.radians(40), 1.4, math.radians(48)
 """A row with nothing special: no angle is right, nothing is 0."""
 AXES = 0.62
 """Length of the drawn axes of a frame [m]."""
+STANDARD_CAMERA = Camera(azimuth=math.radians(-74), elevation=math.radians(28), scale=185)
+MODIFIED_CAMERA = Camera(azimuth=math.radians(-118), elevation=math.radians(26), scale=185)
 
 
 def partial(convention: Convention, **parts: float) -> RigidTransform:
@@ -38,7 +40,7 @@ def standard_row() -> str:
     turned = partial(convention, theta=THETA, d=D)  # after Rz(θ) Tz(d)
     moved = partial(convention, theta=THETA, d=D, a=A)  # and Tx(a)
     end = partial(convention, theta=THETA, d=D, a=A, alpha=ALPHA)  # and Rx(α): frame i
-    sheet = Drawing(Camera(azimuth=math.radians(-74), elevation=math.radians(28), scale=185))
+    sheet = Drawing(STANDARD_CAMERA)
     _axis(sheet, IDENTITY, -0.6, D + 0.95, "axis of joint i")
     _axis(sheet, end, -0.65, 1.5, "axis of joint i+1")
     _link(sheet, IDENTITY.translation, turned.translation, moved.translation)
@@ -64,7 +66,7 @@ def modified_row() -> str:
     tilted = partial(convention, a=A, alpha=ALPHA)  # and Rx(α)
     risen = partial(convention, a=A, alpha=ALPHA, d=D)  # and Tz(d), which Rz(θ) does not change
     end = partial(convention, a=A, alpha=ALPHA, d=D, theta=THETA)  # frame i
-    sheet = Drawing(Camera(azimuth=math.radians(-118), elevation=math.radians(26), scale=185))
+    sheet = Drawing(MODIFIED_CAMERA)
     _axis(sheet, IDENTITY, -0.5, 1.6, "axis of joint i−1")
     _axis(sheet, tilted, -0.6, D + 1.25, "axis of joint i")
     _link(sheet, IDENTITY.translation, moved.translation, risen.translation)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from markdown import code, table
+from pieces import code, prose, table
 from stage_pages import built_in
 
 from dh2urdf.report.schema import manifest_schema, report_schema
@@ -74,7 +74,7 @@ class Tables:
             needed = key in mapping.get("required", ())
             remark = (" (required)" if needed else "") if self.written_by_people else ("" if needed else " (optional)")
             resolved = self._resolved(value)
-            says = str(value.get("description") or resolved.get("description", ""))
+            says = prose(value.get("description") or resolved.get("description", ""))
             if "default" in resolved:
                 says += f"; {code(json.dumps(resolved['default'], ensure_ascii=False))} by default"
             takes = "a mapping: the [options](stages.md) of the stage" if key == "options" else self._takes(value)

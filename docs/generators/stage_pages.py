@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import starmap
 from typing import Any
 
-from markdown import code, table
+from pieces import code, prose, table
 
 from dh2urdf.options import describe_options
 from dh2urdf.registry import KINDS, Catalog, Provided, load
@@ -63,5 +63,5 @@ def _options(options: type[Any]) -> str:
         return "It has no options."
     return table(
         ("option", "takes", "default", "what for"),
-        ((code(name), takes, code(default), text) for name, takes, default, text in described),
+        ((code(name), takes, code(default), prose(text)) for name, takes, default, text in described),
     )

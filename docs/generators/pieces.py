@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -17,3 +18,12 @@ def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def code(text: object) -> str:
     """A piece of code; of an empty text nothing."""
     return f"`{text}`" if str(text) else ""
+
+
+def prose(text: str) -> str:
+    """A sentence of the program as Markdown: nothing in it is markup, and what stands in braces is code."""
+    pieces = re.split(r"(`[^`]*`|\{[^{}]*\})", text)
+    return "".join(
+        (piece if piece.startswith("`") else code(piece)) if number % 2 else re.sub(r"([*_<\[])", r"\\\1", piece)
+        for number, piece in enumerate(pieces)
+    )

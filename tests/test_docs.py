@@ -52,6 +52,7 @@ BLOCK = re.compile(
 )
 MARK = re.compile(r"<!-- (?P<key>not run|before|exit status|example)[^:]*: (?P<value>.*) -->")
 OUTPUT = "Output"
+BASH = "/bin/bash"
 
 NEEDED_MODULES = {
     "first-conversion.md": "pybullet",
@@ -128,7 +129,7 @@ class Folder:
             target.write_text(block.body, "utf-8")
         if block.runs:
             if before := block.marks.get("before"):
-                self._start(["bash", "-euo", "pipefail", "-c", before], block)
+                self._start([BASH, "-euo", "pipefail", "-c", before], block)
             printed = self._shell(block) if block.language == "sh" else self._python(block)
             self.ran.append(block)
             if output:
@@ -138,7 +139,7 @@ class Folder:
 
     def _shell(self, block: Block) -> str:
         lines = [line for line in block.body.splitlines() if not self._sets_up(line)]
-        return self._start(["bash", "-euo", "pipefail", "-c", "\n".join(lines)], block)
+        return self._start([BASH, "-euo", "pipefail", "-c", "\n".join(lines)], block)
 
     def _python(self, block: Block) -> str:
         return self._start([sys.executable, "-c", block.body], block)
@@ -210,7 +211,7 @@ def _comparable(text: str) -> str:
 
 
 def _read_shell(_folder: Folder, block: Block) -> None:
-    subprocess.run(["bash", "-n", "-c", block.body], check=True)
+    subprocess.run([BASH, "-n", "-c", block.body], check=True)
 
 
 def _read_python(_folder: Folder, block: Block) -> None:

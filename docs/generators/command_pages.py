@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import click
-from pieces import code, prose, table
 
 from dh2urdf.cli import COMMANDS, EXIT_STATUS, dh2urdf
+from pieces import code, prose, table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 KEEP_LINES = "\b"
 """Click's mark of a paragraph whose lines are to stay as they are: an example."""
 
+
 def commands() -> str:
     """A section for the program, and one for each command: its usage, what it does, what it takes."""
     context = click.Context(dh2urdf, info_name="dh2urdf")
-    return "\n\n".join([*_program(context), *(text for name in COMMANDS for text in _command(name, context))])
+    found = [command for name in COMMANDS if (command := dh2urdf.get_command(context, name))]
+    return "\n\n".join([*_program(context), *(text for command in found for text in _command(command, context))])
 
 
 def _program(context: click.Context) -> Iterator[str]:
@@ -25,10 +30,9 @@ def _program(context: click.Context) -> Iterator[str]:
     yield EXIT_STATUS
 
 
-def _command(name: str, parent: click.Context) -> Iterator[str]:
-    command = dh2urdf.get_command(parent, name)
-    context = click.Context(command, info_name=name, parent=parent)
-    yield f"## dh2urdf {name}"
+def _command(command: click.Command, parent: click.Context) -> Iterator[str]:
+    context = click.Context(command, info_name=command.name, parent=parent)
+    yield f"## {context.command_path}"
     yield f"```text\n{context.command_path} {' '.join(command.collect_usage_pieces(context))}\n```"
     yield from _help(command.help or "")
     if options := list(_options(command, context)):

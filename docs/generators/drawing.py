@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from html import escape
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.rotations import RigidTransform, Vec3, add, rotate, scale
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
 
 Point = tuple[float, float]
 
@@ -83,7 +85,9 @@ class Drawing:
         if length < head / 2:
             self.dot(end, colour=colour, radius=width)
             return
-        self.line(start, add(start, scale(max(0.0, 1 - head / length), _between(start, end))), colour=colour, width=width)
+        self.line(
+            start, add(start, scale(max(0.0, 1 - head / length), _between(start, end))), colour=colour, width=width
+        )
         self._head((x1, y1), ((x1 - x0) / length, (y1 - y0) / length), colour, head)
 
     def arc(self, frame: RigidTransform, angle: float, radius: float, *, colour: str) -> None:
@@ -130,18 +134,27 @@ class Drawing:
             self.arrow(frame.translation, tip, colour=colour, width=width, head=head)
 
     def label(
-        self, point: Vec3, text: str, index: str = "", *, by: Point = (0.0, 0.0), colour: str = INK, anchor: str = "middle"
+        self,
+        point: Vec3,
+        text: str,
+        index: str = "",
+        *,
+        by: Point = (0.0, 0.0),
+        colour: str = INK,
+        anchor: str = "middle",
     ) -> None:
         """A symbol with an index at a point, moved by some pixels."""
         x, y = self.at(point)
         lower = f'<tspan dy="5" font-size="13">{escape(index)}</tspan>' if index else ""
-        self._text(x + by[0], y + by[1], f"{escape(text)}{lower}", f'font-style="italic" fill="{colour}"', 19, anchor)
+        style = f'font-style="italic" fill="{colour}"'
+        self._text((x + by[0], y + by[1]), f"{escape(text)}{lower}", style=style, size=19, anchor=anchor)
 
     def words(self, place: Point, text: str, *, size: float = 14, colour: str = FAINT, anchor: str = "middle") -> None:
         """Plain words at a place of the picture."""
-        self._text(place[0], place[1], escape(text), f'fill="{colour}"', size, anchor)
+        self._text(place, escape(text), style=f'fill="{colour}"', size=size, anchor=anchor)
 
-    def _text(self, x: float, y: float, content: str, style: str, size: float, anchor: str) -> None:
+    def _text(self, place: Point, content: str, *, style: str, size: float, anchor: str) -> None:
+        x, y = place
         # The halo keeps text legible where it crosses a line.
         self.elements.append(
             f'<text x="{_number(x)}" y="{_number(y)}" font-size="{size:g}" text-anchor="{anchor}" {style} '
@@ -158,9 +171,12 @@ def svg(drawings: Sequence[Drawing], box: tuple[float, float, float, float], tit
         title: what is to be seen, for those who cannot see it.
     """
     left, top, width, height = box
-    lines = [
+    head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{left:g} {top:g} {width:g} {height:g}" width="{width:g}" '
-        f'height="{height:g}" role="img" font-family="\'Source Sans 3\', \'Segoe UI\', Helvetica, Arial, sans-serif">',
+        f'height="{height:g}" role="img" font-family="\'Source Sans 3\', \'Segoe UI\', Helvetica, Arial, sans-serif">'
+    )
+    lines = [
+        head,
         f"<title>{escape(title)}</title>",
         f'<rect x="{left:g}" y="{top:g}" width="{width:g}" height="{height:g}" rx="10" fill="#fff"/>',
         *(element for drawing in drawings for element in drawing.elements),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf import hookspecs
 from dh2urdf.registry import RECORDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
 
 
 def hooks() -> str:

@@ -6,17 +6,19 @@ A test compares the files in docs/pictures with what is drawn here, and the fram
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
-
-from drawing import FAINT, INK, X_COLOUR, Z_COLOUR, Camera, Drawing, axis_tip, svg
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics import dh_transform, row_transform
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.registry import load
-from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate, scale
+from drawing import FAINT, INK, X_COLOUR, Z_COLOUR, Camera, Drawing, axis_tip, svg
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.robot import Robot
 
 FOLDER = Path(__file__).parents[1] / "pictures"
 TABLE = Path(__file__).parents[2] / "configs" / "tables" / "ur5_paper.csv"
@@ -49,9 +51,9 @@ def standard_row() -> str:
     _length(sheet, IDENTITY.translation, turned.translation, Z_COLOUR)
     _length(sheet, turned.translation, moved.translation, X_COLOUR)
     level = RigidTransform(IDENTITY.rotation, turned.translation)
-    _angle(sheet, level, THETA, ("θ", "i"), ("x", "i−1"), (16, 10))
+    _angle(sheet, level, THETA, name=("θ", "i"), origin=("x", "i−1"), by=(16, 10))
     upright = RigidTransform(turned.rotation, moved.translation)
-    _twist(sheet, upright, ALPHA, ("α", "i"), ("z", "i−1"), (8, -8))
+    _twist(sheet, upright, ALPHA, name=("α", "i"), origin=("z", "i−1"), by=(8, -8))
     _frame(sheet, IDENTITY, "i−1", {"x": (2, 22), "y": (22, 0), "z": (-22, 8)})
     _frame(sheet, end, "i", {"x": (16, 10), "y": (-12, -2), "z": (16, 12)})
     sheet.label((0.0, 0.0, D * 0.72), "d", "i", by=(-18, 4), colour=Z_COLOUR)
@@ -74,8 +76,8 @@ def modified_row() -> str:
     sheet.cylinder(RigidTransform(tilted.rotation, add(moved.translation, scale(-0.24, _z(tilted)))), 0.17, 0.34)
     _length(sheet, IDENTITY.translation, moved.translation, X_COLOUR)
     _length(sheet, moved.translation, risen.translation, Z_COLOUR)
-    _twist(sheet, moved, ALPHA, ("α", "i−1"), ("z", "i−1"), (8, -8))
-    _angle(sheet, risen, THETA, ("θ", "i"), ("x", "i−1"), (18, 4))
+    _twist(sheet, moved, ALPHA, name=("α", "i−1"), origin=("z", "i−1"), by=(8, -8))
+    _angle(sheet, risen, THETA, name=("θ", "i"), origin=("x", "i−1"), by=(18, 4))
     _frame(sheet, IDENTITY, "i−1", {"x": (2, 24), "y": (-16, 2), "z": (-22, 8)})
     _frame(sheet, end, "i", {"x": (-14, -4), "y": (-14, 0), "z": (16, 14)})
     sheet.label((A * 0.62, 0.0, 0.0), "a", "i−1", by=(0, 24), colour=X_COLOUR)
@@ -111,6 +113,7 @@ def _angle(
     sheet: Drawing,
     frame: RigidTransform,
     angle: float,
+    *,
     name: tuple[str, str],
     origin: tuple[str, str],
     by: tuple[float, float],
@@ -126,6 +129,7 @@ def _twist(
     sheet: Drawing,
     frame: RigidTransform,
     angle: float,
+    *,
     name: tuple[str, str],
     origin: tuple[str, str],
     by: tuple[float, float],
@@ -139,7 +143,7 @@ def _twist(
 
 
 def _about_x(frame: RigidTransform) -> RigidTransform:
-    """The same axes in the order z, −y, x: a turn about the x axis from z is one about its own z axis from its x axis."""
+    """The axes in the order z, −y, x: a turn from z about x is then one from x about z."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz = frame.rotation
     return RigidTransform((xz, -xy, xx, yz, -yy, yx, zz, -zy, zx), frame.translation)
 
@@ -205,15 +209,20 @@ def frames() -> str:
         for name in (*(f"link_{i}" for i in range(1, 7)), "tool0"):
             sheet.triad(placed[name], 0.085, width=2.4, head=8)
             sheet.dot(placed[name].translation, radius=2.5)
-        sheet.words((-300, 265.0 * number - 115), f"frames: {kind}", size=17, colour=INK, anchor="start")
+        sheet.words((110, 265.0 * number - 95), f"frames: {kind}", size=17, colour=INK, anchor="start")
         sheets.append(sheet)
-    return svg(sheets, (-325, -145, 660, 545), "The frames of the links of a UR5, aligned with the base and as in the table")
+    return svg(
+        sheets, (-325, -145, 660, 500), "The frames of the links of a UR5, aligned with the base and as in the table"
+    )
 
 
 def swap() -> str:
     """What the paper's algorithm makes of the table, and what the exact one does."""
     sheets = []
-    for variant, words, shift in (("paper", "variant: paper", (-330.0, 0.0)), ("exact", "variant: exact", (120.0, -30.0))):
+    for variant, words, shift in (
+        ("paper", "variant: paper", (-330.0, 0.0)),
+        ("exact", "variant: exact", (120.0, -30.0)),
+    ):
         made = robot(variant=variant)
         placed = link_frames(made)
         sheet = Drawing(UR5_CAMERA._replace(scale=460), shift=shift)
@@ -221,7 +230,9 @@ def swap() -> str:
             for corners in segments(arm()):
                 _link(sheet, *corners)
         else:
-            _link(sheet, *(placed[joint.child].translation for joint in made.moving_joints), placed["tool0"].translation)
+            _link(
+                sheet, *(placed[joint.child].translation for joint in made.moving_joints), placed["tool0"].translation
+            )
         for number, joint in enumerate(made.moving_joints, start=1):
             frame = placed[joint.child]
             direction = rotate(frame.rotation, joint.axis)
@@ -229,7 +240,9 @@ def swap() -> str:
             sheet.arrow(ends[0], ends[1], colour=Z_COLOUR, width=2.4, head=8)
             sheet.dot(frame.translation, radius=3)
             (x0, y0), (x1, y1) = map(sheet.at, ends)
-            beside = (x0 - 14, min(y0, y1) + 6) if abs(x1 - x0) < 1 else (x1 + 12, y1 + 4)  # of an upright arrow on its left
+            beside = (
+                (x0 - 14, min(y0, y1) + 6) if abs(x1 - x0) < 1 else (x1 + 12, y1 + 4)
+            )  # of an upright arrow on its left
             sheet.words(beside, str(number), colour=Z_COLOUR)
         x, _ = sheet.at((0.0, 0.0, 0.0))
         sheet.words((x, 110), words, size=17, colour=INK)

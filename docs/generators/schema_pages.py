@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
-
-from pieces import code, prose, table
-from stage_pages import built_in
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.report.schema import manifest_schema, report_schema
 from dh2urdf.schema import run_schema
+from pieces import code, prose, table
+from stage_pages import built_in
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 Schema = dict[str, Any]
 NULL = {"type": "null"}

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import starmap
-from typing import Any
-
-from pieces import code, prose, table
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.options import describe_options
 from dh2urdf.registry import KINDS, Catalog, Provided, load
+from pieces import code, prose, table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 SECTIONS = {"reader": "inputs", "transform": "transform", "emitter": "emitters", "loader": "loaders"}
 """The section of a run file that names stages of a kind; that of executors is `execution`."""

@@ -112,12 +112,13 @@ class Folder:
 
     Attributes:
         path: the folder.
+        installed: where distributions are that the page has written and installed.
         ran: the blocks that were run.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.site = path / ".site"
+        self.installed: list[Path] = []
         self.ran: list[Block] = []
         shutil.copytree(ROOT / "configs", path / "configs")
 
@@ -145,13 +146,14 @@ class Folder:
         return self._start([sys.executable, "-c", block.body], block)
 
     def _start(self, command: list[str], block: Block) -> str:
-        paths = [str(self.site), *filter(None, [os.environ.get("PYTHONPATH")])]
+        paths = [*map(str, self.installed), *filter(None, [os.environ.get("PYTHONPATH")])]
         result = subprocess.run(
             command,
             cwd=self.path,
             env={
                 **os.environ,
                 "COLUMNS": "120",
+                "PYTEST_ADDOPTS": "",
                 "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
                 "PYTHONPATH": os.pathsep.join(paths),
             },
@@ -182,12 +184,17 @@ class Folder:
             return False
         for word in words[2:]:
             if word.startswith("./"):
-                offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
-                pip = [sys.executable, "-m", "pip", "install", *offline, "--target", self.site, self.path / word]
-                subprocess.run(pip, check=True)
+                self._install(self.path / word.partition("[")[0])
             elif word != "-e":
                 _check_extras(word)
         return True
+
+    def _install(self, source: Path) -> None:
+        """Install a distribution for the commands of this page; changes of its source are seen, as with `-e`."""
+        site = self.path / ".site"
+        offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
+        subprocess.run([sys.executable, "-m", "pip", "install", *offline, "--target", site, source], check=True)
+        self.installed += [source / "src", site]
 
 
 def _check_extras(requirement: str) -> None:

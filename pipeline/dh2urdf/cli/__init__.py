@@ -30,6 +30,7 @@ COMMANDS = {
     "check": "Say what each simulator will do with a robot description.",
     "plugins": "List every installed stage and its options.",
     "schema": "Print the JSON Schema of run files or tables.",
+    "new-plugin": "Write the beginning of a plugin.",
 }
 
 
@@ -46,7 +47,7 @@ class _LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"dh2urdf.cli.{cmd_name}").command
+        command: click.Command = import_module(f"dh2urdf.cli.{cmd_name.replace('-', '_')}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature

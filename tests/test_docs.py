@@ -162,7 +162,7 @@ class Folder:
             text=True,
             encoding="utf-8",
             check=False,
-            timeout=120,
+            timeout=300,
         )
         wanted = int(block.marks.get("exit status", "0"))
         assert result.returncode == wanted, f"{block.place}: exit status {result.returncode}\n{result.stdout}"

@@ -29,6 +29,7 @@ def breach(stage: Any, clause: Callable[..., Any], *, found: str, accepted: str,
     kind = next((kind for kind, record in RECORDS.items() if isinstance(stage, record)), type(stage).__name__)
     said = (inspect.getdoc(clause) or "").partition("\n")[0]
     found = found if len(found) <= _SHOWN else f"{found[:_SHOWN]} …"
+    found = found.replace("\n", "\n        ")
     pytest.fail(
         f"{kind} {getattr(stage, 'name', '?')!r} breaks the contract, clause {clause.__name__}: {said}\n"
         f"    found: {found}\n"

@@ -13,7 +13,8 @@ import tomllib
 import zipfile
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import pluggy
 import pytest
@@ -196,6 +197,19 @@ class TestHooks:
         manager.add_hookspecs(hookspecs)
         manager.register(dh2urdf_plugins)
         assert {caller.name for caller in manager.get_hookcallers(dh2urdf_plugins) or ()} == set(HOOKS)
+
+    @pytest.mark.parametrize(("hook", "record"), zip(HOOKS, RECORDS.values(), strict=True))
+    def test_each_gives_records_of_its_kind(self, hook: str, record: type[Any]) -> None:
+        """Called through pluggy, with two plugins: a list of what each gives, the records of that kind of stage alone."""
+        manager = pluggy.PluginManager(hookspecs.PROJECT)
+        manager.add_hookspecs(hookspecs)
+        manager.register(dh2urdf_plugins)
+        given = [getattr(manager.hook, hook)()[0][0]]
+        manager.register(SimpleNamespace(**{hook: hookspecs.hookimpl(lambda: given)}))
+        theirs, built_in = getattr(manager.hook, hook)()
+        assert theirs is given
+        assert built_in
+        assert all(isinstance(stage, record) for stage in built_in)
 
 
 def record_types() -> list[type]:

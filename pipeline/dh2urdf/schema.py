@@ -49,10 +49,16 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
         "cells": _one_or_more(_cell(), "robots of several arms, with one root; none by default", least=0),
         "variations": _one_or_more(_variation(), "manipulators drawn from others; none by default", least=0),
         "meshes": _one_or_more(_meshes(), "mesh files that links are seen as and touch with; none by default", least=0),
-        "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM),
-        "emitters": _one_or_more(_stage(catalog, "emitter", "what writes files"), f"{DEFAULT_EMITTER} by default"),
-        "loaders": _one_or_more(_stage(catalog, "loader", "what loads the files"), "none by default", least=0),
-        "output": _either(_text("where the output goes"), _output()),
+        "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM)
+        | {"description": f"what makes a robot of a table; {DEFAULT_TRANSFORM} by default"},
+        "emitters": _one_or_more(
+            _stage(catalog, "emitter", "what writes files"), f"what writes files; {DEFAULT_EMITTER} by default"
+        ),
+        "loaders": _one_or_more(
+            _stage(catalog, "loader", "what loads the files"), "what loads the files; none by default", least=0
+        ),
+        "output": _either(_text("where the output goes"), _output())
+        | {"description": "where the output goes: a folder or an address, alone or with its layout"},
         "execution": _stage(
             catalog,
             "executor",
@@ -64,7 +70,8 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
                 "default": DEFAULT_TIME_LIMIT,
                 "description": "seconds that one manipulator may take, simulators aside",
             },
-        ),
+        )
+        | {"description": f"what does the work; {DEFAULT_EXECUTOR} by default"},
         "proof": _mapping(
             {
                 "poses": _whole(1, MAX_POSES)
@@ -74,8 +81,10 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
                 },
                 **_sample(Sample(), "are compared with their tables"),
             }
-        ),
-        "sample": _mapping(_sample(DEFAULT_SAMPLE, "go through expansion of xacro and simulators")),
+        )
+        | {"description": "how much is compared with the tables; all by default"},
+        "sample": _mapping(_sample(DEFAULT_SAMPLE, "go through expansion of xacro and simulators"))
+        | {"description": "how much goes through what is slow"},
         "report": _mapping(
             {
                 "html": {
@@ -84,7 +93,8 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
                     "description": "whether report.html is written, where jinja2 and matplotlib are installed",
                 }
             }
-        ),
+        )
+        | {"description": "what is told of the run"},
     }
     return {
         "$schema": DIALECT,

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -120,6 +121,30 @@ def test_without_it_its_stages_are_unknown(dh2urdf: Command, table: Path) -> Non
     assert "no emitter is named 'datasheet'" in refused
     assert "accepted: mjcf, sdf, urdf, xacro" in refused
     assert "no reader is known for the file 'scara.dh.toml'" in refused
+
+
+def test_it_keeps_the_contracts(site: Path, tmp_path: Path) -> None:
+    """Its own tests, three lines for each stage, hold it to all that the pipeline relies on."""
+    tested = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-p",
+            "no:cacheprovider",
+            "--rootdir",
+            str(tmp_path),
+            site.with_name("source"),
+        ],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(site), os.environ.get("PYTHONPATH", "")])}
+        | {"PYTEST_ADDOPTS": ""},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert tested.returncode == 0, tested.stdout
+    assert "skipped" not in tested.stdout
 
 
 def test_it_is_typed(tmp_path: Path) -> None:

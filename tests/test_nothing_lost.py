@@ -200,7 +200,7 @@ def dh2urdf_emitters():
 @hookimpl
 def dh2urdf_loaders():
     return [Loader(name="misfit", summary="misbehaves", load=load, options=NoOptions, poses=lambda _: 1,
-                   picture=lambda _: False, time_limit=lambda _: 3.0)]
+                   picture=lambda _: False, time_limit=lambda _: 6.0)]
 """
 NAMES = ["a", "segfault", "b", "hang", "c", "raise", *(f"arm{number}" for number in range(40))]
 
@@ -227,7 +227,7 @@ def test_a_stage_that_misbehaves_costs_one_manipulator(
     stages = {"emitter": "emitters: [urdf, misfit]", "loader": "loaders: misfit"}[stage]
     (misfits / "run.yaml").write_text(
         f"inputs: arms.csv\n{stages}\noutput: {{directory: out, layout: {layout}}}\n"
-        "execution: {stage: local, options: {workers: 2}, time_limit: 3}\n"
+        "execution: {stage: local, options: {workers: 2}, time_limit: 6}\n"
     )
     answer = dh2urdf("run", "run.yaml", path=[misfits / "site"], status=1)
     rows = {row["name"]: row for row in manifest(misfits / "out")}

@@ -130,7 +130,7 @@ def convert(table: Path, frames: str) -> Path:
         emitters=(Call(stage=urdf, options=urdf.options()),),
         poses=1,
     )
-    (manipulator,) = read_items(reader, table, reader.options())
+    (manipulator,) = read_items(Call(stage=reader, options=reader.options()), table)
     assert isinstance(manipulator, Manipulator)
     robot = make_robot(manipulator, recipe.transform)
     write_robot(Truth.of(manipulator), robot, recipe, directory=table.parent, stem=frames)

@@ -123,7 +123,7 @@ class TestReadItems:
     @staticmethod
     def read(function: Callable[..., Any]) -> list[Any]:
         reader = Reader(name="table", summary="reads", read=function, options=NoOptions)
-        return list(read_items(reader, Path("arm.tab"), NoOptions()))
+        return list(read_items(Call(stage=reader, options=NoOptions()), Path("arm.tab")))
 
     def test_manipulators_and_rejected_ones_come_as_they_are(self) -> None:
         """What a reader yields arrives in its order."""
@@ -139,9 +139,8 @@ class TestReadItems:
                 taken.append(1)
                 yield TABLE
 
-        items = read_items(
-            Reader(name="table", summary="reads", read=endless, options=NoOptions), Path("a.tab"), NoOptions()
-        )
+        reader = Reader(name="table", summary="reads", read=endless, options=NoOptions)
+        items = read_items(Call(stage=reader, options=NoOptions()), Path("a.tab"))
         next(items)
         assert len(taken) == 1
 

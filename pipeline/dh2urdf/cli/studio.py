@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.leaving_out import catalog, without_option
 
 if TYPE_CHECKING:
     from dh2urdf.studio.opening import Opened
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 @click.option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
 @click.option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
+@without_option
 def command(table: Path | None, robot: str | None, port: int | None, host: str, no_browser: bool) -> int:  # noqa: FBT001 - click hands flags over so
     """Type a DH table, see the arm move, press Generate: a page in the browser, served from this machine to itself.
 
@@ -30,24 +32,23 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     dh2urdf studio ur5.csv --port 9000 --no-browser
     """
     from dh2urdf.errors import TableError
-    from dh2urdf.registry import load
     from dh2urdf.studio.opening import open_tables
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.words import without
     from dh2urdf.textfiles import check_file
 
     require_nicegui("studio")
-    catalog = load()
+    installed = catalog()
     opened = None
     if table is not None:
         check_file(table, TableError)
-        opened, lost = _chosen(open_tables(table, catalog), robot, table)
+        opened, lost = _chosen(open_tables(table, installed), robot, table)
         if lost:
             click.echo(without(lost), err=True)
     from dh2urdf.studio.app import build_studio
 
     serve(
-        lambda: build_studio(catalog, opened),
+        lambda: build_studio(installed, opened),
         host=host,
         port=port,
         browser=not no_browser,

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.leaving_out import catalog, without_option
 
 
 @click.command(name="view", epilog=EXIT_STATUS)
@@ -14,6 +15,7 @@ from dh2urdf.cli import EXIT_STATUS
 @click.option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
 @click.option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
+@without_option
 def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bool) -> int:  # noqa: FBT001 - click hands flags over so
     """Show robots in the browser: sliders, joint axes, frames, collision shapes.
 
@@ -26,12 +28,11 @@ def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bo
     dh2urdf view ur5.csv panda.yaml robot.urdf.xacro
     dh2urdf view pair.yaml
     """
-    from dh2urdf.registry import load
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.viewing import load_figures
 
     require_nicegui("view")
-    figures = load_figures(files, load())
+    figures = load_figures(files, catalog())
     from dh2urdf.studio.app import build_view
 
     serve(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.attribution import blaming, default_call
 from dh2urdf.conversion import read_items
-from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf.studio.reading import read_whole
@@ -42,20 +43,21 @@ def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
         InputError: the file cannot be read, or none of its manipulators can.
     """
     reader = catalog.reader_for(path)
-    items = list(read_items(reader, path, reader.options()))
+    items = list(read_items(default_call(catalog, reader), path))
     arms = [item for item in items if isinstance(item, Manipulator)]
     if not arms:
         raise InputError([problem for item in items if isinstance(item, Rejected) for problem in item.problems])
-    typed = _typed(path, reader)
+    typed = _typed(path, reader, catalog)
     return tuple(_opened(arm, typed.get(arm.name), catalog) for arm in arms)
 
 
-def _typed(path: Path, reader: Reader[Any]) -> dict[str, TableText]:
+def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, TableText]:
     if reader.texts is None:
         return {}
     try:
-        return {table.name: table for table in reader.texts(path)}
-    except Dh2UrdfError:  # It can be read, if not so: then its numbers are what there is.
+        with blaming(default_call(catalog, reader)):
+            return {table.name: table for table in reader.texts(path)}
+    except InputError:  # It can be read, if not so: then its numbers are what there is.
         return {}
 
 

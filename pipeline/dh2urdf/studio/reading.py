@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.conversion import Call, make_robot, read_items
+from dh2urdf.attribution import Call, a_record, blaming, default_call
+from dh2urdf.conversion import make_robot, read_items
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import Rejected, Transform
+from dh2urdf.stages import Reader, Rejected, Transform
 from dh2urdf.studio.edits import begun
 from dh2urdf.table_text import FIELDS, TableText, WrittenTable
 
@@ -93,19 +94,30 @@ def read(table: TableText, catalog: Catalog) -> Reading:
     )
 
 
+def write_table(table: TableText, reader: Reader[Any], catalog: Catalog) -> WrittenTable:
+    """A table as a file of a reader's format.
+
+    Raises:
+        InputError: the reader only reads.
+        StageError: the reader is at fault.
+    """
+    if reader.write is None:
+        raise InputError(Problem(message=f"the reader {reader.name!r} does not write tables", found=reader.name))
+    with blaming(default_call(catalog, reader)):
+        return a_record(reader.write(table), WrittenTable)
+
+
 def read_whole(table: TableText, catalog: Catalog) -> Reading:
     """What the reader says of all rows of a table."""
     reader = catalog.get("reader", READER)
     if blank := [number for number, row in enumerate(table.rows) if not row]:
         return Reading(table=table, problems=tuple(map(_blank, blank)))
-    if reader.write is None:
-        raise InputError(f"the reader {reader.name!r} cannot write tables, which the studio needs")
-    written = reader.write(table)
+    written = write_table(table, reader, catalog)
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         path = Path(folder) / f"table{reader.suffixes[0]}"
         path.write_bytes(written.content)
         try:
-            (item,) = read_items(reader, path, reader.options())
+            (item,) = read_items(default_call(catalog, reader), path)
         except InputError as error:
             item = Rejected(name=table.name, problems=error.problems)
     manipulator = item if isinstance(item, Manipulator) else None
@@ -168,19 +180,12 @@ def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Cata
     try:
         robot = make_robot(manipulator, transform_call(catalog, variant))
     except ManipulatorError as error:
-        written = reader.write(table) if reader.write else None
-        found = (
-            located(error.problems, written, table)
-            if written
-            else tuple(CellProblem(problem=p) for p in error.problems)
-        )
-        return Made(problems=found)
+        return Made(problems=located(error.problems, write_table(table, reader, catalog), table))
     return Made(robot=robot)
 
 
 def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:
     """The transform with a variant, as the command line would call it."""
     stage = catalog.get("transform", TRANSFORM)
-    return Call(
-        stage=stage, options=make_options(stage.options, {"variant": variant}, where=f"transform {stage.name!r}")
-    )
+    options = make_options(stage.options, {"variant": variant}, where=f"transform {stage.name!r}")
+    return Call(stage=stage, options=options, plugin=catalog.plugin_of(stage))

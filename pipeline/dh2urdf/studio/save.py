@@ -10,17 +10,17 @@ import io
 import tempfile
 import threading
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
-from dh2urdf.errors import InputError, ManipulatorError, TableError
+from dh2urdf.attribution import Call, default_call
+from dh2urdf.conversion import Recipe, make_robot, read_items, write_robot
+from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output import safe_stem
 from dh2urdf.proof import Proof
-from dh2urdf.source import Problem
-from dh2urdf.studio.reading import READER, transform_call
+from dh2urdf.studio.reading import READER, transform_call, write_table
 from dh2urdf.table_text import yaml_word
 from dh2urdf.truth import Truth
 
@@ -59,9 +59,8 @@ def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
         InputError: no such reader is installed, or it only reads.
     """
     reader = catalog.get("reader", format_name)
-    if reader.write is None:
-        raise InputError(Problem(message=f"the reader {format_name!r} does not write tables", found=format_name))
-    return Saved(name=f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", content=reader.write(table).content)
+    written = write_table(table, reader, catalog)
+    return Saved(name=f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", content=written.content)
 
 
 def table_formats(catalog: Catalog) -> tuple[str, ...]:
@@ -82,10 +81,10 @@ def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalo
         ManipulatorError: no file could be made, or it is not the arm of the table.
     """
     emitter = catalog.get("emitter", format_name)
-    options = emitter.options()
+    call = default_call(catalog, emitter)
     if emitter.one_file:
-        options = emitter.one_file(options)
-    (saved, *_) = _make(table, [Call(stage=emitter, options=options)], variant, catalog)
+        call = replace(call, options=emitter.one_file(call.options))
+    (saved, *_) = _make(table, [call], variant, catalog)
     return saved
 
 
@@ -98,7 +97,7 @@ def all_files(table: TableText, variant: str, catalog: Catalog) -> tuple[Saved, 
     """
     emitters = [catalog.get("emitter", name) for name in robot_formats(catalog)]
     tables = [table_file(table, name, catalog) for name in table_formats(catalog)]
-    made = _make(table, [Call(stage=emitter, options=emitter.options()) for emitter in emitters], variant, catalog)
+    made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog)
     return (*tables, run_file(table, variant, catalog), *made)
 
 
@@ -130,13 +129,13 @@ def zipped(files: Sequence[Saved]) -> bytes:
 
 def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog) -> list[Saved]:
     """The files of some emitters, made as `dh2urdf convert` makes them of the saved table."""
-    reader = catalog.get("reader", READER)
+    reader = default_call(catalog, catalog.get("reader", READER))
     recipe = Recipe(transform=transform_call(catalog, variant), emitters=tuple(emitters), poses=POSES)
     with _MAKING, tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         saved = table_file(table, READER, catalog)
         path = Path(folder) / saved.name
         path.write_bytes(saved.content)
-        (manipulator,) = read_items(reader, path, reader.options())
+        (manipulator,) = read_items(reader, path)
         if not isinstance(manipulator, Manipulator):
             raise TableError(manipulator.problems)
         try:

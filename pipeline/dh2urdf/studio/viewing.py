@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.attribution import Call, a_record, blaming, default_call
 from dh2urdf.cells import with_tables
 from dh2urdf.config import is_run_file, load_config
-from dh2urdf.conversion import Call, blaming, make_cell, make_robot, read_items
+from dh2urdf.conversion import make_cell, make_robot, read_items
 from dh2urdf.errors import ConfigError, InputError, ManipulatorError
 from dh2urdf.gathering import Gathering
 from dh2urdf.kinematics import link_poses
 from dh2urdf.options import make_options
+from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.registry import Catalog
-    from dh2urdf.robot import Robot
     from dh2urdf.studio.joints import Slider
 
 MOST_FIGURES = 50
@@ -73,17 +74,16 @@ def _figures(path: Path, catalog: Catalog) -> Iterator[Figure]:
         return
     suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
     if path.name.lower().endswith(tuple(suffixes)):
-        reader = catalog.reader_for(path)
         transform = transform_call(catalog, "exact")
-        for item in read_items(reader, path, reader.options()):
+        for item in read_items(default_call(catalog, catalog.reader_for(path)), path):
             arm = _accepted(item)
             yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
         return
     emitter = catalog.emitter_for(path)
     if emitter.read_back is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
-    with blaming("emitter", emitter.name):
-        robot = emitter.read_back(path)
+    with blaming(default_call(catalog, emitter)):
+        robot = a_record(emitter.read_back(path), Robot)
     yield Figure(robot=robot, title=robot.name or path.stem)
 
 
@@ -95,14 +95,15 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
     stage = catalog.get("transform", config.transform.stage)
     where = f"transform {stage.name!r}"
     options = make_options(stage.options, config.transform.options, mark=config.transform.mark, where=where)
-    transform = Call(stage=stage, options=options)
+    transform = Call(stage=stage, options=options, plugin=catalog.plugin_of(stage))
     gathering = Gathering(arm.of for cell in config.cells for arm in cell.arms)
     arms: list[Manipulator | Rejected] = []
     for given in config.inputs:
         for file in given.paths:
             reader = catalog.get("reader", given.stage) if given.stage else catalog.reader_for(file)
             chosen = make_options(reader.options, given.options, mark=given.mark, where=f"reader {reader.name!r}")
-            for item in read_items(reader, file, chosen):
+            call = Call(stage=reader, options=chosen, plugin=catalog.plugin_of(reader))
+            for item in read_items(call, file):
                 gathering.see(item)
                 if len(arms) <= MOST_FIGURES:
                     arms.append(item)

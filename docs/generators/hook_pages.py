@@ -1,0 +1,41 @@
+"""The reference of the hooks, from `dh2urdf.hookspecs`: exact signatures, and the record that each hook gives."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf import hookspecs
+from dh2urdf.registry import RECORDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+
+def hooks() -> str:
+    """A section for each hook: its signature, what it is for, and the record of its kind of stage."""
+    return "\n\n".join(text for hook, record in specified() for text in _hook(hook, record))
+
+
+def interface_version() -> str:
+    """The sentence that tells the version of the interface."""
+    return f"This is version **{hookspecs.INTERFACE_VERSION}** of the interface, as `dh2urdf --version` prints it."
+
+
+def specified() -> list[tuple[Callable[..., Any], type[Any]]]:
+    """Every hook, in the order of its module, with the record that it gives."""
+    marked = f"{hookspecs.PROJECT}_spec"
+    found = {name: value for name, value in vars(hookspecs).items() if hasattr(value, marked)}
+    return [(found[f"dh2urdf_{kind}s"], record) for kind, record in RECORDS.items()]
+
+
+def signature(hook: Callable[..., Any]) -> str:
+    """The signature of a hook, as its module writes it."""
+    return f"def {hook.__name__}{inspect.signature(hook)}".replace("'", "")
+
+
+def _hook(hook: Callable[..., Any], record: type[Any]) -> Iterator[str]:
+    yield f"## `{hook.__name__}`"
+    yield f"```python\n{signature(hook)}: ...\n```"
+    yield inspect.getdoc(hook) or ""
+    yield f"::: {record.__module__}.{record.__qualname__}\n    options:\n      heading_level: 3"

@@ -1,0 +1,45 @@
+"""What mkdocs calls while it builds the site: it puts what is generated into the pages.
+
+A page says where: a line ``<!-- generated: NAME -->`` is replaced by what `GENERATORS` has under the name. So a page
+stands in the repository with its own words, and nothing that could become untrue.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import command_pages
+import hook_pages
+import schema_pages
+import stage_pages
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+GENERATORS: dict[str, Callable[[], str]] = {
+    "commands": command_pages.commands,
+    "hooks": hook_pages.hooks,
+    "interface version": hook_pages.interface_version,
+    "manifest schema": schema_pages.manifest,
+    "report schema": schema_pages.report,
+    "run file schema": schema_pages.run_file,
+    "stages": stage_pages.stages,
+}
+PLACE = re.compile(r"^<!-- generated: (?P<name>.+) -->$", re.MULTILINE)
+
+
+@cache
+def generated(name: str) -> str:
+    """What stands in the place of a name, made once however often a site is built.
+
+    Raises:
+        KeyError: a page asks for something that nothing generates.
+    """
+    return GENERATORS[name]()
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401 - mkdocs hands over what it has
+    """Called by mkdocs with the text of a page before it is made HTML."""
+    return PLACE.sub(lambda place: generated(place["name"]), markdown)

@@ -1,0 +1,39 @@
+"""`dh2urdf new-plugin`: the beginning of a plugin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import click
+
+from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.registry import KINDS
+from dh2urdf.scaffold import write_plugin
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import Kind
+
+
+@click.command(name="new-plugin")
+@click.argument("name")
+@click.option("--kind", required=True, type=click.Choice(KINDS), metavar="KIND", help=f"One of {', '.join(KINDS)}.")
+@click.option(
+    "--dir", "folder", type=click.Path(path_type=Path), default=".", metavar="D", help="Where its folder is made."
+)
+@without_option
+def command(name: str, kind: str, folder: Path) -> int:
+    """Write a small distribution NAME with one working stage, its tests, and all that goes with it.
+
+    It installs, passes its own tests, ruff and mypy --strict, and is listed by `dh2urdf plugins`, at once. NAME is that
+    of the folder and of the distribution; the stage has the same, without a dh2urdf- at its beginning.
+
+    \b
+    dh2urdf new-plugin dh2urdf-lab-table --kind reader
+    cd dh2urdf-lab-table
+    pip install -e '.[test]' && pytest
+    """
+    place, files = write_plugin(name, cast("Kind", kind), folder, catalog())
+    click.echo("\n".join(f"{place / file}" for file in files))
+    click.echo(f"\nnext:\n    cd {place}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")
+    return 0

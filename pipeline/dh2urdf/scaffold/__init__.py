@@ -1,0 +1,207 @@
+"""Writes the distribution of a new plugin: `dh2urdf new-plugin`.
+
+The templates stand beside this module, a folder for each kind of stage and one for what all have in common. Their paths
+are those of the files: `__package__` stands for the import package, `dot_` for a leading dot.
+"""
+
+from __future__ import annotations
+
+import keyword
+import re
+import shutil
+import sys
+import tempfile
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING
+
+from dh2urdf import __version__
+from dh2urdf.errors import ConfigError
+from dh2urdf.output import reporting_os_errors
+from dh2urdf.source import Mark, Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.registry import Catalog
+    from dh2urdf.stages import Kind
+
+TEMPLATES = Path(__file__).with_name("templates")
+LONGEST = 40
+"""Characters of a name [1]: it is that of a folder, a distribution, a package and a stage."""
+_ENDING = ".template"
+_NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+_MARK = Mark(file="command line")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _About:
+    """What is particular to a kind.
+
+    Attributes:
+        summary: what the stage of the template does, in one line.
+        usage: the sections of a run file that name it.
+    """
+
+    summary: str
+    usage: str
+
+
+_KINDS: dict[Kind, _About] = {
+    "reader": _About(
+        summary="DH tables as JSON, a manipulator in each line",
+        usage="inputs: arms$suffix\nemitters: [urdf]",
+    ),
+    "transform": _About(
+        summary="a ball for each row, with the frames of the DH table",
+        usage="inputs: arm.csv\ntransform: {stage: $stage, options: {radius: 0.02}}\nemitters: [urdf]",
+    ),
+    "emitter": _About(
+        summary="the joints of a robot as a table, for people and spreadsheets",
+        usage="inputs: arm.csv\nemitters:\n  - urdf\n  - {stage: $stage, options: {delimiter: semicolon}}",
+    ),
+    "loader": _About(
+        summary="reads a URDF and compares the arm with the table",
+        usage="inputs: arm.csv\nemitters: [urdf]\nloaders:\n  - {stage: $stage, options: {poses: 25}}",
+    ),
+    "executor": _About(
+        summary="threads of this process",
+        usage="inputs: arms.csv\nemitters: [urdf]\nexecution: {stage: $stage, options: {workers: 4}}",
+    ),
+}
+
+
+def write_plugin(name: str, kind: Kind, folder: Path, catalog: Catalog) -> tuple[Path, list[str]]:
+    """Write a distribution with one stage: all of its files, or nothing.
+
+    Args:
+        name: name of the folder, of the distribution and, without ``dh2urdf-``, of the stage.
+        kind: the kind of stage.
+        folder: where the distribution's own folder is made.
+        catalog: the stages that are installed, none of which is to have the name.
+
+    Returns:
+        The distribution's folder, and the names of its files in it.
+
+    Raises:
+        ConfigError: the name cannot be given, or its folder is there.
+        OutputError: the files cannot be written.
+    """
+    place = folder / name
+    if problems := list(_problems(name, kind, place, catalog)):
+        raise ConfigError(problems)
+    with reporting_os_errors(place):
+        # Inside, so that it can be moved to its place; whoever interrupts this finds nothing half-written.
+        half = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=folder))
+        try:
+            written = [_write(half, source, name, kind) for source in _sources(kind)]
+            half.chmod(0o755)  # mkdtemp makes it for its owner alone
+            half.rename(place)
+        except BaseException:
+            shutil.rmtree(half, ignore_errors=True)
+            raise
+    return place, sorted(written)
+
+
+def stage_name(name: str) -> str:
+    """The name of the stage that a distribution of this name provides."""
+    return name.removeprefix("dh2urdf-")
+
+
+def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[Problem]:
+    """All that keeps a name from being given."""
+    if not _NAME.fullmatch(name) or len(name) > LONGEST:
+        yield Problem(
+            message=f"a plugin cannot be named {shown(name)}",
+            mark=_MARK,
+            field="NAME",
+            found=name,
+            accepted=f"lower-case letters, digits and single dashes, from a letter on, at most {LONGEST} characters",
+            suggestion=_proposal(name),
+        )
+        return
+    package = name.replace("-", "_")
+    reason = None
+    if keyword.iskeyword(package):
+        reason = "is a keyword of Python, which no package can be called"
+    elif package in sys.stdlib_module_names:
+        reason = "is a module of Python's standard library"
+    elif find_spec(package):
+        reason = "is a package that is installed here"
+    if reason:
+        yield Problem(
+            message=f"{package!r} {reason}",
+            mark=_MARK,
+            field="NAME",
+            found=name,
+            accepted="a name that no package has",
+            suggestion=f"`dh2urdf-{name}` names the distribution so, and the stage {name!r}",
+        )
+    stage = stage_name(name)
+    for item in catalog.provided(kind):
+        if item.stage.name == stage:
+            taken = ", ".join(other.stage.name for other in catalog.provided(kind))
+            yield Problem(
+                message=f"the {kind} {stage!r} is provided by {item.plugin.distribution}",
+                mark=_MARK,
+                field="NAME",
+                found=name,
+                accepted=f"a name besides {taken}",
+            )
+    if place.exists() or place.is_symlink():
+        yield Problem(
+            message=f"{shown(str(place))} is there already",
+            mark=_MARK,
+            accepted="a folder that is not there yet",
+            suggestion="choose another name or another folder with `--dir`; nothing is overwritten",
+        )
+    elif not place.parent.is_dir():
+        yield Problem(
+            message=f"there is no folder {shown(str(place.parent))}",
+            mark=_MARK,
+            field="--dir",
+            accepted="a folder that is there",
+        )
+
+
+def _proposal(name: str) -> str | None:
+    """The sentence that names an acceptable name near to one that is not."""
+    words = "-".join(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).lower()))[:LONGEST]
+    near = words.lstrip("0123456789-").rstrip("-")
+    return f"did you mean {near!r}?" if near else None
+
+
+def _sources(kind: Kind) -> list[Path]:
+    """The templates of a distribution."""
+    return [path for part in ("common", kind) for path in sorted((TEMPLATES / part).rglob(f"*{_ENDING}"))]
+
+
+def _write(folder: Path, source: Path, name: str, kind: Kind) -> str:
+    """Fills in one template; its name in the distribution."""
+    values = _values(name, kind)
+    inner = source.relative_to(TEMPLATES).as_posix().partition("/")[2].removesuffix(_ENDING)
+    inner = re.sub(r"(^|/)dot_", r"\1.", inner).replace("__package__", values["package"])
+    path = folder / inner
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(Template(source.read_text("utf-8")).substitute(values), "utf-8", newline="\n")
+    return inner
+
+
+def _values(name: str, kind: Kind) -> dict[str, str]:
+    """What the templates leave open."""
+    stage = stage_name(name)
+    suffix = {"reader": f".{stage}.jsonl", "emitter": f".{stage}.csv"}.get(kind, "")
+    return {
+        "name": name,
+        "package": name.replace("-", "_"),
+        "stage": stage,
+        "kind": kind,
+        "record": kind.capitalize(),
+        "constant": kind.upper(),
+        "suffix": suffix,
+        "summary": _KINDS[kind].summary,
+        "usage": Template(_KINDS[kind].usage).substitute(stage=stage, suffix=suffix),
+        "version": ".".join(__version__.split(".")[:2]),
+    }

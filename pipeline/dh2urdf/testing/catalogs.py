@@ -1,0 +1,79 @@
+"""Stages without discovery, and a run of them in a temporary folder."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.registry import KINDS, RECORDS, Catalog, Plugin
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from dh2urdf.stages import Stage
+
+
+def catalog_of(*stages: Stage, plugins: tuple[Any, ...] = ()) -> Catalog:
+    """A catalog of some stages and plugins, and of nothing that happens to be installed.
+
+    Args:
+        stages: records of any kind.
+        plugins: modules with hooks, such as ``dh2urdf_plugins`` for the built-in stages.
+    """
+    hooks = {f"dh2urdf_{kind}s": _hook(tuple(s for s in stages if isinstance(s, RECORDS[kind]))) for kind in KINDS}
+    found = [Plugin(name="stages of a test", module=SimpleNamespace(**hooks), distribution="a test")]
+    found += [Plugin(name=module.__name__, module=module, distribution=module.__name__) for module in plugins]
+    return Catalog(found)
+
+
+def _hook(stages: tuple[Stage, ...]) -> Callable[[], tuple[Stage, ...]]:
+    def give() -> tuple[Stage, ...]:
+        return stages
+
+    return hookimpl(give)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunOutput:
+    """What a run has left.
+
+    Attributes:
+        folder: its output folder.
+        exit_status: that of `dh2urdf run`: 0 where all is done, 1 where a manipulator failed.
+        report: what stands in its report.json.
+    """
+
+    folder: Path
+    exit_status: int
+    report: dict[str, Any]
+
+
+def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catalog: Catalog | None = None) -> RunOutput:
+    """A run from a run file, as `dh2urdf run` does it, in this process.
+
+    Args:
+        folder: where the run file and the tables are written, and the output goes, under ``build``.
+        run_file: the text of the run file, without a section `output`.
+        tables: the files that it names, and what stands in them.
+        catalog: the stages; by default all that are installed.
+
+    Raises:
+        Dh2UrdfError: whatever keeps the run from starting.
+    """
+    from dh2urdf.config import load_config
+    from dh2urdf.registry import load
+    from dh2urdf.runs import execute, make_plan
+
+    for name, content in tables.items():
+        (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    path = folder / "run.yaml"
+    path.write_text(f"{run_file}\noutput: {{directory: build}}\n", "utf-8")
+    result, _ = execute(make_plan(load_config(path), catalog or load()))
+    build = folder / "build"
+    return RunOutput(
+        folder=build, exit_status=result.exit_status, report=json.loads((build / "report.json").read_bytes())
+    )

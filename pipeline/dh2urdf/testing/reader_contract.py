@@ -1,0 +1,240 @@
+"""The contract of readers."""
+
+from __future__ import annotations
+
+import gc
+import math
+from dataclasses import fields, is_dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from dh2urdf.errors import InputError, PluginError, TableError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Reader, Rejected
+from dh2urdf.testing.stage_contract import StageContract
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+LARGE = 2**22
+"""Bytes of a file that nobody would hold at once for its own sake [B]."""
+MANY = 500
+"""Manipulators of a file that is read as one document [1]."""
+
+
+class ReaderContract(StageContract):
+    """What holds for a reader.
+
+    Attributes:
+        example: what stands in a file that it reads, with one manipulator or several.
+        is_document: whether a file is one document that can only be read as a whole, as JSON and YAML are: then the
+            file may be held, but the manipulators are made one by one.
+    """
+
+    kind = "reader"
+    stage: ClassVar[Reader[Any]]
+    example: ClassVar[str | bytes]
+    is_document: ClassVar[bool] = False
+
+    def many(self, count: int) -> str | bytes | None:  # noqa: ARG002 - for those who override it
+        """What stands in a file with so many manipulators; None where a file holds one.
+
+        Args:
+            count: how many.
+        """
+        return None
+
+    # --- The clauses
+
+    def test_gives_tables(self, tmp_path: Path) -> None:
+        """The example gives manipulators: named, with rows, finite numbers, and the place of each in the file."""
+        clause = self.test_gives_tables
+        path = self._file(tmp_path, self.example)
+        found = self._read(path)
+        if not found or not all(isinstance(item, Manipulator) for item in found):
+            self.breach(
+                clause,
+                found=f"{[str(item) for item in found]}",
+                accepted="the manipulators of the example: dh2urdf.manipulator.Manipulator",
+                remedy="yield a Manipulator for each, and set `example` of the test to a file that is right",
+            )
+        for table in found:
+            if not table.rows or not table.name.strip():
+                self.breach(
+                    clause,
+                    found=f"a manipulator named {table.name!r} with {len(table.rows)} rows",
+                    accepted="a name that is not empty, and a row for each joint",
+                    remedy="take the file's stem for a table that does not say its name; refuse one without rows",
+                )
+            if fault := next(_unfit(table), None):
+                self.breach(
+                    clause,
+                    found=fault,
+                    accepted="finite floats, in tuples",
+                    remedy="convert with float(), refuse what is not finite, and make tuples of lists",
+                )
+            if table.mark is None or table.mark.file != str(path):
+                self.breach(
+                    clause,
+                    found=f"the mark {table.mark!r} of the manipulator {table.name!r}",
+                    accepted=f"Mark(file={str(path)!r}, line=…)",
+                    remedy="set `mark`: messages of later stages show where a person has to mend the table",
+                )
+
+    def test_streams(self, tmp_path: Path) -> None:
+        """The first table is there before the last of the file is read; one document gives its tables one by one."""
+        clause = self.test_streams
+        content = self.many(MANY)
+        if content is None:
+            if (count := len(self._read(self._file(tmp_path, self.example)))) > 1:
+                self.breach(
+                    clause,
+                    found=f"the example holds {count} manipulators, and nothing says what a file of many holds",
+                    accepted="a method `many(self, count)` in the test",
+                    remedy="let `many` return a file of so many manipulators",
+                )
+        elif self.is_document:
+            self._makes_one_by_one(clause, self._file(tmp_path, content))
+        else:
+            count = MANY * (LARGE // len(_bytes(content)) + 1)
+            path = self._file(tmp_path, self.many(count) or "")
+            self._notices_what_changes(clause, path, count)
+
+    def test_is_deterministic(self, tmp_path: Path) -> None:
+        """The same file gives the same tables, in every process."""
+        clause, path = self.test_is_deterministic, self._file(tmp_path, self.example)
+        runs = [self.in_child(clause, _read_all, self.stage.read, path, self.given(), seed=seed) for seed in (1, 2)]
+        self.same(clause, runs[0].value, runs[1].value)
+        self.same(clause, runs[0].value, self._read(path))
+
+    def test_keeps_its_input(self, tmp_path: Path) -> None:
+        """The file is as it was, nothing else is written, and no process is left."""
+        clause, path = self.test_keeps_its_input, self._file(tmp_path, self.example)
+        seen = self.in_child(clause, _read_all, self.stage.read, path, self.given())
+        deeds = [*seen.deeds, *(f"left {what}" for what in seen.left)]
+        if path.read_bytes() != _bytes(self.example):
+            deeds.append(f"changed {path.name}")
+        if deeds:
+            self.breach(
+                clause,
+                found="; ".join(deeds),
+                accepted="a reader that opens its file for reading",
+                remedy="hold what is needed in memory; the folder of a table may be somebody's archive",
+            )
+
+    def test_raises_documented_errors_only(self, tmp_path: Path) -> None:
+        """A file that cannot be read is a TableError, whatever is wrong with it."""
+        whole = _bytes(self.example)
+        broken = {
+            "an empty file": b"",
+            "a file of zeros": b"\0" * 64,
+            "no text": bytes(range(128, 256)),
+            "a line of brackets": b"[{" * 2000,
+            "an example with a zero byte in it": whole[: len(whole) // 2] + b"\0" + whole[len(whole) // 2 :],
+            "an example in UTF-16 without a mark": whole.decode("latin-1").encode("utf-16-le"),
+            "an example with numbers that are too large": whole.replace(b"0", b"9" * 400),
+            "an example without digits": bytes(byte for byte in whole if not chr(byte).isdigit()),
+        }
+        broken |= {f"an example cut after {part} of 7 parts": whole[: len(whole) * part // 7] for part in range(1, 7)}
+        for name, content in broken.items():
+            self._only_documented(name, self._file(tmp_path, content))
+        self._only_documented("no file at all", tmp_path / f"missing{self._suffix()}")
+        folder = tmp_path / f"folder{self._suffix()}"
+        folder.mkdir()
+        self._only_documented("a folder", folder)
+
+    # --- What the clauses use
+
+    def _suffix(self) -> str:
+        return (*self.stage.suffixes, "")[0]
+
+    def _file(self, folder: Path, content: str | bytes) -> Path:
+        path = folder / f"table{self._suffix()}"
+        path.write_bytes(_bytes(content))
+        return path
+
+    def _read(self, path: Path) -> list[Any]:
+        return _read_all(self.stage.read, path, self.given())
+
+    def _only_documented(self, name: str, path: Path) -> None:
+        try:
+            strange = [item for item in self._read(path) if not isinstance(item, (Manipulator, Rejected))]
+        except (TableError, PluginError):
+            return
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever an author's code raises
+            what = f"{type(error).__name__}: {error}"
+        else:
+            if not strange:
+                return
+            what = f"it yielded {type(strange[0]).__name__}"
+        self.breach(
+            self.test_raises_documented_errors_only,
+            found=f"{what} at {name}",
+            accepted="dh2urdf.errors.TableError, or a Rejected for one manipulator of several",
+            remedy="read with dh2urdf.textfiles.read_bytes and decoded, which check the file; "
+            "turn what a parser raises into a TableError with a Problem that says where",
+        )
+
+    def _makes_one_by_one(self, clause: Callable[..., Any], path: Path) -> None:
+        """Fail where all manipulators of a document are made before the first is given."""
+        gc.collect()
+        before = sum(isinstance(item, Manipulator) for item in gc.get_objects())
+        tables = iter(self.stage.read(path, self.given()))
+        first = next(tables, None)
+        made = sum(isinstance(item, Manipulator) for item in gc.get_objects()) - before
+        given = 1 + sum(1 for _ in tables)
+        if first is None or given != MANY or made > MANY // 2:
+            self.breach(
+                clause,
+                found=f"{made} of {given} manipulators were made before the first was given; the file holds {MANY}",
+                accepted="manipulators that are made one by one",
+                remedy="`yield` each manipulator where it is made, in place of returning a list",
+            )
+
+    def _notices_what_changes(self, clause: Callable[..., Any], path: Path, count: int) -> None:
+        """Fail where the end of a file does not matter any more once the first manipulator is there."""
+        tables = iter(self.stage.read(path, self.given()))
+        first = next(tables, None)
+        size = path.stat().st_size
+        with path.open("r+b") as file:  # Zeros in place of its second half: whoever has yet to read it meets them.
+            file.seek(size // 2)
+            file.write(b"\0" * (size - size // 2))
+        given = int(isinstance(first, Manipulator))
+        try:
+            given += sum(isinstance(item, Manipulator) for item in islice(tables, count))
+        except InputError:
+            return
+        if given in (0, count):
+            self.breach(
+                clause,
+                found=f"{given} of {count} manipulators were given, though half of the file ({size / 2**20:.0f} MiB) "
+                "was overwritten after the first",
+                accepted="a reader that reads on only when the next manipulator is asked for",
+                remedy="iterate over the open file and `yield` each manipulator; where the format is one document, "
+                "set `is_document = True` in the test",
+            )
+
+
+def _bytes(content: str | bytes) -> bytes:
+    return content.encode() if isinstance(content, str) else content
+
+
+def _read_all(read: Callable[[Path, Any], Iterator[Any]], path: Path, options: Any) -> list[Any]:  # noqa: ANN401 - the stage's own
+    return list(read(path, options))
+
+
+def _unfit(value: Any, place: str = "the manipulator") -> Iterator[str]:  # noqa: ANN401 - a record, or what is in it
+    """What is in a record that should not be: numbers that are not finite, and collections that can be changed."""
+    if is_dataclass(value) and not isinstance(value, type):
+        for field in fields(value):
+            yield from _unfit(getattr(value, field.name), f"{place}, {field.name}")
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _unfit(item, place)
+    elif isinstance(value, (list, dict, set)):
+        yield f"{place}: the {type(value).__name__} {value!r:.80}"
+    elif isinstance(value, float) and not math.isfinite(value):
+        yield f"{place}: {value}"
+    elif value is not None and not isinstance(value, (str, int, float, bool)):
+        yield f"{place}: {type(value).__name__} {value!r:.80}"

@@ -1,0 +1,102 @@
+"""The contract tests of stages that each break one clause: run by test_breaches.py, and by nobody else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import bad_lab
+
+from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract
+
+if TYPE_CHECKING:
+    from dh2urdf.testing.stage_contract import StageContract
+
+LINE = "arm{} 0.5 0.25\n"
+
+
+class Lines(ReaderContract):
+    example = LINE.format("")
+
+    def many(self, count: int) -> str:
+        return "".join(LINE.format(number) for number in range(count))
+
+
+def of(contract: type[StageContract], stage: Any, **changes: Any) -> type[StageContract]:
+    """The contract tests of a stage that is changed in one place."""
+    return type("TestBad", (contract,), {"stage": replace(stage, **changes) if changes else stage})
+
+
+# All kinds
+TestNameless = of(EmitterContract, bad_lab.EMITTER, name="My Emitter")
+TestMute = of(EmitterContract, bad_lab.EMITTER, summary="")
+TestNoRecord = of(EmitterContract, {"name": "bad"})
+TestUnexplained = of(EmitterContract, bad_lab.EMITTER, options=bad_lab.Unexplained)
+TestRequired = of(EmitterContract, bad_lab.EMITTER, options=bad_lab.Required)
+TestThawed = of(EmitterContract, bad_lab.EMITTER, options=bad_lab.Thawed)
+TestListed = of(EmitterContract, bad_lab.EMITTER, options=bad_lab.Listed)
+TestUnequal = of(EmitterContract, bad_lab.EMITTER, options=bad_lab.Unequal)
+TestStrange = of(EmitterContract, bad_lab.EMITTER, options=bad_lab.Strange)
+TestNotInstalled = of(EmitterContract, bad_lab.EMITTER)
+
+
+class TestHeavy(EmitterContract):
+    stage = bad_lab.EMITTER
+    plugin = "bad_lab"
+
+
+# Readers
+TestUnmarked = of(Lines, bad_lab.READER, read=bad_lab.read_without_marks)
+TestGreedy = of(Lines, bad_lab.READER, read=bad_lab.read_all_first)
+TestReaderByHash = of(Lines, bad_lab.READER, read=bad_lab.read_by_hash)
+TestCaching = of(Lines, bad_lab.READER, read=bad_lab.read_with_cache)
+TestCarelessReader = of(Lines, bad_lab.READER, read=bad_lab.read_carelessly)
+
+
+class TestGreedyDocument(Lines):
+    stage = replace(bad_lab.READER, read=bad_lab.read_all_first)
+    is_document = True
+
+
+class TestUntold(ReaderContract):
+    stage = bad_lab.READER
+    example = LINE.format(1) + LINE.format(2)
+
+
+# Transforms
+TestMassless = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_without_masses)
+TestOtherArm = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_without_tool)
+TestTransformByHash = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_by_hash)
+TestLogging = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_with_log)
+TestForcing = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_by_force)
+TestCarelessTransform = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_carelessly)
+TestOneForAll = of(TransformContract, bad_lab.TRANSFORM, transform_columns=bad_lab.transform_columns)
+
+# Emitters
+TestElsewhere = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_elsewhere)
+TestUnescaped = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_unescaped)
+TestToDisk = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_to_disk)
+TestEmitterByHash = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_by_hash)
+TestForcingEmitter = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_by_force)
+TestAscii = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_ascii)
+TestRounded = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_remembered, read_back=bad_lab.read_back)
+TestAgainstItself = of(EmitterContract, bad_lab.EMITTER, check=bad_lab.check)
+TestSameForAll = of(EmitterContract, bad_lab.EMITTER, emit_columns=bad_lab.emit_columns)
+
+# Loaders
+TestHalf = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_some)
+TestCredulous = of(LoaderContract, bad_lab.LOADER)
+TestClock = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_at_some_time)
+TestLeaving = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_and_leave)
+TestChanging = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_in_place)
+TestCarelessLoader = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_carelessly)
+TestNoTime = of(LoaderContract, bad_lab.LOADER, time_limit=bad_lab.never)
+
+# Executors
+TestBackwards = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.as_they_come)
+TestAllAtOnce = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.all_at_once)
+TestOtherErrors = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.with_other_errors)
+TestLosing = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.losing_the_last)
+TestByName = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.by_name)
+TestFragile = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.in_a_pool)
+TestDaemon = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.with_a_daemon)

@@ -1,0 +1,347 @@
+"""Stages that each break one clause of a contract, in a module that child processes can import."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import LoaderError
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.source import Mark
+from dh2urdf.stages import (
+    EmittedFile,
+    Emitter,
+    Executor,
+    Finding,
+    Inspection,
+    Loader,
+    LoadReport,
+    NoOptions,
+    Reader,
+    Transform,
+)
+from dh2urdf.testing import plain_robot
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from dh2urdf.robot import Robot
+
+# --- Records and options
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unexplained:
+    speed: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Required:
+    speed: float = field(metadata={"help": "how fast"})
+
+
+@dataclass(kw_only=True)
+class Thawed:
+    speed: float = field(default=1.0, metadata={"help": "how fast"})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Listed:
+    names: list[str] = field(default_factory=list, metadata={"help": "which"})
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Unequal:
+    speed: float = field(default=1.0, metadata={"help": "how fast"})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strange:
+    lock: os.PathLike[Any] | io.StringIO | None = field(default=None, metadata={"help": "what"})
+
+
+# --- Readers
+
+
+def read(path: Path, _options: Any) -> Any:
+    """A good reader: a line is a name, a and d."""
+    from dh2urdf.errors import TableError
+    from dh2urdf.textfiles import check_file
+
+    check_file(path, TableError)
+    with path.open("rb") as file:
+        for number, line in enumerate(file, start=1):
+            yield arm(line, Mark(file=str(path), line=number))
+
+
+def arm(line: bytes, mark: Mark, **more: Any) -> Manipulator:
+    from dh2urdf.errors import TableError
+
+    try:
+        name, a, d = line.decode().split()
+        row = DHRow(joint="j", link="l", a=float(a), alpha=0.0, d=float(d), **more)
+    except ValueError as error:
+        raise TableError(f"{mark}: {error}") from error
+    return Manipulator(name=name, convention=Convention.STANDARD, rows=(row,), mark=mark)
+
+
+def read_without_marks(path: Path, options: Any) -> Any:
+    return (replace(table, mark=None) for table in read(path, options))
+
+
+def read_all_first(path: Path, options: Any) -> Any:
+    return iter(list(read(path, options)))
+
+
+def read_by_hash(path: Path, options: Any) -> Any:
+    for table in read(path, options):
+        (row,) = table.rows
+        yield replace(table, rows=(replace(row, joint=min({"left", "right", "middle", "none"}, key=hash)),))
+
+
+def read_with_cache(path: Path, options: Any) -> Any:
+    path.with_suffix(".cache").write_text("")
+    return read(path, options)
+
+
+def read_carelessly(path: Path, _options: Any) -> Any:
+    for line in path.read_text().splitlines():
+        name, a, d = line.split()
+        row = DHRow(joint="j", link="l", a=float(a), alpha=0.0, d=float(d))
+        yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,), mark=Mark(file=str(path)))
+
+
+READER = Reader(name="bad", summary="bad", read=read, options=NoOptions, suffixes=(".bad",))
+
+# --- Transforms
+
+
+def transform(manipulator: Manipulator, _options: Any) -> Robot:
+    """A good transform for good arms."""
+    return plain_robot(manipulator)
+
+
+def transform_without_masses(manipulator: Manipulator, _options: Any) -> Robot:
+    robot = plain_robot(manipulator)
+    return replace(robot, links=tuple(replace(link, inertial=None) for link in robot.links))
+
+
+def transform_without_tool(manipulator: Manipulator, _options: Any) -> Robot:
+    return plain_robot(replace(manipulator, tool=manipulator.base))
+
+
+def transform_by_hash(manipulator: Manipulator, _options: Any) -> Robot:
+    return replace(plain_robot(manipulator), comment=str(hash("made by")))
+
+
+def transform_with_log(manipulator: Manipulator, _options: Any) -> Robot:
+    subprocess.run([sys.executable, "-c", ""], check=True)
+    return plain_robot(manipulator)
+
+
+def transform_by_force(manipulator: Manipulator, _options: Any) -> Robot:
+    object.__setattr__(manipulator, "name", "mine")
+    return plain_robot(manipulator)
+
+
+def transform_carelessly(manipulator: Manipulator, _options: Any) -> Robot:
+    return replace(plain_robot(manipulator), comment=str(1 / manipulator.rows[0].a if manipulator.rows[0].a else 0))
+
+
+def transform_columns(columns: Any, options: Any) -> Any:
+    import numpy as np
+
+    from dh2urdf.columns import RobotColumns
+
+    robot = transform(columns.pick(0), options)
+    some = RobotColumns(
+        robot=robot, names=columns.names, comments=("",) * len(columns), sure=np.ones(len(columns), dtype=bool)
+    )
+    return [(range(len(columns)), some)]
+
+
+TRANSFORM = Transform(name="bad", summary="bad", transform=transform, options=NoOptions)
+
+# --- Emitters
+
+
+def emit(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
+    """A good emitter of tables."""
+    text = io.StringIO()
+    csv.writer(text).writerows((joint.name, *joint.origin.xyz) for joint in robot.joints)
+    return [EmittedFile(name=f"{stem}.bad", content=text.getvalue().encode())]
+
+
+def emit_elsewhere(_robot: Robot, _stem: str, _options: Any) -> list[EmittedFile]:
+    return [EmittedFile(name="../robot.bad", content=b"")]
+
+
+def emit_unescaped(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
+    return [EmittedFile(name=f"{stem}.bad.xml", content=f"<robot name='{robot.name}'/>".encode())]
+
+
+def emit_to_disk(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
+    import tempfile
+
+    with tempfile.TemporaryFile() as file:
+        file.write(robot.name.encode())
+    return emit(robot, stem, options)
+
+
+def emit_by_hash(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
+    names = {link.name for link in robot.links}
+    return [EmittedFile(name=f"{stem}.bad", content=",".join(names).encode())]
+
+
+def emit_by_force(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
+    object.__setattr__(robot, "links", robot.links[::-1])
+    return emit(robot, stem, options)
+
+
+def emit_ascii(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
+    return [EmittedFile(name=f"{stem}.bad", content=robot.name.encode("ascii"))]
+
+
+_WRITTEN: dict[str, Robot] = {}
+
+
+def emit_remembered(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
+    rounded = [
+        replace(joint, origin=replace(joint.origin, xyz=tuple(round(x, 2) for x in joint.origin.xyz)))  # type: ignore[arg-type]
+        for joint in robot.joints
+    ]
+    _WRITTEN["robot"] = replace(robot, joints=tuple(rounded))
+    return emit(robot, stem, options)
+
+
+def read_back(_path: Path) -> Robot:
+    return _WRITTEN["robot"]
+
+
+def check(_path: Path) -> Inspection:
+    return Inspection(consumers={}, findings=(Finding(rule="no-good", message="it is no good", mend="give up"),))
+
+
+def emit_columns(robots: Any, stems: Any, options: Any) -> Any:
+    return [emit(robots.pick(0), stem, options) for stem in stems]
+
+
+EMITTER = Emitter(name="bad", summary="bad", emit=emit, options=NoOptions, suffixes=(".bad", ".bad.xml"))
+
+# --- Loaders
+
+
+def load(request: Any, _options: Any) -> LoadReport:
+    """It says of good files what is right, without looking."""
+    if b"joint_6" not in request.path.read_bytes():
+        raise LoaderError("this is no arm")
+    return LoadReport(
+        simulator="bad",
+        version="1",
+        joints=tuple({"name": joint.name} for joint in request.robot.moving_joints),
+        position_error=0.0,
+        angle_error=0.0,
+        tolerance=1e-9,
+        poses=len(request.poses),
+    )
+
+
+def load_some(request: Any, options: Any) -> LoadReport:
+    return replace(load(request, options), poses=1, joints=())
+
+
+def load_at_some_time(request: Any, options: Any) -> LoadReport:
+    return replace(load(request, options), mass=time.time())
+
+
+def load_and_leave(request: Any, options: Any) -> LoadReport:
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], start_new_session=True)
+    return load(request, options)
+
+
+def load_in_place(request: Any, options: Any) -> LoadReport:
+    report = load(request, options)
+    request.path.write_bytes(request.path.read_bytes().replace(b"<robot", b"<robot ", 1))
+    return report
+
+
+def load_carelessly(request: Any, options: Any) -> LoadReport:
+    request.path.read_bytes().index(b"joint_6")
+    return load(request, options)
+
+
+def three(_options: Any) -> int:
+    return 3
+
+
+def no(_options: Any) -> bool:
+    return False
+
+
+def never(_options: Any) -> float:
+    return 0.0
+
+
+LOADER = Loader(name="bad", summary="bad", load=load, options=NoOptions, poses=three, picture=no)
+
+# --- Executors
+
+
+def as_they_come(function: Any, tasks: Any, _options: Any) -> Any:
+    yield from reversed([function(task) for task in tasks])
+
+
+def all_at_once(function: Any, tasks: Any, _options: Any) -> Any:
+    with ThreadPoolExecutor(2) as pool:
+        yield from pool.map(function, tasks)
+
+
+def with_other_errors(function: Any, tasks: Any, _options: Any) -> Any:
+    try:
+        yield from map(function, tasks)
+    except ZeroDivisionError as error:
+        raise RuntimeError("a task failed") from error
+
+
+def losing_the_last(function: Any, tasks: Any, _options: Any) -> Any:
+    waiting = []
+    for task in tasks:
+        waiting.append(task)
+        if len(waiting) > 2:
+            yield function(waiting.pop(0))
+    yield from map(function, waiting)
+
+
+def by_name(function: Any, tasks: Any, _options: Any) -> Any:
+    name = function.__qualname__
+    yield from (getattr(sys.modules[function.__module__], name)(task) for task in tasks)
+
+
+def in_a_pool(function: Any, tasks: Any, _options: Any) -> Any:
+    with ProcessPoolExecutor(2) as pool:
+        futures = [pool.submit(function, task) for task in tasks]
+        list(as_completed(futures))
+        yield from (future.result() for future in futures)
+
+
+def with_a_daemon(function: Any, tasks: Any, _options: Any) -> Any:
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], start_new_session=True)
+    yield from map(function, tasks)
+
+
+EXECUTOR = Executor(name="bad", summary="bad", map=map, options=NoOptions)  # type: ignore[arg-type]
+
+
+@hookimpl
+def dh2urdf_emitters() -> Any:
+    import numpy  # noqa: F401, ICN001 - this is what is wrong
+
+    return (EMITTER,)

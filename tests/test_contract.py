@@ -1,0 +1,175 @@
+"""Every installed stage keeps the contract that the authors of plugins hold theirs to."""
+
+from __future__ import annotations
+
+import io
+import json
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.registry import KINDS, load
+from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract
+from dh2urdf_plugins.emitters.urdf import UrdfOptions
+from dh2urdf_plugins.emitters.xacro import XacroOptions
+from dh2urdf_plugins.executors.dask import DaskOptions
+from dh2urdf_plugins.executors.local import LocalOptions
+from dh2urdf_plugins.loaders.coppeliasim import CoppeliaSimOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+CATALOG = load()
+CSV = "# convention: standard\njoint, a, alpha, d\nhip, 0.4, pi/2, 0.1\nknee, 0.3, 0, 0\n"
+
+
+class TestCsv(ReaderContract):
+    stage = CATALOG.get("reader", "csv")
+    example = CSV
+
+    def many(self, count: int) -> str:
+        rows = "".join(f"arm_{i}, 0.{i}1, pi/2, 0.1\narm_{i}, 0.3, 0, 0\n" for i in range(count))
+        return f"# convention: standard\nrobot, a, alpha, d\n{rows}"
+
+
+def parquet(count: int) -> bytes:
+    """A Parquet file with so many arms of two rows."""
+    if not find_spec("pyarrow"):
+        return b""
+    import pyarrow as pa
+    from pyarrow.parquet import write_table
+
+    file = io.BytesIO()
+    columns = {
+        "robot": [f"arm_{i // 2}" for i in range(2 * count)],
+        "a": [0.001 * i for i in range(2 * count)],
+        "alpha": [0.0, 0.5] * count,
+        "d": [0.1, 0.0] * count,
+        "convention": ["standard"] * (2 * count),
+    }
+    write_table(pa.table(columns), file, row_group_size=10_000)
+    return file.getvalue()
+
+
+@pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
+class TestParquet(ReaderContract):
+    stage = CATALOG.get("reader", "parquet")
+    example = parquet(3)
+
+    def many(self, count: int) -> bytes:
+        return parquet(count)
+
+
+class TestYaml(ReaderContract):
+    stage = CATALOG.get("reader", "yaml")
+    example = "convention: standard\njoints:\n  - {name: hip, a: 0.4, alpha: pi/2, d: 0.1}\n"
+    is_document = True
+
+    def many(self, count: int) -> str:
+        joints = [{"a": 0.4, "alpha": 0.5, "d": 0.1}]
+        arms = [{"name": f"arm_{i}", "convention": "standard", "joints": joints} for i in range(count)]
+        return json.dumps({"robots": arms})
+
+
+class TestAlphaSwap(TransformContract):
+    stage = CATALOG.get("transform", "alpha-swap")
+
+
+class TestAlphaSwapWithFramesOfTheTable(TransformContract):
+    stage = CATALOG.get("transform", "alpha-swap")
+    options = AlphaSwapOptions(frames="dh", shape="box")
+
+
+class TestUrdf(EmitterContract):
+    stage = CATALOG.get("emitter", "urdf")
+
+
+class TestUrdfForMujoco(EmitterContract):
+    stage = CATALOG.get("emitter", "urdf")
+    options = UrdfOptions(profile="mujoco")
+
+
+class TestXacro(EmitterContract):
+    stage = CATALOG.get("emitter", "xacro")
+
+
+class TestXacroInOneFile(EmitterContract):
+    stage = CATALOG.get("emitter", "xacro")
+    options = XacroOptions(single_file=True)
+
+
+class TestSdf(EmitterContract):
+    stage = CATALOG.get("emitter", "sdf")
+
+
+class TestMjcf(EmitterContract):
+    stage = CATALOG.get("emitter", "mjcf")
+
+
+class TestPyBullet(LoaderContract):
+    stage = CATALOG.get("loader", "pybullet")
+
+
+class TestMujoco(LoaderContract):
+    stage = CATALOG.get("loader", "mujoco")
+
+
+class TestPinocchio(LoaderContract):
+    stage = CATALOG.get("loader", "pinocchio")
+
+
+class TestDrake(LoaderContract):
+    stage = CATALOG.get("loader", "drake")
+
+
+class TestGazebo(LoaderContract):
+    stage = CATALOG.get("loader", "gazebo")
+
+
+@pytest.mark.usefixtures("simulator")
+class TestCoppeliaSim(LoaderContract):
+    """Against the small CoppeliaSim of the loader's own tests."""
+
+    stage = CATALOG.get("loader", "coppeliasim")
+
+    @pytest.fixture
+    def simulator(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+        pytest.importorskip("coppeliasim_zmqremoteapi_client")
+        pytest.importorskip("zmq")
+        monkeypatch.syspath_prepend(Path(__file__).parent / "plugins" / "loaders")
+        from coppeliasim_peer import Peer
+
+        with Peer() as running:
+            monkeypatch.setattr(type(self), "options", CoppeliaSimOptions(host="127.0.0.1", port=running.port))
+            yield running
+
+
+class TestLocal(ExecutorContract):
+    stage = CATALOG.get("executor", "local")
+    options = LocalOptions(workers=2)
+
+
+class TestLocalInThisProcess(ExecutorContract):
+    stage = CATALOG.get("executor", "local")
+    options = LocalOptions(workers=1)
+
+
+class TestDask(ExecutorContract):
+    stage = CATALOG.get("executor", "dask")
+    options = DaskOptions(workers=2)
+
+
+def test_no_installed_stage_is_left_out() -> None:
+    """Each built-in stage has a class of this module: a new one has to be added here."""
+    contracts = [each for each in globals().values() if isinstance(each, type) and hasattr(each, "stage")]
+    held = {(contract.kind, contract.stage.name) for contract in contracts}
+    installed = {(kind, item.stage.name) for kind in KINDS for item in CATALOG.provided(kind) if is_ours(item.plugin)}
+    assert held == installed
+
+
+def is_ours(plugin: Any) -> bool:
+    """Whether it is the built-in plugin: others may be installed on a developer's machine."""
+    return bool(plugin.module.__name__ == "dh2urdf_plugins")

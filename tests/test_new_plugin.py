@@ -1,0 +1,132 @@
+"""`dh2urdf new-plugin`: for each kind of stage, what an author types, from the name to a run."""
+
+from __future__ import annotations
+
+import json
+import os
+import site
+import subprocess
+import sys
+import venv
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import pytest
+
+from dh2urdf.registry import KINDS
+from dh2urdf.scaffold import LONGEST
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+    from dh2urdf.stages import Kind
+
+CSV = "# convention: standard\nrobot, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
+LINES = '{"name": "one", "convention": "standard", "rows": [{"a": 0.4}]}\n{"name": "bent", "rows": [1]}\n'
+
+
+class Trial(NamedTuple):
+    """A run of an author's stage.
+
+    Attributes:
+        table: what stands in the input.
+        suffix: that of the input.
+        sections: the sections of the run file that name the stage.
+        status: the exit status of the run.
+        written: files that it leaves.
+    """
+
+    table: str
+    suffix: str
+    sections: str
+    status: int
+    written: tuple[str, ...]
+
+
+TRIALS: dict[Kind, Trial] = {
+    "reader": Trial(LINES, ".trial.jsonl", "emitters: urdf", 1, ("one.urdf",)),
+    "transform": Trial(CSV, ".csv", "transform: {stage: trial, options: {radius: 0.02}}", 0, ("one.urdf", "two.urdf")),
+    "emitter": Trial(CSV, ".csv", "emitters: {stage: trial, options: {digits: 3}}", 0, ("one.trial.csv",)),
+    "loader": Trial(CSV, ".csv", "loaders: {stage: trial, options: {poses: 5}}", 0, ("one.urdf",)),
+    "executor": Trial(CSV, ".csv", "execution: {stage: trial, options: {workers: 2}}", 0, ("one.urdf", "two.urdf")),
+}
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> Path:
+    """The commands of a fresh virtual environment, which sees what is installed here: there may be no network."""
+    folder = tmp_path / "venv"
+    venv.create(folder, with_pip=False)
+    (packages,) = folder.glob("lib/python*/site-packages")
+    seen = [path for path in site.getsitepackages() if Path(path).is_dir()]
+    packages.joinpath("host.pth").write_text("".join(f"import site; site.addsitedir({path!r})\n" for path in seen))
+    return folder / "bin"
+
+
+def author(environment: Path, folder: Path) -> Callable[..., str]:
+    """Types commands in a folder, in an environment; gives what they print."""
+
+    def types(*words: str, status: int = 0) -> str:
+        program, *options = words
+        calling = ["-c", "from dh2urdf.cli import main; main()"] if program == "dh2urdf" else ["-m", program]
+        python = sys.executable if program == "ruff" else environment / "python"  # Ruff is no package of Python's.
+        result = subprocess.run(
+            [python, *calling, *options],
+            cwd=folder,
+            env={**os.environ, "PYTEST_ADDOPTS": "", "MYPY_CACHE_DIR": str(folder / ".mypy"), "NO_COLOR": "1"},
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            check=False,
+        )
+        assert result.returncode == status, f"{words}: {result.returncode}\n{result.stdout}\n{result.stderr}"
+        return result.stdout
+
+    return types
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_an_author_types(dh2urdf: Callable[..., object], environment: Path, tmp_path: Path, kind: Kind) -> None:
+    """new-plugin, pip install, pytest, ruff, mypy --strict, plugins, and a run: each works at once."""
+    pytest.importorskip("ruff")
+    dh2urdf("new-plugin", "dh2urdf-trial", "--kind", kind)
+    folder = tmp_path / "dh2urdf-trial"
+    types = author(environment, folder)
+    offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
+    types("pip", "install", *offline, ".")
+    tested = types("pytest", "-p", "no:cacheprovider")
+    assert " passed in " in tested
+    assert "skipped" not in tested
+    types("mypy", "--strict")
+    types("ruff", "check", "--no-cache", ".")
+    types("ruff", "format", "--no-cache", "--check", ".")
+    listed = json.loads(types("dh2urdf", "plugins", "--json"))
+    assert listed["broken"] == []
+    (mine,) = [stage for stage in listed["stages"] if stage["distribution"] == "dh2urdf-trial 0.1.0"]
+    assert (mine["kind"], mine["name"]) == (kind, "trial")
+    trial = TRIALS[kind]
+    (folder / f"table{trial.suffix}").write_text(trial.table, "utf-8")
+    (folder / "run.yaml").write_text(f"inputs: table{trial.suffix}\n{trial.sections}\noutput: {{directory: build}}\n")
+    types("dh2urdf", "run", "run.yaml", status=trial.status)
+    assert set(trial.written) <= {path.name for path in (folder / "build").iterdir()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_written_does_not_depend_on_the_length_of_the_name(
+    cli: Callable[..., Answer], tmp_path: Path, kind: Kind
+) -> None:
+    """Ruff finds nothing to change with the shortest and the longest name."""
+    pytest.importorskip("ruff")
+    for name in ("q", "q" * LONGEST):
+        cli("new-plugin", name, "--kind", kind)
+        for words in (("check",), ("format", "--check")):
+            checked = subprocess.run(
+                [sys.executable, "-m", "ruff", *words, "--no-cache", "."],
+                cwd=tmp_path / name,
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            assert checked.returncode == 0, checked.stdout

@@ -1,0 +1,101 @@
+"""docs/plugins.md keeps its word: its commands are typed, its code is run, its clauses are those of the contracts."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import dh2urdf.testing
+from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract, plugin
+from dh2urdf.testing.stage_contract import StageContract
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+PAGE = Path(__file__).parents[1] / "docs" / "plugins.md"
+CLAUSES = re.compile(r"(?<=<!-- clauses: )(?P<remark>[^>]*-->\n)(?P<lists>.*?)(?=<!-- /clauses -->)", re.DOTALL)
+CONTRACTS = {
+    "Every stage": StageContract,
+    "Readers": ReaderContract,
+    "Transforms": TransformContract,
+    "Emitters": EmitterContract,
+    "Loaders": LoaderContract,
+    "Executors": ExecutorContract,
+}
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+
+
+def clauses() -> str:
+    """The clauses of every contract, as the page lists them."""
+    lists = []
+    for title, contract in CONTRACTS.items():
+        tests = [value for name, value in vars(contract).items() if name.startswith("test_")]
+        lines = [f"- `{test.__name__}`: {(inspect.getdoc(test) or '').partition(chr(10))[0]}" for test in tests]
+        lists.append("\n".join([f"**{title}**", "", *lines, "", ""]))
+    return "\n" + "".join(lists)
+
+
+def test_the_clauses_are_those_of_the_contracts(*, renew: bool) -> None:
+    """Every test of every contract is listed with what it says; `pytest --renew` writes them."""
+    text = PAGE.read_text("utf-8")
+    if renew:
+        PAGE.write_text(CLAUSES.sub(lambda found: f"{found['remark']}{clauses()}", text), "utf-8")
+        text = PAGE.read_text("utf-8")
+    found = CLAUSES.search(text)
+    assert found
+    assert found["lists"] == clauses()
+
+
+def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """The command gives the files of the table, and the three lines of the contract stand in its tests.
+
+    That such a plugin is installed, passes its tests and runs is a fact of tests/test_new_plugin.py.
+    """
+    first, *others = blocks("sh")[0].splitlines()
+    cli(*first.split()[1:])
+    folder = tmp_path / "dh2urdf-joint-list"
+    assert others[0] == "cd dh2urdf-joint-list"
+    listed = re.findall(r"^\| `([^`]*[./][^`]*)` \|", PAGE.read_text("utf-8"), re.MULTILINE)
+    assert len(listed) == 5
+    assert all((folder / name).is_file() for name in listed)
+    tests = (folder / "tests" / "test_emitter.py").read_text("utf-8")
+    for line in filter(None, blocks("python")[0].splitlines()):
+        if not line.startswith("from dh2urdf_joint_list"):
+            assert line in tests
+    for command in ("pytest", "ruff check .", "ruff format --check .", "mypy"):
+        assert command in " ".join(others)
+        assert command in (folder / ".github" / "workflows" / "ci.yml").read_text("utf-8")
+    assert (folder / "src" / "dh2urdf_joint_list" / "emitter.py").read_text("utf-8").count('"joint-list"') == 1
+
+
+def test_the_fixtures_are_those_of_the_plugin() -> None:
+    """Each fixture has its row, and every function that the page names is there."""
+    text = PAGE.read_text("utf-8")
+    fixtures = {name for name in vars(plugin) if name.startswith("dh2urdf_")}
+    assert set(re.findall(r"^\| `(dh2urdf_\w+)` \|", text, re.MULTILINE)) == fixtures
+    for name in dh2urdf.testing.__all__:
+        assert f"`{name}`" in text or f"import {name}\n" in text
+        assert getattr(dh2urdf.testing, name)
+
+
+def test_the_message_is_one_that_the_contract_gives() -> None:
+    """Clause, what is accepted and what to do are those of the code."""
+    (message,) = blocks("text")
+    clause = EmitterContract.test_is_deterministic
+    assert f"clause {clause.__name__}: {clause.__doc__}" in message
+    source = inspect.getsource(StageContract.same)
+    for line in re.findall(r"^    (?:accepted|what to do): (.*)$", message, re.MULTILINE):
+        for part in line.split(", "):
+            assert part in source.replace('"\n                "', "")
+
+
+def test_the_readme_leads_here() -> None:
+    """Whoever reads of plugins there finds this page."""
+    assert "[docs/plugins.md](docs/plugins.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

@@ -1,0 +1,311 @@
+"""The documentation site: it is built without a warning, it is whole, and it asks nothing of other hosts.
+
+Its pictures are drawn by docs/generators/pictures.py; `pytest --renew` writes them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import threading
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from lxml import html
+
+import pictures
+import site_hook
+from dh2urdf import hookspecs
+from dh2urdf.cli import COMMANDS
+from dh2urdf.options import describe_options
+from dh2urdf.registry import KINDS, load
+from dh2urdf.report.schema import manifest_schema
+from dh2urdf.schema import run_schema
+from hook_pages import specified
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from drawing import Camera
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built as `.ci/run` builds it: a warning ends it."""
+    for module in ("material", "mkdocstrings_handlers"):
+        pytest.importorskip(module, reason="the extra docs is not installed")
+    folder = tmp_path_factory.mktemp("site")
+    built = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", folder],
+        cwd=ROOT,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},  # of what the makers of the theme do next
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (built.returncode, built.stdout + built.stderr) == (0, "")
+    return folder
+
+
+class QuietHandler(SimpleHTTPRequestHandler):
+    """Serves the site and says nothing of it."""
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+def text_of(site: Path, page: str) -> str:
+    """What a reader sees of a page, its words apart by one space."""
+    (article,) = html.parse(site / page / "index.html").iter("article")
+    return " ".join(article.text_content().split())
+
+
+def pages(site: Path) -> list[Path]:
+    return sorted(site.rglob("*.html"))
+
+
+# --- Nothing is missing -----------------------------------------------------------------------------------------------
+
+
+def test_every_page_is_in_the_site(site: Path) -> None:
+    """Each Markdown file of docs/ is a page; nothing of what makes the site is published with it."""
+    wanted = {path.relative_to(DOCS).with_suffix("") for path in DOCS.rglob("*.md")}
+    found = {path.parent.relative_to(site) for path in pages(site) if path.name == "index.html"}
+    assert found == {path if path.name != "index" else path.parent for path in wanted}
+    assert not list(site.rglob("*.py"))
+
+
+def test_every_place_is_filled(site: Path) -> None:
+    """No page shows the mark of something generated, and each generator has a page that asks for it."""
+    assert not [path for path in pages(site) if "<!-- generated" in path.read_text("utf-8")]
+    asked = {
+        place["name"] for path in DOCS.rglob("*.md") for place in site_hook.PLACE.finditer(path.read_text("utf-8"))
+    }
+    assert asked == set(site_hook.GENERATORS)
+
+
+def test_every_stage_is_there_with_its_options(site: Path) -> None:
+    """Name, summary and options of each built-in stage, the help texts whole: what is in braces too."""
+    text = text_of(site, "reference/stages").replace("`", "")
+    catalog = load()
+    for kind in KINDS:
+        for item in catalog.provided(kind):
+            if item.plugin.distribution.startswith("dh2urdf "):
+                assert item.stage.summary[1:] in text
+                for name, takes, default, words in describe_options(item.stage.options):
+                    assert f"{name} {takes} {default} {' '.join(words.split())}".replace("`", "") in text
+
+
+def test_every_command_is_there_with_its_options(site: Path) -> None:
+    """What `--help` prints of each command, option by option."""
+    text = text_of(site, "reference/commands")
+    for command in COMMANDS:
+        printed = subprocess.run(
+            [sys.executable, "-c", "from dh2urdf.cli import main; main()", command, "--help"],
+            check=True,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+        ).stdout
+        options = re.findall(r"^  (?:-\w, )?(--[\w-]+)", printed, re.MULTILINE)
+        assert "--help" in options
+        section = text.partition(f" dh2urdf {command} ")[2]
+        assert all(option in section for option in options)
+
+
+def test_every_key_of_run_files_and_reports_is_there(site: Path) -> None:
+    """The properties of the schemas, however deep they stand."""
+    run = run_schema(load())
+    del run["$defs"]  # The options of stages have a page of their own.
+    for schema, page in ((run, "run-file"), (manifest_schema(), "report-schema")):
+        text = text_of(site, f"reference/{page}")
+        missing = [key for key in keys(schema) if not re.search(rf"\b{re.escape(key)}\b", text)]
+        assert missing == []
+
+
+def keys(schema: object) -> Iterator[str]:
+    """The names of all properties in a schema."""
+    if isinstance(schema, dict):
+        yield from schema.get("properties", ()) if isinstance(schema.get("properties"), dict) else ()
+    for inner in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
+        yield from keys(inner)
+
+
+def test_every_hook_is_there_with_its_signature(site: Path) -> None:
+    """Each hook of the module has a section with its signature, word for word, and with the fields of its record."""
+    text = text_of(site, "reference/hooks")
+    source = " ".join(Path(hookspecs.__file__).read_text("utf-8").split())
+    assert f"version {hookspecs.INTERFACE_VERSION} of the interface" in text
+    signatures = re.findall(r"@hookspec (def \w+\(.*?\) -> [^:]+):", source)
+    assert len(signatures) == len(specified()) == len(KINDS)
+    for signature, (_, record) in zip(signatures, specified(), strict=True):
+        section = text.partition(signature)[2]
+        assert section
+        for field in record.__dataclass_fields__:
+            assert field in section
+
+
+# --- Nothing is asked of others ---------------------------------------------------------------------------------------
+
+LOADED = {"script": "src", "img": "src", "iframe": "src", "source": "src", "video": "src", "link": "href"}
+
+
+def test_no_page_loads_anything_from_another_host(site: Path) -> None:
+    """Scripts, styles, fonts and pictures lie beside the pages, and the policy of each page lets nothing else in."""
+    for path in pages(site):
+        page = html.parse(path).getroot()
+        for tag, attribute in LOADED.items():
+            for element in page.iter(tag):
+                target = element.get(attribute, "")
+                assert not re.match(r"(?:\w+:)?//", target), f"{path}: {target}"
+        (policy,) = page.xpath("//meta[@http-equiv='Content-Security-Policy']/@content")
+        assert "default-src 'self'" in policy
+        assert "http" not in policy
+    for path in site.rglob("*.css"):
+        assert not re.search(r"(?:url\(|@import)\s*[\"']?(?:https?:)?//", path.read_text("utf-8")), path
+
+
+def test_it_shows_nothing_that_the_theme_would_fetch_for(site: Path) -> None:
+    """No Mermaid diagram and no repository facts, for which the theme's script goes to other hosts."""
+    for path in pages(site):
+        assert not html.parse(path).xpath("//*[@class='mermaid' or @data-md-component='source']"), path
+
+
+def test_the_search_knows_the_pages(site: Path) -> None:
+    """The index lies in the site, and holds what is generated too."""
+    index = json.loads((site / "search" / "search_index.json").read_bytes())
+    assert any(entry["location"].startswith("reference/stages/#transform-alpha-swap") for entry in index["docs"])
+
+
+# --- The pictures -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", pictures.PICTURES)
+def test_the_pictures_are_what_is_drawn(name: str, *, renew: bool) -> None:
+    """The files in docs/pictures are those that the code draws."""
+    path = DOCS / "pictures" / name
+    if renew:
+        path.write_text(pictures.PICTURES[name](), "utf-8")
+    assert path.read_text("utf-8") == pictures.PICTURES[name](), "run `pytest --renew tests/test_site.py`"
+
+
+def test_every_picture_is_shown() -> None:
+    """In some page, and nothing else lies beside them."""
+    text = "".join(path.read_text("utf-8") for path in DOCS.rglob("*.md"))
+    assert {path.name for path in (DOCS / "pictures").iterdir()} == set(pictures.PICTURES)
+    assert all(f"pictures/{name})" in text for name in pictures.PICTURES)
+
+
+def turn(axis: str, angle: float) -> np.ndarray:
+    """A rotation about x or z as a homogeneous matrix."""
+    c, s = math.cos(angle), math.sin(angle)
+    T = np.eye(4)
+    i, j = {"x": (1, 2), "z": (0, 1)}[axis]
+    T[i, i], T[i, j], T[j, i], T[j, j] = c, -s, s, c
+    return T
+
+
+def move(axis: str, length: float) -> np.ndarray:
+    T = np.eye(4)
+    T["xyz".index(axis), 3] = length
+    return T
+
+
+def seen(camera: Camera, point: np.ndarray) -> tuple[float, float]:
+    """Where a camera about z, then tilted, sees a point [px]: right is x, down is y."""
+    view = turn("x", camera.elevation - math.pi / 2) @ turn("z", -camera.azimuth - math.pi / 2)
+    x, y, *_ = camera.scale * (view @ [*point, 1.0])
+    return x, -y
+
+
+LENGTHS = re.compile(
+    r'<polyline points="([-\d.]+),([-\d.]+) ([-\d.]+),([-\d.]+)" fill="none" stroke="(#\w+)" stroke-width="4"'
+)
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_lengths_are_drawn_along_their_axes(convention: str) -> None:
+    """By the textbook's matrices: d on the joint's own axis, a on the common normal; both from where they begin to where they end."""
+    a, alpha, d, theta = pictures.A, pictures.ALPHA, pictures.D, pictures.THETA
+    if convention == "standard":  # Rz(θ) Tz(d) Tx(a) Rx(α)
+        corners = [np.eye(4), turn("z", theta) @ move("z", d), turn("z", theta) @ move("z", d) @ move("x", a)]
+        colours, camera = ("#1d5fbf", "#c62f2f"), pictures.STANDARD_CAMERA
+    else:  # Rx(α) Tx(a) Rz(θ) Tz(d)
+        corners = [np.eye(4), turn("x", alpha) @ move("x", a), turn("x", alpha) @ move("x", a) @ move("z", d)]
+        colours, camera = ("#c62f2f", "#1d5fbf"), pictures.MODIFIED_CAMERA
+    drawn = LENGTHS.findall((DOCS / "pictures" / f"dh-{convention}.svg").read_text("utf-8"))
+    assert [colour for *_, colour in drawn] == list(colours)
+    for (*ends, _), start, end in zip(drawn, corners[:2], corners[1:], strict=True):
+        expected = [*seen(camera, start[:3, 3]), *seen(camera, end[:3, 3])]
+        np.testing.assert_allclose([float(value) for value in ends], expected, atol=0.06)
+
+
+ARROW = re.compile(r'<polygon points="([-\d.]+),([-\d.]+) [^"]*" fill="(#\w+)"/>')
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_the_last_frame_is_that_of_the_row(convention: str) -> None:
+    """The tips of the drawn axes of frame i are those of the product of the row's four matrices."""
+    a, alpha, d, theta = pictures.A, pictures.ALPHA, pictures.D, pictures.THETA
+    if convention == "standard":
+        T, camera = turn("z", theta) @ move("z", d) @ move("x", a) @ turn("x", alpha), pictures.STANDARD_CAMERA
+    else:
+        T, camera = turn("x", alpha) @ move("x", a) @ turn("z", theta) @ move("z", d), pictures.MODIFIED_CAMERA
+    heads = ARROW.findall((DOCS / "pictures" / f"dh-{convention}.svg").read_text("utf-8"))
+    for axis, colour in enumerate(("#c62f2f", "#2e8b57", "#1d5fbf")):
+        tip = seen(camera, T[:3, 3] + pictures.AXES * T[:3, axis])
+        tips = [(float(x), float(y)) for x, y, fill in heads if fill == colour]
+        assert min(math.dist(tip, each) for each in tips) < 0.1, f"axis {'xyz'[axis]}"
+
+
+def test_the_browser_shows_the_pictures_whole(site: Path) -> None:
+    """Each picture is in the site as it is in docs/."""
+    for name in pictures.PICTURES:
+        assert (site / "pictures" / name).read_bytes() == (DOCS / "pictures" / name).read_bytes()
+
+
+def test_a_mark_without_a_generator_ends_the_build() -> None:
+    """A page cannot ask for something that is not made."""
+    with pytest.raises(KeyError):
+        site_hook.on_page_markdown("<!-- generated: nothing -->\n")
+
+
+def test_a_browser_asks_nobody_else(site: Path, tmp_path: Path) -> None:
+    """Chromium, shown the front page by a server of its own, asks that server for all that the page starts."""
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        pytest.skip("chromium is not installed")
+    handler = partial(QuietHandler, directory=str(site))
+    log = tmp_path / "net.json"
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{server.server_port}"
+        subprocess.run(
+            [
+                *(chromium, "--headless", "--no-sandbox", "--use-angle=swiftshader", f"--log-net-log={log}"),
+                *(f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=3000", "--dump-dom", f"{address}/"),
+            ],
+            check=True,
+            capture_output=True,
+            timeout=60,
+        )
+        server.shutdown()
+    asked = {
+        urlsplit(event["params"]["url"])[:2]
+        for event in json.loads(log.read_bytes())["events"]
+        if event.get("params", {}).get("initiator") == address  # what the browser does on its own has another one
+    }
+    assert asked == {urlsplit(address)[:2]}

@@ -35,7 +35,7 @@ from dh2urdf.config import load_config
 from dh2urdf.layouts import DEFAULT_SIZE as SHARD
 from dh2urdf.local_store import LocalStore
 from dh2urdf.registry import load
-from dh2urdf.run import Plan, Result, execute, make_plan
+from dh2urdf.runs import Plan, Result, execute, make_plan
 from dh2urdf.shards import ShardWriter
 
 if TYPE_CHECKING:

@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from unittest.mock import patch
 
+from dh2urdf.attribution import Call
 from dh2urdf.config import load_config
-from dh2urdf.conversion import Call, make_robot
+from dh2urdf.conversion import make_robot
 from dh2urdf.errors import (
     ConfigError,
     EmitterError,
@@ -30,7 +31,7 @@ from dh2urdf.proof import proof_vectors, prove
 from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit
 from dh2urdf.registry import load
 from dh2urdf.robot_check import check_robot
-from dh2urdf.run import make_plan
+from dh2urdf.runs import make_plan
 from dh2urdf.stages import Rejected
 from dh2urdf.truth import Truth
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF

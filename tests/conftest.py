@@ -210,6 +210,31 @@ def dh2urdf(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
     return run
 
 
+@pytest.fixture(scope="session")
+def install() -> Callable[..., None]:
+    """Put a distribution of one plugin into a folder, as pip would: its module, and its metadata beside it."""
+
+    def into(
+        folder: Path,
+        distribution: str,
+        source: str,
+        *,
+        plugin: str = "lab",
+        group: str = "dh2urdf",
+        version: str = "1.0",
+    ) -> None:
+        stem = distribution.replace("-", "_")
+        metadata = folder / f"{stem}-{version}.dist-info"
+        metadata.mkdir(parents=True, exist_ok=True)
+        (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n")
+        module = f"{stem}_{plugin}"
+        with (metadata / "entry_points.txt").open("a") as points:
+            points.write(f"[{group}]\n{plugin} = {module}\n")
+        (folder / f"{module}.py").write_text(source)
+
+    return into
+
+
 # --- An object store: a real server in a process of its own ----------------------------------------------------------
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 HOST = ROOT / "pipeline" / "dh2urdf"
 PLUGINS = ROOT / "plugins" / "dh2urdf_plugins"
-EXAMPLE = ROOT / "tests" / "example_plugin" / "src" / "dh2urdf_example_plugin"
+EXAMPLES = (ROOT / "tests" / "example_plugin", *sorted((ROOT / "examples").iterdir()))
 HOOKS = tuple(f"dh2urdf_{kind}s" for kind in KINDS)
 
 SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake", "zmq"}
@@ -90,10 +90,16 @@ class TestImportDirection:
         foreign = {"dh2urdf_plugins", "lxml", "xacro", "csv"} | SIMULATORS
         assert importing(modules(HOST), lambda name: name.split(".")[0] in foreign) == []
 
+    def test_examples_have_what_a_third_party_has(self) -> None:
+        """No example imports a built-in stage."""
+        theirs = [path for example in EXAMPLES for path in modules(example / "src")]
+        assert importing(theirs, lambda name: name.split(".")[0] == "dh2urdf_plugins") == []
+
     def test_plugins_use_what_is_public(self) -> None:
         """A built-in stage reaches the host through public modules and names only, like anybody's."""
         inner = re.compile(r"dh2urdf\.(cli|report|(.*\.)?_)")
-        assert importing([*modules(PLUGINS), *modules(EXAMPLE)], inner.match) == []
+        theirs = [path for example in EXAMPLES for path in modules(example / "src")]
+        assert importing([*modules(PLUGINS), *theirs], inner.match) == []
 
     def test_every_import_is_of_something_that_is_installed_with_it(self) -> None:
         """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""
@@ -156,6 +162,13 @@ class TestQuickStart:
         assert loaded_after(code, tmp_path) & HEAVY == set()
         assert (tmp_path / "arm.urdf").is_file()
 
+    def test_converting_in_a_program(self, tmp_path: Path) -> None:
+        """Neither does the function, with the table read before."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        code = "import dh2urdf; arm = dh2urdf.read('arm.csv'); dh2urdf.convert(arm, 'arm.urdf', frames='dh')"
+        assert loaded_after(code, tmp_path) & (HEAVY | {"click"}) == set()
+        assert (tmp_path / "arm.urdf").is_file()
+
     def test_converting_to_xacro(self, tmp_path: Path) -> None:
         """One conversion to xacro imports the real xacro, which proves it, and nothing else that is heavy."""
         (tmp_path / "arm.csv").write_text(TABLE)
@@ -188,7 +201,8 @@ class TestHooks:
 def record_types() -> list[type]:
     """Every dataclass of the host that a plugin is given or gives."""
     found = []
-    for name in ("source", "manipulator", "robot", "stages", "proof", "conversion", "run"):
+    modules = ("source", "manipulator", "robot", "stages", "discovery", "attribution", "proof", "conversion")
+    for name in (*modules, "single_table", "runs"):
         module = importlib.import_module(f"dh2urdf.{name}")
         found += [kind for kind in vars(module).values() if isinstance(kind, type) and is_dataclass(kind)]
     return sorted(set(found), key=lambda kind: kind.__qualname__)

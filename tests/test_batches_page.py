@@ -10,7 +10,7 @@ import pytest
 
 from dh2urdf.config import load_config
 from dh2urdf.registry import load
-from dh2urdf.run import make_plan
+from dh2urdf.runs import make_plan
 
 ROOT = Path(__file__).parents[1]
 PAGES = ("batches.md", "machines.md")
@@ -34,4 +34,4 @@ def test_its_run_files_are_right(block: str, tmp_path: Path) -> None:
         (tmp_path / mesh).parent.mkdir(exist_ok=True)
         (tmp_path / mesh).touch()
     plan = make_plan(load_config(tmp_path / "run.yaml"), load())
-    assert all(path.is_file() for path, _, _ in plan.inputs)
+    assert all(path.is_file() for path, _ in plan.inputs)

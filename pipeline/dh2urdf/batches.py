@@ -30,7 +30,7 @@ from dh2urdf.variations import Variant, Variation, VariationCall
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from dh2urdf.run import Plan
+    from dh2urdf.runs import Plan
 
 SMALL = 16
 """Manipulators of a batch at most, where each takes long [1]."""
@@ -291,10 +291,10 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
     gathering = Gathering(needed)
     meshes = MeshGiver(plan.meshes)
     count = 0
-    for path, reader, options in plan.inputs:
+    for path, call in plan.inputs:
         source, before = str(path), count
         try:
-            for what in map(meshes.give, read_items(reader, path, options)):
+            for what in map(meshes.give, read_items(call.stage, path, call.options, call.plugin)):
                 gathering.see(what)
                 count += 1
                 yield Item(what, source)
@@ -312,9 +312,9 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
     expected.finish_inputs(count)
     for cell in with_tables(plan.cells, gathering):
         yield Item(cell, _file(cell.mark))
-    for call in plan.variations:
-        source = _file(call.mark)
-        for variant in _variants(call, gathering):
+    for variation in plan.variations:
+        source = _file(variation.mark)
+        for variant in _variants(variation, gathering):
             yield Item(variant, source)
 
 

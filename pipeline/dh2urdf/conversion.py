@@ -5,58 +5,30 @@ The command `convert` and every worker of a run go through here, so one table an
 
 from __future__ import annotations
 
-import traceback
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from dh2urdf.attribution import Call, a_record, blaming, depending_on
 from dh2urdf.cells import Cell, cannot_be, compose, truth_of
-from dh2urdf.errors import Dh2UrdfError, EmitterError, ManipulatorError, ProofError, RobotError, StageError
+from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.output import put_in_place, staging, write_files, write_whole
 from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
-from dh2urdf.registry import RECORDS, Catalog, load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stages import EmittedFile, Emitter, Kind, Loader, Reader, Rejected, Transform
+from dh2urdf.stages import EmittedFile, Emitter, Loader, Reader, Rejected, Transform
 from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
     from dh2urdf.proof import Poses
+    from dh2urdf.registry import Plugin
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
-T = TypeVar("T")
-S = TypeVar("S", Transform[Any], Emitter[Any], Loader[Any])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Call(Generic[S]):
-    """A stage with the options that this run gives it.
-
-    To another process it goes by name: a worker has the same plugins installed, and no stage need be picklable.
-    """
-
-    stage: S
-    options: Any
-
-    def __reduce__(self) -> tuple[Callable[[Kind, str, Any], Call[Any]], tuple[Kind, str, Any]]:
-        kind = next(kind for kind, record in RECORDS.items() if isinstance(self.stage, record))
-        return _installed_call, (kind, self.stage.name, self.options)
-
-
-def _installed_call(kind: Kind, name: str, options: Any) -> Call[Any]:  # noqa: ANN401 - the stage's own
-    return Call(stage=_installed().get(kind, name), options=options)
-
-
-@cache
-def _installed() -> Catalog:
-    return load()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +74,8 @@ class Recipe:
     @property
     def keeps_kinematics(self) -> bool:
         """Whether a difference from the DH product is a failure."""
-        return self.transform.stage.keeps_kinematics(self.transform.options)
+        with depending_on(self.transform, "keeps_kinematics"):
+            return self.transform.stage.keeps_kinematics(self.transform.options)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,7 +111,7 @@ def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Rob
     Raises:
         ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
     """
-    with blaming("transform", transform.stage.name):
+    with blaming(transform):
         robot = a_record(transform.stage.transform(manipulator, transform.options), Robot)
     return _checked(robot, manipulator.mark)
 
@@ -232,7 +205,7 @@ def emit_robot(
     taken: dict[str, str] = {}
     for call in recipe.emitters:
         emitter = call.stage
-        with blaming("emitter", emitter.name):
+        with blaming(call):
             files = [a_record(file, EmittedFile) for file in emitter.emit(robot, stem, call.options)]
         if not files:
             raise EmitterError(f"the emitter {emitter.name!r} gave no file")
@@ -244,15 +217,16 @@ def emit_robot(
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
         looked = proved and (sampled or not emitter.costly_proof)
-        proof = _prove_file(truth, folder / files[0].name, emitter, poses, recipe=recipe) if looked else None
+        proof = _prove_file(truth, folder / files[0].name, call, poses, recipe=recipe) if looked else None
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 
 
-def _prove_file(truth: Truth, path: Path, emitter: Emitter[Any], poses: Poses, *, recipe: Recipe) -> Proof | None:
+def _prove_file(truth: Truth, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe) -> Proof | None:
+    emitter = call.stage
     if emitter.read_back is None:
         return None
-    with blaming("emitter", emitter.name):
+    with blaming(call):
         described = a_record(emitter.read_back(path), Robot)
     proof = prove(truth, described, poses)
     accept(proof, emitter, truth.name, truth.mark, recipe=recipe)
@@ -279,41 +253,21 @@ def accept(proof: Proof, emitter: Emitter[Any], name: str, mark: Mark | None, *,
         )
 
 
-def read_items(reader: Reader[O], path: Path, options: O) -> Iterator[Manipulator | Rejected]:
+def read_items(
+    reader: Reader[O], path: Path, options: O, plugin: Plugin | None = None
+) -> Iterator[Manipulator | Rejected]:
     """What a reader yields of a file, one by one.
+
+    Args:
+        reader: the reader.
+        path: the file.
+        options: the reader's options.
+        plugin: who provides the reader, for messages.
 
     Raises:
         TableError: the file as a whole cannot be read.
         StageError: the reader raised something else.
     """
-    with blaming("reader", reader.name):
+    with blaming(Call(stage=reader, options=options, plugin=plugin)):
         for item in reader.read(path, options):
             yield a_record(item, Manipulator, Rejected)
-
-
-def a_record(value: T, *kinds: type[Any]) -> T:
-    """What a stage gave, which is of one of these kinds.
-
-    Raises:
-        TypeError: it is something else, which a third party's stage may well give.
-    """
-    if not isinstance(value, kinds):
-        wanted = " or ".join(f"{kind.__module__}.{kind.__name__}" for kind in kinds)
-        raise TypeError(f"it gave {type(value).__name__}, not {wanted}")
-    return value
-
-
-@contextmanager
-def blaming(kind: str, name: str) -> Iterator[None]:
-    """Turn whatever a stage raises, unless it is an error of dh2urdf already, into one that names the stage.
-
-    Raises:
-        StageError: the stage raised something else.
-    """
-    try:
-        yield
-    except Dh2UrdfError:
-        raise
-    except (Exception, SystemExit) as error:
-        text = "".join(traceback.format_exception(error))
-        raise StageError(f"{kind} {name!r}", f"{type(error).__name__}: {error}", text) from error

@@ -20,7 +20,8 @@
     │   └── StageError               a stage raised what it should not have raised
     └── PluginError ............... exit 3: the run needs a plugin that is broken
         ├── BrokenPluginError        it failed while it was imported, registered or run
-        ├── StageConflictError       two distributions claim one stage name
+        │   └── IncompatiblePluginError  it is made for another version of the plugin interface
+        ├── StageConflictError       two plugins claim one stage name
         ├── MissingDependencyError   an optional package is not installed
         └── MissingProgramError      a program besides Python's packages is not installed, or not running
 
@@ -34,7 +35,7 @@ from typing import TYPE_CHECKING, ClassVar
 from dh2urdf.source import Problem, did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
 SCREENFUL = 20
 """Problems that one message spells out [1]; the rest are counted."""
@@ -155,16 +156,28 @@ class StageError(ManipulatorError):
         stage: kind and name, such as ``emitter 'urdf'``.
         reason: what it raised.
         traceback: the traceback as text, for ``--debug``.
+        plugin: the entry point of the plugin that provides the stage; empty where it came from none.
+        distribution: name and version of the plugin's distribution; empty where it came from none.
     """
 
-    def __init__(self, stage: str, reason: str, traceback: str = "") -> None:
+    def __init__(
+        self, stage: str, reason: str, traceback: str = "", *, plugin: str = "", distribution: str = ""
+    ) -> None:
         self.stage, self.reason, self.traceback = stage, reason, traceback
+        self.plugin, self.distribution = plugin, distribution
+        of, whom = f" of {distribution}" if plugin else "", "the stage's authors"
+        if plugin:
+            whom = f"the authors of {distribution} (plugin {plugin!r})"
         super().__init__(
-            Problem(message=f"{stage} failed: {reason}", suggestion="`--debug` shows where; tell the stage's authors")
+            Problem(message=f"{stage}{of} failed: {reason}", suggestion=f"`--debug` shows where; tell {whom}")
         )
 
-    def __reduce__(self) -> tuple[type[StageError], tuple[str, str, str]]:
-        return type(self), (self.stage, self.reason, self.traceback)
+    def __reduce__(self) -> tuple[Callable[..., StageError], tuple[str, ...]]:
+        return _stage_error, (self.stage, self.reason, self.traceback, self.plugin, self.distribution)
+
+
+def _stage_error(stage: str, reason: str, traceback: str, plugin: str, distribution: str) -> StageError:
+    return StageError(stage, reason, traceback, plugin=plugin, distribution=distribution)
 
 
 class PluginError(Dh2UrdfError):
@@ -191,23 +204,41 @@ class BrokenPluginError(PluginError):
         return f"plugin {self.plugin!r} of {self.distribution} is broken: {self.reason}"
 
 
+class IncompatiblePluginError(BrokenPluginError):
+    """A plugin is made for another version of the plugin interface; nothing of it was imported.
+
+    Attributes:
+        reason: for which version it is made, which one this is, and what to do.
+    """
+
+    def __str__(self) -> str:
+        return f"plugin {self.plugin!r} of {self.distribution} is not loaded: {self.reason}"
+
+
 class StageConflictError(PluginError):
-    """Two distributions claim one stage name.
+    """Two plugins claim one stage name, and it is not said which is meant.
 
     Attributes:
         kind: the kind of stage.
         name: the name that both claim.
-        distributions: who claims it.
+        distributions: who claims it: name and version of each.
     """
 
     def __init__(self, kind: str, name: str, distributions: Sequence[str]) -> None:
         self.kind, self.name, self.distributions = kind, name, tuple(distributions)
         super().__init__(kind, name, tuple(distributions))
 
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """How each is said without doubt, such as ``lab-tools:csv``; none where they are of one distribution."""
+        names = [distribution.partition(" ")[0] for distribution in self.distributions]
+        return tuple(f"{name}:{self.name}" for name in names) if len(set(names)) == len(names) else ()
+
     def __str__(self) -> str:
+        choice = f"say which is meant: {' or '.join(self.choices)}; or" if self.choices else "to choose,"
         return (
             f"{self.kind} {self.name!r} is claimed by {' and by '.join(self.distributions)}; "
-            "uninstall one of them, or ask its authors to rename the stage"
+            f"{choice} leave one of the plugins out: `--without NAME`"
         )
 
 

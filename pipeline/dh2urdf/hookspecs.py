@@ -1,7 +1,7 @@
 """The hooks of a plugin: one per kind of stage, each giving records of `dh2urdf.stages`.
 
 A plugin implements any of them with `hookimpl`, in a module that its distribution names as an entry point of the
-group ``dh2urdf``.
+group ``dh2urdf``. The group says for which major version of this interface the plugin is made: `dh2urdf.discovery`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 PROJECT = "dh2urdf"
 INTERFACE_VERSION = "1.0"
-"""Version of this module and of `dh2urdf.stages`; the major number changes where plugins have to change with it."""
+"""Version of all that is public, which `tests/public_interface.json` lists.
+
+The major number changes where plugins have to change with it, the minor number where something is added.
+"""
 
 hookspec = pluggy.HookspecMarker(PROJECT)
 hookimpl = pluggy.HookimplMarker(PROJECT)

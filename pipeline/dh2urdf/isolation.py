@@ -90,8 +90,8 @@ def run_in_child(
     Raises:
         TimeLimitError: the child did not finish in time.
         CrashError: the child crashed, left without a result, cannot be started, or cannot import the function.
-        Exception: whatever the function raised, in its own type; as a `LoaderError` where that cannot be pickled.
-            What the child printed is in its cause, a `ChildFailure`.
+        Exception: whatever the function raised, in its own type; as a `RuntimeError` that tells of it where that
+            cannot be pickled. What the child printed is in its cause, a `ChildFailure`.
     """
     kind: type[CrashError] = CrashError
     child = _Child(_pickled_call(function, args))
@@ -106,7 +106,7 @@ def run_in_child(
         case ("raised", bytes(error), _, traceback):
             raise pickle.loads(error) from ChildFailure(output, traceback)  # noqa: S301 - our own child sent it
         case ("raised", _, text, traceback):
-            raise LoaderError(f"{who} raised {text}") from ChildFailure(output, traceback)
+            raise RuntimeError(text) from ChildFailure(output, traceback)
         case ("not imported", reason):
             message = f"a child process cannot import {function.__module__}.{function.__qualname__}: {reason}"
         case ("left", code):

@@ -17,21 +17,20 @@ from dh2urdf import __version__
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.attribution import Call
     from dh2urdf.columns import ManipulatorColumns
-    from dh2urdf.conversion import Call, Recipe
-    from dh2urdf.registry import Catalog
+    from dh2urdf.conversion import Recipe
 
 DIGITS = 32
 """Hexadecimal digits of a key [1]: 128 bits, so that no two of a million manipulators share one by chance."""
 
 
-def recipe_key(recipe: Recipe, catalog: Catalog) -> str:
+def recipe_key(recipe: Recipe) -> str:
     """The key of all that is done with every manipulator."""
-    calls: list[tuple[Any, Call[Any]]] = [("transform", recipe.transform)]
-    calls += [("emitter", call) for call in recipe.emitters]
-    calls += [("loader", call) for call in recipe.loaders]
+    calls: list[Call[Any]] = [recipe.transform, *recipe.emitters, *recipe.loaders]
     stages = [
-        (kind, call.stage.name, catalog.distribution(kind, call.stage.name), repr(call.options)) for kind, call in calls
+        (call.kind, call.stage.name, call.plugin.distribution if call.plugin else "", repr(call.options))
+        for call in calls
     ]
     python = sys.version_info[:2]
     return key_of((python, stages, recipe.poses, recipe.mesh_prefix), __version__)

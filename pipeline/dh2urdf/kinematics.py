@@ -237,10 +237,15 @@ def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[
 
     Returns:
         T(base → tool0) of shape (..., 4, 4).
+
+    Raises:
+        ValueError: the joint vectors have another number of values than the model has moving joints.
     """
     import numpy as np
 
     vectors = np.asarray(q, dtype=float)
+    if vectors.ndim == 0:
+        raise ValueError("a single number is no joint vector: [q], even of one joint")
     columns = [vectors[..., i] for i in range(vectors.shape[-1])]
     pose = (
         model.forward_kinematics(columns) if isinstance(model, KinematicChain) else forward_kinematics(model, columns)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.conversion import Call, Written, blaming
+from dh2urdf.attribution import Call, a_record, blaming
 from dh2urdf.isolation import load_in_child
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.proof import joint_vectors
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from dh2urdf.conversion import Written
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.truth import Truth
@@ -35,7 +36,9 @@ def load_written(
     loader = call.stage
     names = {emitted.stage: emitted.files[0].name for emitted in written}
     path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
-    poses = joint_vectors(truth, robot, loader.poses(call.options))
+    with blaming(call):
+        poses = joint_vectors(truth, robot, loader.poses(call.options))
+        pictured = loader.picture(call.options)
     expected: dict[str, tuple[tuple[float, ...], ...]] = {}
     for tip in truth.tips:
         chain = KinematicChain.between(robot, truth.root, tip.link)
@@ -48,10 +51,10 @@ def load_written(
         poses=poses,
         expected=expected,
         mark=truth.mark,
-        picture=picture if loader.picture(call.options) else None,
+        picture=picture if pictured else None,
     )
-    with blaming("loader", loader.name):
-        return load_in_child(loader, request, call.options)
+    with blaming(call):
+        return a_record(load_in_child(loader, request, call.options), LoadReport)
 
 
 def _elements(frame: RigidTransform) -> tuple[float, ...]:

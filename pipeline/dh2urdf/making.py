@@ -6,9 +6,6 @@ rest, and whatever there is something to say about, is made one by one. The byte
 
 from __future__ import annotations
 
-import faulthandler
-import os
-import platform
 import time
 from collections import defaultdict
 from contextlib import contextmanager, nullcontext
@@ -19,12 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 import orjson
 
+from dh2urdf.attribution import blaming, own_work
 from dh2urdf.batch_report import BatchReport, Tally
 from dh2urdf.batches import Batch, Doomed, Single
+from dh2urdf.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.columns import ManipulatorColumns, in_columns
-from dh2urdf.conversion import Call, Recipe, Written, blaming, emit_robot, make_item
+from dh2urdf.conversion import Recipe, Written, emit_robot, make_item
 from dh2urdf.earlier_files import EarlierFiles
-from dh2urdf.errors import InputError, ManipulatorError, OutputError, TableError
+from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.journal import Journal
 from dh2urdf.keys import column_keys, key_of
 from dh2urdf.layouts import Layout, Place
@@ -36,17 +35,19 @@ from dh2urdf.meshes import located
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
 from dh2urdf.proof import Proof
 from dh2urdf.proof_columns import prove_columns
-from dh2urdf.stages import EmittedFile, Emitter, Loader, Rejected
+from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.stores import Store
 from dh2urdf.variation_columns import variant_columns
 from dh2urdf.variations import Variant
+from dh2urdf.watchdog import watched
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from dh2urdf.attribution import Call
     from dh2urdf.columns import RobotColumns
     from dh2urdf.laws import Value
-    from dh2urdf.source import Mark
+    from dh2urdf.source import Mark, Problem
 
 
 class Effect(Enum):
@@ -58,11 +59,6 @@ class Effect(Enum):
     """Files are made and proved, but put nowhere: who does not survive that must not take the others along."""
     MAKE = "make"
     """Files are put in their place, and simulators load them."""
-
-
-def this_process() -> str:
-    """The name of this process among those of all machines."""
-    return f"{platform.node()}:{os.getpid()}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +87,7 @@ class Maker:
 
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""
-        with collected_at_the_end():
+        with own_work(), collected_at_the_end():
             return _Work(self, batch).done()
 
 
@@ -105,6 +101,7 @@ class _Work:
         self.drawn: dict[int, dict[str, Value]] = {}
         self.marks: dict[int, Mark | None] = {}
         self.groups = list(batch.columns)
+        self.faults: dict[int, tuple[Problem, ...]] = {}
         self.earlier = EarlierFiles(maker.store, maker.layout, batch.first)
         self.copies = MeshCopies(maker.store, self.earlier, self.recipe.mesh_prefix)
         with _timed(self.seconds, "draw"):
@@ -248,7 +245,7 @@ class _Work:
             wanted = [member for member, place in enumerate(places) if self._is_plain(place, missing)]
             if wanted:
                 some = columns if len(wanted) == len(places) else columns.take(wanted)
-                with self._watched():
+                with watched(self.maker.home, self.recipe.time_limit):
                     ready.update(self._group([places[member] for member in wanted], some))
         return ready
 
@@ -259,16 +256,23 @@ class _Work:
         return place in missing and not is_loaded and place not in others
 
     def _group(self, places: list[int], columns: ManipulatorColumns) -> dict[int, Outcome]:
-        """The outcomes of manipulators that differ in numbers only; what fails here is made one by one, to say why."""
-        transform = self.recipe.transform
+        """The outcomes of manipulators that differ in numbers only; what fails here is made one by one, to say why.
+
+        A stage that fails at many and not at one is at fault all the same, and a notice of each tells of it.
+        """
         outcomes: dict[int, Outcome] = {}
         try:
-            with _timed(self.seconds, "transform"), blaming("transform", transform.stage.name):
-                groups = transform.stage.transform_columns(columns, transform.options)  # type: ignore[misc]
-            for members, made in groups or ():
+            with _timed(self.seconds, "transform"):
+                groups = transform_columns(self.recipe.transform, columns)
+            for members, made in groups:
                 robots = replace(made, robot=located(made.robot, self.recipe.mesh_prefix))
                 some = columns if len(members) == len(columns) else columns.take(members)
                 outcomes.update(self._alike([places[member] for member in members], some, robots))
+        except StageError as error:
+            (problem,) = error.problems
+            notice = replace(problem, severity="notice", message=f"{problem.message}; it was made by itself")
+            self.faults.update(dict.fromkeys(places, (notice,)))
+            return {}
         except ManipulatorError:
             return {}
         return outcomes
@@ -278,21 +282,21 @@ class _Work:
         stems = [self.batch.stems[place] for place in places]
         made: list[list[Written]] = [[] for _ in places]
         for call in self.recipe.emitters:
-            emitter = call.stage
-            with _timed(self.seconds, "emit"), blaming("emitter", emitter.name):
-                files = emitter.emit_columns(robots, stems, call.options)  # type: ignore[misc]
+            with _timed(self.seconds, "emit"):
+                files = emit_columns(call, robots, stems)
             if files is None:
                 return {}
-            for member, proof in self._proofs(places, columns, robots, files, emitter).items():
-                made[member].append(Written(stage=emitter.name, files=tuple(files[member]), proof=proof))
+            for member, proof in self._proofs(places, columns, robots, files, call).items():
+                made[member].append(Written(stage=call.stage.name, files=files[member], proof=proof))
         meshes = self.copies.of(robots.robot)
+        keeps_kinematics = self.recipe.keeps_kinematics
         return {
             place: Outcome(
                 name=name,
                 status="ok",
                 source=self.batch.sources[place],
                 drawn=self.drawn.get(place, {}),
-                keeps_kinematics=self.recipe.keeps_kinematics,
+                keeps_kinematics=keeps_kinematics,
                 written=tuple(own),
                 meshes=meshes,
             )
@@ -306,19 +310,19 @@ class _Work:
         columns: ManipulatorColumns,
         robots: RobotColumns,
         files: Sequence[Sequence[EmittedFile]],
-        emitter: Emitter[Any],
+        call: Call[Emitter[Any]],
     ) -> dict[int, Proof | None]:
         """How far the main file of each is from its table, for those that pass; None for those that nobody asks."""
-        recipe = self.recipe
+        recipe, emitter = self.recipe, call.stage
         sure = [member for member, own in enumerate(files) if own]
         asked = {member for member in sure if self.batch.first + places[member] in recipe.proved}
         if emitter.read_back is None or not asked:
             return dict.fromkeys(sure)
         if emitter.read_columns is None:
             return dict.fromkeys([member for member in sure if member not in asked])
-        with _timed(self.seconds, "prove"), blaming("emitter", emitter.name):
-            contents = [own[0].content if own else b"" for own in files]
-            proofs = prove_columns(columns, robots, emitter.read_columns(contents), recipe.poses)
+        with _timed(self.seconds, "prove"), blaming(call):
+            described = read_columns(call, [own[0].content if own else b"" for own in files])
+            proofs = prove_columns(columns, robots, described, recipe.poses)
         passed: dict[int, Proof | None] = {}
         for member in sure:
             proof = proofs[member]
@@ -343,7 +347,7 @@ class _Work:
             source=batch.sources[place],
             drawn=self.drawn.get(place, {}),
             keeps_kinematics=self.recipe.keeps_kinematics,
-            notices=(*own, *batch.notices.get(place, ())),
+            notices=(*own, *batch.notices.get(place, ()), *self.faults.get(place, ())),
             seconds=seconds,
         )
         mark = self._mark(place)
@@ -354,7 +358,7 @@ class _Work:
                 raise what.error
             loads = self.maker.effect is Effect.MAKE and index in self.recipe.sample
             loaders = self.recipe.loaders if loads else ()
-            with self._watched(loaders):
+            with watched(self.maker.home, self.recipe.time_limit, loaders):
                 with _timed(seconds, "transform"):
                     robot, truth = make_item(what, self.recipe.transform)
                     robot = located(robot, self.recipe.mesh_prefix)
@@ -420,23 +424,6 @@ class _Work:
             if place in places:
                 return columns.pick(places.index(place))
         raise LookupError(place)
-
-    @contextmanager
-    def _watched(self, loaders: Sequence[Call[Loader[Any]]] = ()) -> Iterator[None]:
-        """Ends this process where what is done takes longer than a manipulator may, unless it is the run's own.
-
-        Nothing else ends code of a plugin that hangs outside of Python. The executor tells the run that the batch is
-        lost, and the run then finds out which manipulator it was.
-        """
-        limits = [call.stage.time_limit(call.options) for call in loaders]
-        if self.maker.home == this_process() or None in limits:
-            yield
-            return
-        faulthandler.dump_traceback_later(self.recipe.time_limit + sum(filter(None, limits)), exit=True)
-        try:
-            yield
-        finally:
-            faulthandler.cancel_dump_traceback_later()
 
 
 @contextmanager

@@ -8,9 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
 
 class Convention(StrEnum):
@@ -194,3 +199,25 @@ class Manipulator:
     def moving_rows(self) -> tuple[DHRow, ...]:
         """The rows that have a joint value, in order: q has one entry for each."""
         return tuple(row for row in self.rows if row.type is not JointType.FIXED)
+
+    def fk(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Forward kinematics: the DH product at one joint vector or at many.
+
+        Args:
+            q: joint vectors of shape (..., n), one value per moving row [rad or m].
+
+        Returns:
+            T(base_link → tool0) of shape (..., 4, 4), lengths in m.
+
+        Raises:
+            ValueError: the joint vectors have another number of values than the table has moving rows.
+        """
+        from dh2urdf.kinematics import pose_matrices
+
+        return pose_matrices(self, q)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the table and, with matplotlib, a drawing of the arm."""
+        from dh2urdf.report.notebook import manipulator_html
+
+        return manipulator_html(self)

@@ -14,6 +14,7 @@ import traceback
 from dataclasses import MISSING, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_origin
 
+from dh2urdf.discovery import UNKNOWN
 from dh2urdf.documents import Node, expect_mapping, load_yaml
 from dh2urdf.errors import BrokenPluginError, ConfigError, InputError
 from dh2urdf.option_types import choices, describe_options, members, type_hints, type_text
@@ -21,6 +22,8 @@ from dh2urdf.source import Mark, Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+    from dh2urdf.discovery import Plugin
 
 __all__ = ["COMMAND_LINE", "describe_options", "make_options", "word_node"]
 
@@ -35,33 +38,48 @@ _TEXT_MAY_DO = frozenset({"string_type", "literal_error", "enum"})
 
 
 def make_options(
-    options_type: type[O], given: Node | Mapping[str, str] | None = None, *, mark: Mark | None = None, where: str
+    options_type: type[O],
+    given: Node | Mapping[str, str] | None = None,
+    *,
+    mark: Mark | None = None,
+    where: str,
+    plugin: Plugin | None = None,
 ) -> O:
     """The options of a stage, checked.
 
     Args:
         options_type: the stage's options dataclass.
         given: what the user wrote: a mapping in a file, or words of the command line by option.
-        mark: where the stage is named, for what has no place of its own.
+        mark: where the stage is named, for what has no place of its own, such as a word.
         where: the stage, for messages, such as ``emitter 'urdf'``.
+        plugin: who provides the stage, for messages.
 
     Raises:
         ConfigError: options are unknown, missing or not what they should be; all of it is said at once.
         BrokenPluginError: the stage's options type itself does not work.
     """
-    if isinstance(given, Node):
-        expect_mapping(given, f"the options of the {where}")
-        return _Call(options_type, given, given.mark, where).options()
-    words = {name: word_node(word) for name, word in (given or {}).items()}
-    return _Call(options_type, Node(words, COMMAND_LINE.file, 0, 0), mark or COMMAND_LINE, where).options()
+    place = mark or COMMAND_LINE
+    try:
+        if isinstance(given, Node):
+            expect_mapping(given, f"the options of the {where}")
+            return _Call(options_type, given, given.mark, where).options()
+        words = {name: word_node(word, place.file) for name, word in (given or {}).items()}
+        return _Call(options_type, Node(words, place.file, 0, 0), place, where).options()
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        told = f"{type(error).__name__}: {error}".partition("\n")[0]
+        reason = f"the options type {options_type.__name__} of the {where} does not work: {told}"
+        name, whose = (plugin.name, plugin.distribution) if plugin else (options_type.__module__, UNKNOWN)
+        raise BrokenPluginError(name, whose, reason, traceback.format_exc()) from error
 
 
-def word_node(word: str) -> Node:
+def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:
     """A word of the command line as a value: it is read as YAML, and is a text where it is none."""
     try:
-        node = load_yaml(word, COMMAND_LINE.file)
+        node = load_yaml(word, file)
     except InputError:
-        return Node(word, COMMAND_LINE.file, 0, 0, word)
+        return Node(word, file, 0, 0, word)
     if node.text is None:
         node.text = word  # for options that are texts with an inner form, such as a transform
     waiting = [node]
@@ -99,10 +117,6 @@ class _Call(Generic[O]):
             problems += [problem.about(mark=self._mark_of(problem.field)) for problem in error.problems]
         except ValueError as error:
             problems.append(self._refused(str(error), ()))
-        except Exception as error:
-            told = f"{type(error).__name__}: {error}".partition("\n")[0]
-            reason = f"its options type {self.type.__name__} does not work: {told}"
-            raise BrokenPluginError(self.type.__module__, self.where, reason, traceback.format_exc()) from error
         if problems:
             raise ConfigError(in_file_order(problems))
         return options

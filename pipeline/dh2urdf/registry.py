@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import traceback
-from dataclasses import dataclass
-from functools import cached_property
+from contextlib import contextmanager
+from dataclasses import dataclass, is_dataclass
 from typing import TYPE_CHECKING, Any, get_args, overload
 
 import pluggy
 
 from dh2urdf import hookspecs
+from dh2urdf.discovery import Plugin, installed, same_name
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
-    from importlib.metadata import Distribution
     from pathlib import Path
     from typing import Literal
+
+__all__ = ["KINDS", "RECORDS", "Catalog", "Plugin", "Provided", "load", "load_plugin"]
 
 RECORDS: dict[Kind, type[Any]] = {
     "reader": Reader,
@@ -30,26 +32,6 @@ RECORDS: dict[Kind, type[Any]] = {
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
-class Plugin:
-    """An installed plugin.
-
-    Attributes:
-        name: its entry point, such as ``my_lab = my_lab.dh2urdf``.
-        module: what the entry point gave.
-        distribution: name and version of the distribution that provides it; read when it is asked for, since the
-            metadata of a distribution take as long to read as a table.
-    """
-
-    def __init__(self, *, name: str, module: Any, distribution: Distribution | str | None) -> None:  # noqa: ANN401 - anything
-        self.name = name
-        self.module = module
-        self._distribution = distribution
-
-    @cached_property
-    def distribution(self) -> str:  # noqa: D102 - documented with the class
-        return _named(self._distribution)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provided:
     """A stage and the plugin that provides it."""
@@ -58,44 +40,48 @@ class Provided:
     stage: Stage
     plugin: Plugin
 
+    @property
+    def full_name(self) -> str:
+        """The name that is nobody else's: ``distribution:name``."""
+        return f"{self.plugin.distribution_name}:{self.stage.name}"
+
 
 class Catalog:
     """Every installed stage by kind and name.
 
-    A kind's hooks are called when the first stage of that kind is asked for: a conversion pays for no simulator.
+    A plugin is imported when the first stage is asked for that may be its own, and a kind's hooks are called when the
+    first stage of that kind is: a conversion pays for no simulator.
     """
 
-    def __init__(self, plugins: Iterable[Plugin], broken: Iterable[BrokenPluginError] = ()) -> None:
+    def __init__(
+        self, plugins: Iterable[Plugin], broken: Iterable[BrokenPluginError] = (), left_out: Iterable[Plugin] = ()
+    ) -> None:
         self._manager = pluggy.PluginManager(hookspecs.PROJECT)
         self._manager.add_hookspecs(hookspecs)
+        self._plugins = tuple(plugins)
         self._broken = list(broken)
-        self._provided: dict[Kind, tuple[Provided, ...]] = {}
-        self._plugins: dict[str, Plugin] = {}
-        for number, plugin in enumerate(plugins):
-            key = f"{number}: {plugin.name}"
-            try:
-                self._manager.register(plugin.module, key)
-                self._manager.check_pending()
-                if not self._manager.get_hookcallers(plugin.module):
-                    raise TypeError("it has no hook of dh2urdf: each needs the decorator dh2urdf.hookspecs.hookimpl")
-            except Exception as error:  # noqa: BLE001 - whatever a plugin does wrong is its own fault, and named
-                if key not in self._plugins and self._manager.has_plugin(key):
-                    self._manager.unregister(name=key)
-                self._broken.append(_broken(plugin.name, plugin.distribution, error))
-            else:
-                self._plugins[key] = plugin
+        self._works: dict[Plugin, bool] = {}
+        self._found: dict[tuple[Kind, Plugin], tuple[Provided, ...]] = {}
+        self.left_out = tuple(left_out)
 
     @property
     def broken(self) -> tuple[BrokenPluginError, ...]:
-        """The plugins that failed, with their reasons, as far as they have been used."""
+        """The plugins that failed or do not fit, with their reasons, as far as they have been used."""
         return tuple(self._broken)
 
     def provided(self, kind: Kind) -> tuple[Provided, ...]:
         """The stages of a kind with the plugins that provide them, by name."""
-        if kind not in self._provided:
-            found = [item for key, plugin in self._plugins.items() for item in self._ask(kind, key, plugin)]
-            self._provided[kind] = tuple(sorted(found, key=lambda item: item.stage.name))
-        return self._provided[kind]
+        return self._provided(kind, self._plugins)
+
+    def clashes(self) -> tuple[StageConflictError, ...]:
+        """The names that several plugins claim; an error only for who uses one of them."""
+        found: list[StageConflictError] = []
+        for kind in KINDS:
+            claims: dict[str, list[str]] = {}
+            for item in self.provided(kind):
+                claims.setdefault(item.stage.name, []).append(item.plugin.distribution)
+            found += [StageConflictError(kind, name, whose) for name, whose in claims.items() if len(whose) > 1]
+        return tuple(found)
 
     @overload
     def get(self, kind: Literal["reader"], name: str) -> Reader[Any]: ...
@@ -110,39 +96,56 @@ class Catalog:
     def get(self, kind: Kind, name: str) -> Stage:
         """The stage of a kind with a name.
 
+        Args:
+            kind: the kind.
+            name: the stage's name, or ``distribution:name``, which says whose it is where several have the name; then
+                no other distribution's plugin is imported.
+
         Raises:
             UnknownStageError: no installed stage has the name.
             BrokenPluginError: none has, and a plugin that may provide it is broken.
             StageConflictError: two plugins claim the name.
         """
-        found = [item for item in self.provided(kind) if item.stage.name == name]
+        distribution, _, own_name = name.rpartition(":")
+        asked = [plugin for plugin in self._plugins if not distribution or plugin.is_of(distribution)]
+        provided = self._provided(kind, asked)
+        found = [item for item in provided if item.stage.name == own_name]
         if not found:
-            installed = [item.stage.name for item in self.provided(kind)]
-            near = did_you_mean(name, installed)
-            self._blame_broken(f"no other plugin provides the {kind} {name!r}{f'; {near}' if near else ''}")
-            raise UnknownStageError(kind, name, installed)
-        return self._only(kind, name, found).stage
+            others = provided or self.provided(kind)
+            names = [item.full_name if distribution else item.stage.name for item in others]
+            near = did_you_mean(name, names)
+            missing = f"no other plugin provides the {kind} {own_name!r}{f'; {near}' if near else ''}"
+            self._blame_broken(missing, distribution)
+            raise UnknownStageError(kind, name, names)
+        return self._only(kind, own_name, found).stage
 
-    def distribution(self, kind: Kind, name: str) -> str:
-        """Name and version of the distribution that provides a stage.
+    def plugin_of(self, stage: Stage) -> Plugin:
+        """The plugin that provides a stage of this catalog.
 
         Raises:
-            UnknownStageError: no installed stage has the name.
+            LookupError: it is not of this catalog.
         """
-        stage = self.get(kind, name)
-        return next(item.plugin.distribution for item in self.provided(kind) if item.stage is stage)
+        for items in self._found.values():
+            for item in items:
+                if item.stage is stage:
+                    return item.plugin
+        raise LookupError(stage.name)
 
-    def reader_for(self, path: Path) -> Reader[Any]:
+    def reader_for(
+        self, path: Path, advice: str = "`stage: NAME` beside the path in a run file chooses a reader"
+    ) -> Reader[Any]:
         """The reader whose suffixes a path has.
+
+        Args:
+            path: the path.
+            advice: how a person says which is meant.
 
         Raises:
             InputError: no installed reader takes the suffix, or several do.
             BrokenPluginError: none does, and a plugin that may provide one is broken.
             StageConflictError: two plugins claim the reader's name.
         """
-        reader: Reader[Any] = self._by_suffix(
-            "reader", path, "`stage: NAME` beside the path in a run file chooses a reader"
-        )
+        reader: Reader[Any] = self._by_suffix("reader", path, advice)
         return reader
 
     def emitter_for(self, path: Path, advice: str = "`--to NAME` chooses an emitter") -> Emitter[Any]:
@@ -193,11 +196,12 @@ class Catalog:
             )
         return self._only(kind, best[0].stage.name, best).stage
 
-    def _blame_broken(self, missing: str) -> None:
+    def _blame_broken(self, missing: str, distribution: str = "") -> None:
         """Where something is missing, and a plugin that may have it is broken, the plugin is what to mend."""
         for broken in self._broken:
-            reason = f"{broken.reason}; {missing}"
-            raise BrokenPluginError(broken.plugin, broken.distribution, reason, broken.traceback)
+            if not distribution or same_name(broken.distribution.partition(" ")[0], distribution):
+                reason = f"{broken.reason}; {missing}"
+                raise type(broken)(broken.plugin, broken.distribution, reason, broken.traceback)
 
     @staticmethod
     def _only(kind: Kind, name: str, claims: Sequence[Provided]) -> Provided:
@@ -205,52 +209,99 @@ class Catalog:
             raise StageConflictError(kind, name, [claim.plugin.distribution for claim in claims])
         return claims[0]
 
-    def _ask(self, kind: Kind, key: str, plugin: Plugin) -> Iterator[Provided]:
+    # --- What plugins do
+
+    def _provided(self, kind: Kind, plugins: Iterable[Plugin]) -> tuple[Provided, ...]:
+        found = [item for plugin in plugins for item in self._ask(kind, plugin)]
+        return tuple(sorted(found, key=lambda item: item.stage.name))
+
+    def _ask(self, kind: Kind, plugin: Plugin) -> tuple[Provided, ...]:
         """What one plugin provides of a kind; a plugin that fails here is broken, and only that one."""
+        if (kind, plugin) not in self._found:
+            self._found[kind, plugin] = ()
+            with self._blamed(plugin):
+                if self._is_registered(plugin):
+                    self._found[kind, plugin] = tuple(self._call(kind, plugin))
+        return self._found[kind, plugin]
+
+    def _is_registered(self, plugin: Plugin) -> bool:
+        """Import and register a plugin, once; whether it could be."""
+        if plugin not in self._works:
+            self._works[plugin] = False
+            module, key = plugin.module, self._key(plugin)
+            try:
+                self._manager.register(module, key)
+                self._manager.check_pending()
+                if not self._manager.get_hookcallers(module):
+                    raise TypeError("it has no hook of dh2urdf: each needs the decorator dh2urdf.hookspecs.hookimpl")
+            except BaseException:
+                if self._manager.has_plugin(key):
+                    self._manager.unregister(name=key)
+                raise
+            self._works[plugin] = True
+        return self._works[plugin]
+
+    def _call(self, kind: Kind, plugin: Plugin) -> Iterator[Provided]:
         hook = getattr(self._manager.hook, f"dh2urdf_{kind}s")
-        found: list[Provided] = []
+        for implementation in hook.get_hookimpls():
+            if implementation.plugin_name != self._key(plugin):
+                continue
+            for stage in implementation.function():
+                _check_record(kind, stage)
+                yield Provided(kind=kind, stage=stage, plugin=plugin)
+
+    def _key(self, plugin: Plugin) -> str:
+        return f"{self._plugins.index(plugin)}: {plugin.name}"
+
+    @contextmanager
+    def _blamed(self, plugin: Plugin) -> Iterator[None]:
         try:
-            for implementation in hook.get_hookimpls():
-                if implementation.plugin_name != key:
-                    continue
-                for stage in implementation.function():
-                    if not isinstance(stage, RECORDS[kind]):
-                        raise TypeError(
-                            f"the hook dh2urdf_{kind}s gave {type(stage).__name__} {stage!r:.60}, "
-                            f"not a dh2urdf.stages.{RECORDS[kind].__name__}"
-                        )
-                    found.append(Provided(kind=kind, stage=stage, plugin=plugin))
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever a plugin does is its own fault, and named
-            self._broken.append(_broken(plugin.name, plugin.distribution, error))
-            return
-        yield from found
+            yield
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - an import runs anything, and may raise anything
+            self._broken.append(
+                BrokenPluginError(
+                    plugin.name,
+                    plugin.distribution,
+                    f"{type(error).__name__}: {error}",
+                    "".join(traceback.format_exception(error)),
+                )
+            )
 
 
-def load() -> Catalog:
-    """The catalog of what is installed: the entry points of the group ``dh2urdf``.
+def _check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a hook gave
+    """Raises a TypeError or ValueError where it is no record of the kind that could be asked for by its name."""
+    record = RECORDS[kind]
+    if not isinstance(stage, record):
+        given = f"{type(stage).__name__} {stage!r:.60}"
+        raise TypeError(f"the hook dh2urdf_{kind}s gave {given}, not a dh2urdf.stages.{record.__name__}")
+    if not isinstance(stage.name, str) or not stage.name or ":" in stage.name:
+        raise ValueError(f"the {kind} {stage.name!r:.60} has no name that a run file could say: a word without a colon")
+    if not isinstance(stage.summary, str):
+        raise TypeError(f"the summary of the {kind} {stage.name!r} is {stage.summary!r:.60}, not a text")
+    if not (isinstance(stage.options, type) and is_dataclass(stage.options)):
+        raise TypeError(f"the options of the {kind} {stage.name!r} are {stage.options!r:.60}, not a dataclass")
+
+
+def load(without: Sequence[str] = ()) -> Catalog:
+    """The catalog of what is installed.
 
     pluggy's own loader would let one broken plugin stop the host, and skip a name that is taken in silence.
+
+    Args:
+        without: names of plugins or of distributions to leave out.
+
+    Raises:
+        ConfigError: one of the names is nobody's.
     """
-    from importlib.metadata import entry_points
-
-    plugins: list[Plugin] = []
-    broken: list[BrokenPluginError] = []
-    for point in sorted(entry_points(group=hookspecs.PROJECT), key=lambda point: (point.value, point.name)):
-        name = f"{point.name} = {point.value}"
-        try:
-            plugins.append(Plugin(name=name, module=point.load(), distribution=point.dist))
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - an import runs anything, and may raise anything
-            broken.append(_broken(name, _named(point.dist), error))
-    return Catalog(plugins, broken)
+    found = installed(without)
+    return Catalog(found.plugins, found.incompatible, found.left_out)
 
 
-def _named(distribution: Distribution | str | None) -> str:
-    if distribution is None:
-        return "an unknown distribution"
-    return distribution if isinstance(distribution, str) else f"{distribution.name} {distribution.version}"
+def load_plugin(name: str, distribution: str) -> Catalog:
+    """The catalog of one installed plugin alone: what a worker needs of all plugins, as the run has chosen.
 
-
-def _broken(name: str, distribution: str, error: BaseException) -> BrokenPluginError:
-    return BrokenPluginError(
-        name, distribution, f"{type(error).__name__}: {error}", "".join(traceback.format_exception(error))
-    )
+    Args:
+        name: its entry point.
+        distribution: the name of its distribution.
+    """
+    return Catalog(plugin for plugin in installed().plugins if plugin.name == name and plugin.is_of(distribution))

@@ -13,11 +13,15 @@ other robot; `Robot.arms` says besides of which arms it is composed, for emitter
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.manipulator import Inertia, JointType, Limits, MeshFile
 from dh2urdf.rotations import Z_AXIS, ZERO, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
 Formulas: TypeAlias = tuple[str, str, str]
 
@@ -251,3 +255,28 @@ class Robot:
     def mass(self) -> float:
         """Mass of all links [kg]."""
         return sum(link.inertial.mass for link in self.links if link.inertial)
+
+    def fk(self, q: ArrayLike, tip: str = "tool0") -> NDArray[np.float64]:
+        """Forward kinematics of a link at one joint vector or at many.
+
+        Args:
+            q: joint vectors of shape (..., n), one value per moving joint on the way from the root to the link
+                [rad or m].
+            tip: name of the link; in a cell the tool0 of an arm has the arm's prefix.
+
+        Returns:
+            T(root → tip) of shape (..., 4, 4), lengths in m.
+
+        Raises:
+            ValueError: the robot has no such link, or the joint vectors have another number of values than there are
+                moving joints on the way.
+        """
+        from dh2urdf.kinematics import KinematicChain, pose_matrices
+
+        return pose_matrices(KinematicChain.between(self, self.root, tip), q)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the joints with their limits and, with matplotlib, a drawing of the robot."""
+        from dh2urdf.report.notebook import robot_html
+
+        return robot_html(self)

@@ -6,8 +6,10 @@ and the schema asks for quotes.
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.attribution import Call, depending_on
 from dh2urdf.config import (
     DEFAULT_EMITTER,
     DEFAULT_EXECUTOR,
@@ -21,14 +23,15 @@ from dh2urdf.layouts import DEFAULT_SIZE, LARGEST, Form
 from dh2urdf.mesh_section import SHAPE_KEYS
 from dh2urdf.meshes import FILE, RELATIVE
 from dh2urdf.option_types import type_hints
+from dh2urdf.registry import KINDS
 from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, MOST
 from dh2urdf.sampling import MOST_POINTS, Sampling
 from dh2urdf.variation_section import LAWS, MOST_SEED, MOST_VALUES
 from dh2urdf.variations import AXES, FIELDS
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
-    from dh2urdf.stages import Kind, Stage
+    from dh2urdf.registry import Catalog, Provided
+    from dh2urdf.stages import Kind
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -36,9 +39,10 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 def run_schema(catalog: Catalog) -> dict[str, Any]:
     """The JSON Schema (2020-12) of a run file, for the stages that are installed."""
     options: dict[str, Any] = {}
-    for kind in ("reader", "transform", "emitter", "loader", "executor"):
-        for stage in _stages(catalog, kind):
-            options |= _options_schemas(kind, stage)
+    for kind in KINDS:
+        named = _names(catalog, kind)
+        for item in catalog.provided(kind):
+            options |= _options_schemas(item, f"{kind}.{named[item.full_name][0]}")
     inputs = _either(_text("a table, or a pattern such as tables/*.csv"), _input(catalog))
     sections = {
         "inputs": _one_or_more(inputs, "the tables that are read"),
@@ -97,7 +101,12 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
     Raises:
         ConfigError: no reader has one.
     """
-    schemas = {reader.name: reader.schema() for reader in _stages(catalog, "reader") if reader.schema}
+    schemas = {}
+    for item in catalog.provided("reader"):
+        reader: Any = item.stage
+        if reader.schema:
+            with depending_on(Call(stage=reader, options=None, plugin=item.plugin), "schema"):
+                schemas[item.full_name] = reader.schema()
     if not schemas:
         raise ConfigError("no reader that is installed has a schema of its tables")
     if len(schemas) == 1:
@@ -109,8 +118,12 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
     }
 
 
-def _stages(catalog: Catalog, kind: Kind) -> list[Any]:
-    return [provided.stage for provided in catalog.provided(kind)]
+def _names(catalog: Catalog, kind: Kind) -> dict[str, list[str]]:
+    """How each stage of a kind may be named, by its full name: its own name does where nobody else has it."""
+    items = catalog.provided(kind)
+    count = Counter(item.stage.name for item in items)
+    own = {item.full_name: [item.stage.name] if count[item.stage.name] == 1 else [] for item in items}
+    return {full_name: [*names, full_name] for full_name, names in own.items()}
 
 
 def _output() -> dict[str, Any]:
@@ -146,29 +159,34 @@ def _stage(
     catalog: Catalog, kind: Kind, description: str, default: str | None = None, **others: dict[str, Any]
 ) -> dict[str, Any]:
     """A stage and its options, or its name alone; a default stage need not be named."""
-    stages = _stages(catalog, kind)
-    names = {"enum": [stage.name for stage in stages], "description": description}
+    named = _names(catalog, kind)
+    names = {"enum": _all_of(named), "description": description}
     call = _mapping({"stage": names, "options": {}, **others})
     call["allOf"] = [
-        _if_then({"properties": {"stage": {"const": stage.name}}}, kind, stage, named=stage.name != default)
-        for stage in stages
+        _if_then({"properties": {"stage": {"enum": own}}}, f"{kind}.{own[0]}", named=default not in own)
+        for own in named.values()
     ]
     return _either(names, call if default else {**call, "required": ["stage"]})
 
 
+def _all_of(named: dict[str, list[str]]) -> list[str]:
+    """All names, the short ones first: what an editor proposes."""
+    return sorted({name for names in named.values() for name in names}, key=lambda name: (":" in name, name))
+
+
 def _input(catalog: Catalog) -> dict[str, Any]:
     """An input: its reader is named, or goes by the suffix of the path."""
-    stages = _stages(catalog, "reader")
-    names = {"enum": [stage.name for stage in stages], "description": "the reader; by the path's suffix if absent"}
+    named = _names(catalog, "reader")
+    names = {"enum": _all_of(named), "description": "the reader; by the path's suffix if absent"}
     call = _mapping({"path": _text("a table, or a pattern such as tables/*.csv"), "stage": names, "options": {}})
     call["required"] = ["path"]
     call["allOf"] = []
-    for stage in stages:
-        by_name = {"properties": {"stage": {"const": stage.name}}, "required": ["stage"]}
-        suffixes = "|".join(suffix.replace(".", r"\.") for suffix in getattr(stage, "suffixes", ()))
+    for item in catalog.provided("reader"):
+        by_name = {"properties": {"stage": {"enum": named[item.full_name]}}, "required": ["stage"]}
+        suffixes = "|".join(suffix.replace(".", r"\.") for suffix in getattr(item.stage, "suffixes", ()))
         by_suffix = {"properties": {"path": {"pattern": f"({suffixes})$"}}, "not": {"required": ["stage"]}}
         condition = _either(by_name, by_suffix) if suffixes else by_name
-        call["allOf"].append(_if_then(condition, "reader", stage, named=False))
+        call["allOf"].append(_if_then(condition, f"reader.{named[item.full_name][0]}", named=False))
     return call
 
 
@@ -254,23 +272,19 @@ def _rule() -> dict[str, Any]:
     return rule
 
 
-def _if_then(condition: dict[str, Any], kind: Kind, stage: Stage, *, named: bool) -> dict[str, Any]:
+def _if_then(condition: dict[str, Any], definition: str, *, named: bool) -> dict[str, Any]:
     if named:
         condition = {**condition, "required": ["stage"]}
-    options = _or_null({"$ref": f"#/$defs/{_definition(kind, stage)}"})
+    options = _or_null({"$ref": f"#/$defs/{definition}"})
     return {"if": condition, "then": {"properties": {"options": options}}}
 
 
-def _definition(kind: Kind, stage: Stage) -> str:
-    return f"{kind}.{stage.name}"
-
-
-def _options_schemas(kind: Kind, stage: Stage) -> dict[str, Any]:
+def _options_schemas(item: Provided, name: str) -> dict[str, Any]:
     """The definitions that a stage's options need, their own first."""
     from pydantic import TypeAdapter
     from pydantic.errors import PydanticUserError
 
-    name = _definition(kind, stage)
+    stage = item.stage
     try:
         schema = TypeAdapter(stage.options).json_schema(ref_template=f"#/$defs/{name}.{{model}}")
     except (PydanticUserError, NameError):  # The program refuses such a stage when it is used; a schema says nothing.

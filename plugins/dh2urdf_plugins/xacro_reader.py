@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import threading
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ProofError
@@ -15,6 +16,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Robot
+
+
+_ONE_AT_A_TIME = threading.Lock()
+"""xacro keeps what it is at in variables of its module: two threads would expand into each other."""
 
 
 def read_xacro(path: Path) -> Robot:
@@ -39,17 +44,18 @@ def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:
     import xacro
 
     printed = io.StringIO()
-    folder_before = xacro.root_dir
-    # xacro takes the whole path of an included file for a pattern, brackets in a folder's name included; with the
-    # folder as its root directory, it sees the file names alone.
-    xacro.root_dir = str(path.parent)
-    try:
-        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
-            document = xacro.process_file(path.name, mappings=dict(arguments or {}))
-    except Exception as error:  # xacro evaluates Python: anything may come out.
-        said = " ".join(str(error).split()) or repr(error)
-        raise ProofError(Problem(message=f"xacro cannot expand it: {said}", mark=Mark(file=str(path)))) from error
-    finally:
-        xacro.root_dir = folder_before
+    with _ONE_AT_A_TIME:
+        folder_before = xacro.root_dir
+        # xacro takes the whole path of an included file for a pattern, brackets in a folder's name included; with the
+        # folder as its root directory, it sees the file names alone.
+        xacro.root_dir = str(path.parent)
+        try:
+            with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+                document = xacro.process_file(path.name, mappings=dict(arguments or {}))
+        except Exception as error:  # xacro evaluates Python: anything may come out.
+            said = " ".join(str(error).split()) or repr(error)
+            raise ProofError(Problem(message=f"xacro cannot expand it: {said}", mark=Mark(file=str(path)))) from error
+        finally:
+            xacro.root_dir = folder_before
     text: bytes = document.documentElement.toprettyxml(indent="  ", encoding="utf-8")
     return text

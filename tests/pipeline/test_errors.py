@@ -14,6 +14,7 @@ from dh2urdf.errors import (
     Dh2UrdfError,
     EmitterError,
     ExecutorError,
+    IncompatiblePluginError,
     InputError,
     LoaderError,
     ManipulatorError,
@@ -42,7 +43,9 @@ EVERY_ERROR = [
     *(kind([PROBLEM]) for kind in (CrashError, TimeLimitError)),
     UnknownStageError("emitter", "urfd", ["urdf", "xacro"]),
     StageError("emitter 'urdf'", "KeyError: 'x'", "Traceback …"),
+    StageError("emitter 'urdf'", "KeyError: 'x'", plugin="lab = lab.plugin", distribution="lab 1.0"),
     BrokenPluginError("lab = lab.plugin", "lab 1.0", "OSError: gone", "Traceback …"),
+    IncompatiblePluginError("lab = lab.plugin", "lab 1.0", "it is made for version 2"),
     StageConflictError("reader", "csv", ["one 1.0", "two 1.0"]),
     MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]"),
     MissingProgramError("loader 'gazebo'", "the command gz", "apt-get install gz"),
@@ -136,12 +139,24 @@ class TestMessages:
         assert str(error) == "loader 'gazebo' needs the command gz: apt-get install gz"
 
     def test_of_a_conflict(self) -> None:
-        """It names the stage, both distributions, and the two ways out."""
+        """It names the stage, both distributions, how to say which is meant, and how to do without one."""
         error = StageConflictError("reader", "csv", ["one 1.0", "two 1.0"])
         assert str(error) == (
-            "reader 'csv' is claimed by one 1.0 and by two 1.0; uninstall one of them, or ask its authors to "
-            "rename the stage"
+            "reader 'csv' is claimed by one 1.0 and by two 1.0; say which is meant: one:csv or two:csv; or leave one of "
+            "the plugins out: `--without NAME`"
         )
+
+    def test_of_a_conflict_within_one_distribution(self) -> None:
+        """The name of the distribution does not tell the two apart, so it is not offered."""
+        error = StageConflictError("reader", "csv", ["one 1.0", "one 1.0"])
+        assert error.choices == ()
+        assert "one:csv" not in str(error)
+        assert "`--without NAME`" in str(error)
+
+    def test_of_an_incompatible_plugin(self) -> None:
+        """It names the plugin and the distribution, and says that nothing of it was loaded, and why."""
+        error = IncompatiblePluginError("lab = lab.plugin", "lab 1.0", "it is made for version 2")
+        assert str(error) == "plugin 'lab = lab.plugin' of lab 1.0 is not loaded: it is made for version 2"
 
     def test_of_a_failed_stage(self) -> None:
         """It names the stage, what it raised, and where to see more; its traceback is kept."""
@@ -149,3 +164,10 @@ class TestMessages:
         assert str(error).startswith("error: emitter 'urdf' failed: KeyError: 'x'")
         assert "--debug" in str(error)
         assert error.traceback == "Traceback …"
+
+    def test_of_a_failed_stage_of_a_plugin(self) -> None:
+        """It names the distribution with its version, and the plugin whose authors should hear of it."""
+        error = StageError("emitter 'usd'", "KeyError: 'x'", plugin="lab = lab.plugin", distribution="lab 1.0")
+        assert str(error).startswith("error: emitter 'usd' of lab 1.0 failed: KeyError: 'x'")
+        assert "tell the authors of lab 1.0 (plugin 'lab = lab.plugin')" in str(error)
+        assert (error.plugin, error.distribution) == ("lab = lab.plugin", "lab 1.0")

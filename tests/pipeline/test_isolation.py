@@ -120,8 +120,6 @@ def test_messages_name_whom_the_caller_names(functions: ModuleType) -> None:
         run_in_child(functions.kill_myself, signal.SIGABRT, timeout=LONG, who="the emitter 'odd'")
     with pytest.raises(CrashError, match=r"^error: the emitter 'odd' left the interpreter"):
         run_in_child(functions.leave, "SystemExit", timeout=LONG, who="the emitter 'odd'")
-    with pytest.raises(LoaderError, match=r"^error: the emitter 'odd' raised UnpicklableError"):
-        run_in_child(functions.raise_unpicklable, timeout=LONG, who="the emitter 'odd'")
 
 
 def test_crash_tells_the_last_words(functions: ModuleType) -> None:
@@ -163,9 +161,11 @@ def test_own_errors_keep_their_data(functions: ModuleType) -> None:
 
 
 def test_unpicklable_exception_is_wrapped(functions: ModuleType) -> None:
-    """An exception that does not survive pickling becomes a LoaderError with its name and text."""
-    with pytest.raises(LoaderError, match="UnpicklableError: cannot travel"):
+    """An exception that does not survive pickling becomes a RuntimeError with its name, its text and its traceback."""
+    with pytest.raises(RuntimeError, match=r"^UnpicklableError: cannot travel") as caught:
         run_in_child(functions.raise_unpicklable, timeout=LONG)
+    assert isinstance(caught.value.__cause__, ChildFailure)
+    assert "in raise_unpicklable" in caught.value.__cause__.traceback
 
 
 def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:

@@ -23,7 +23,7 @@ from dh2urdf.manipulator import (
 )
 from dh2urdf.registry import load
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.run import make_plan
+from dh2urdf.runs import make_plan
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
@@ -241,5 +241,5 @@ def test_versions_count(plan_key: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dh2urdf.keys.__version__", "99")
     assert plan_key() != before
     monkeypatch.undo()
-    monkeypatch.setattr("dh2urdf.registry.Catalog.distribution", lambda *_: "lab 2.0")
+    monkeypatch.setattr("dh2urdf.discovery.Plugin.distribution", "lab 2.0")
     assert plan_key() != before

@@ -200,7 +200,7 @@ def test_a_problem_of_the_type_itself_that_names_an_option_is_told_there() -> No
 @pytest.mark.parametrize("more", ["", ", gravity: 1"])
 def test_a_crash_of_the_type_blames_the_plugin(more: str) -> None:
     """Any other exception is the plugin's fault, and told as such, with its traceback kept."""
-    with pytest.raises(BrokenPluginError, match="Options does not work: KeyError: 'oops'") as caught:
+    with pytest.raises(BrokenPluginError, match="Options of the loader 'x' does not work: KeyError: 'oops'") as caught:
         of("{prefix: crash" + more + "}")
     assert "__post_init__" in caught.value.traceback
 
@@ -213,7 +213,7 @@ def test_a_type_that_pydantic_cannot_check_blames_the_plugin() -> None:
         x: Missing = 0  # type: ignore[name-defined] # noqa: F821 - that is the point
 
     assert make_options(Unresolvable, where="x") == Unresolvable()
-    with pytest.raises(BrokenPluginError, match=r"Unresolvable does not work: .*not fully defined"):
+    with pytest.raises(BrokenPluginError, match=r"Unresolvable of the x does not work: .*not fully defined"):
         make_options(Unresolvable, {"x": "1"}, where="x")
     assert describe_options(Unresolvable) == [("x", "Missing", "0", "")]
 

@@ -315,17 +315,8 @@ REASONS = {
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
 
 
-def install(folder: Path, distribution: str, source: str) -> None:
-    """Put a distribution of one module into a folder, as pip would: the module, and its metadata beside it."""
-    metadata = folder / f"{distribution}-1.0.dist-info"
-    metadata.mkdir(parents=True)
-    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text(f"[dh2urdf]\nlab = {distribution}_module\n")
-    (folder / f"{distribution}_module.py").write_text(source)
-
-
 @pytest.fixture
-def broken_plugins(tmp_path: Path) -> Path:
+def broken_plugins(tmp_path: Path, install: Callable[..., None]) -> Path:
     folder = tmp_path / "site"
     for distribution, source in BROKEN.items():
         install(folder, distribution, source)
@@ -344,7 +335,7 @@ class TestInstalledPluginsThatAreBroken:
             assert reason in found[f"{distribution} 1.0"]
         assert {"csv", "urdf"} <= {stage["name"] for stage in listed["stages"]}
         printed = dh2urdf("plugins", path=[broken_plugins]).stdout
-        assert "lab = at_import_module of at_import 1.0: OSError: the licence server does not answer" in printed
+        assert "lab = at_import_lab of at_import 1.0: OSError: the licence server does not answer" in printed
 
     def test_a_run_that_needs_none_of_them_works(
         self, dh2urdf: Callable[..., CompletedProcess[str]], broken_plugins: Path, tmp_path: Path
@@ -356,7 +347,7 @@ class TestInstalledPluginsThatAreBroken:
         assert (tmp_path / "out" / "arm.urdf").is_file()
 
     def test_a_run_that_needs_one_says_which_and_why(
-        self, dh2urdf: Callable[..., CompletedProcess[str]], tmp_path: Path
+        self, dh2urdf: Callable[..., CompletedProcess[str]], tmp_path: Path, install: Callable[..., None]
     ) -> None:
         """A run that needs what only a broken plugin can provide ends with status 3, the plugin and its reason."""
         install(tmp_path / "site", "lab_formats", BROKEN["at_import"])
@@ -366,19 +357,3 @@ class TestInstalledPluginsThatAreBroken:
         assert "lab_formats 1.0 is broken: OSError: the licence server does not answer" in failed.stderr
         assert "no other plugin provides the emitter 'usd'" in failed.stderr
         assert not (tmp_path / "out").exists()
-
-    def test_two_distributions_that_claim_one_name(
-        self, dh2urdf: Callable[..., CompletedProcess[str]], tmp_path: Path
-    ) -> None:
-        """A run that uses a stage name which two distributions claim ends with status 3 and names both."""
-        source = (
-            "from dh2urdf.hookspecs import hookimpl\nfrom dh2urdf.stages import Emitter, NoOptions\n"
-            "@hookimpl\ndef dh2urdf_emitters():\n"
-            "    yield Emitter(name='usd', summary='s', emit=lambda *_: [], options=NoOptions, suffixes=('.usd',))\n"
-        )
-        for distribution in ("lab_one", "lab_two"):
-            install(tmp_path / "site", distribution, source)
-        (tmp_path / "arm.csv").write_text(TABLE)
-        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [usd]\noutput: {directory: out}\n")
-        failed = dh2urdf("run", "run.yaml", path=[tmp_path / "site"], status=3)
-        assert "emitter 'usd' is claimed by lab_one 1.0 and by lab_two 1.0" in failed.stderr

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf import __version__
+from dh2urdf.cli.leaving_out import without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
 
 if TYPE_CHECKING:
@@ -36,6 +37,17 @@ COMMANDS = {
 
 class _Interrupted(BaseException):
     """Ctrl-C or SIGTERM came while a command was at work."""
+
+
+class _Invocation:
+    """What the command line asks for, whatever the command.
+
+    Attributes:
+        debug: show the tracebacks of errors.
+    """
+
+    def __init__(self, *, debug: bool) -> None:
+        self.debug = debug
 
 
 class _LazyGroup(click.Group):
@@ -97,7 +109,9 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print versions."
 )
 @click.option("--debug", is_flag=True, help="Show the traceback of an error.")
-def dh2urdf(debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
+@without_option
+@click.pass_obj
+def dh2urdf(invocation: _Invocation, debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
     """Turn tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm.
 
     \b
@@ -106,22 +120,24 @@ def dh2urdf(debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
     dh2urdf check robot.urdf                 what each simulator will do with it
     dh2urdf convert --help                   what a command takes
     """
+    invocation.debug = invocation.debug or debug
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
     signal.signal(signal.SIGTERM, _on_terminate)
     words = sys.argv[1:] if arguments is None else arguments
-    sys.exit(_status(words, debug="--debug" in words[:1]))
+    sys.exit(_status(words))
 
 
 def _on_terminate(_number: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _status(words: list[str], *, debug: bool) -> int:
+def _status(words: list[str], *, debug: bool = False) -> int:
+    invocation = _Invocation(debug=debug)
     try:
-        result: Any = dh2urdf.main(words, prog_name="dh2urdf", standalone_mode=False)
+        result: Any = dh2urdf.main(words, prog_name="dh2urdf", standalone_mode=False, obj=invocation)
     except click.ClickException as error:
         error.show()
         return error.exit_code
@@ -130,7 +146,7 @@ def _status(words: list[str], *, debug: bool) -> int:
         click.echo("; ".join(["dh2urdf: interrupted; nothing half-written is left", *advice]), err=True)
         return INTERRUPTED
     except Dh2UrdfError as error:
-        if debug:
+        if invocation.debug:
             import traceback
 
             click.echo("".join(traceback.format_exception(error)) + getattr(error, "traceback", ""), err=True)
@@ -140,7 +156,7 @@ def _status(words: list[str], *, debug: bool) -> int:
         if isinstance(error, OSError) and error.filename is None:  # what has a name was reported where it was met
             click.echo(f"error: cannot write to standard output: {error.strerror}", err=True)
             return OutputError.exit_status
-        if debug:
+        if invocation.debug:
             raise
         click.echo(
             f"dh2urdf: internal error: {type(error).__name__}: {error}\n"

@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.cli.tables import COMMAND_LINE, READER_OPTIONS, read_manipulator, stage_options, table_options
+from dh2urdf.attribution import Call, a_record, depending_on
+from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.tables import ASKER, READER_OPTIONS, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
-from dh2urdf.registry import Catalog, load
+from dh2urdf.options import COMMAND_LINE
+from dh2urdf.single_table import chosen_reader, read_manipulator, stage_calls
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stages import Inspection
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
@@ -19,12 +23,13 @@ if TYPE_CHECKING:
 
     from dh2urdf.agreement import Agreement
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.registry import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Emitter, Finding
 
 EXIT_STATUS = (
     "Exit status: 0 no errors, and the arm of the table; 1 errors, or another arm; 2 the file or the table cannot be "
-    "read, or the command line is wrong."
+    "read, or the command line is wrong; 3 a plugin that is needed is broken."
 )
 
 
@@ -45,6 +50,7 @@ EXIT_STATUS = (
 @click.option(
     "--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text."
 )
+@without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     file: Path,
     simulators: tuple[str, ...],
@@ -66,10 +72,10 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf check ur5.urdf --against ur5.csv --tip-link ee_link
     dh2urdf check robot.urdf --format sarif > robot.sarif
     """
-    catalog = load()
+    installed = catalog()
     check_file(file, InputError)
-    manipulator = _manipulator(catalog, table, flags) if table else None
-    inspection = _checker(catalog, file, format_name)(file)
+    manipulator = _manipulator(installed, table, flags) if table else None
+    inspection = _inspection(installed, file, format_name)
     consumers = _chosen(simulators, inspection.consumers)
     findings = [found for finding in inspection.findings if (found := _only(finding, consumers))]
     comparison = None
@@ -91,7 +97,13 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     return int(any(finding.severity == "error" for finding in findings))
 
 
-def _checker(catalog: Catalog, file: Path, format_name: str | None) -> Any:  # noqa: ANN401 - a function of an emitter
+def _inspection(catalog: Catalog, file: Path, format_name: str | None) -> Inspection:
+    """What the emitter of a file's format says of it.
+
+    Raises:
+        ConfigError: files of the format cannot be checked.
+        BrokenPluginError: the emitter is at fault.
+    """
     emitter: Emitter[Any] = (
         catalog.get("emitter", format_name) if format_name else catalog.emitter_for(file, "`--as NAME` says what it is")
     )
@@ -105,7 +117,8 @@ def _checker(catalog: Catalog, file: Path, format_name: str | None) -> Any:  # n
                 suggestion="`--as NAME` says what the file is, where its suffix does not",
             )
         )
-    return emitter.check
+    with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
+        return a_record(emitter.check(file), Inspection)
 
 
 def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, str]:
@@ -137,10 +150,10 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
     check_file(table, TableError)
-    reader = catalog.reader_for(table)
+    reader = chosen_reader(catalog, table, flags["reader"], ASKER)
     given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
-    options = stage_options({"reader": reader}, given)["reader"]
-    return read_manipulator(reader, table, options, flags["robot"])
+    (call,) = stage_calls(catalog, {"reader": [reader]}, ASKER, given)["reader"]
+    return read_manipulator(call, table, flags["robot"], ASKER)
 
 
 def _agreement(

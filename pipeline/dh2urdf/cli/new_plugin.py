@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from dh2urdf.registry import KINDS, load
+from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.registry import KINDS
 from dh2urdf.scaffold import write_plugin
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 @click.option(
     "--dir", "folder", type=click.Path(path_type=Path), default=".", metavar="D", help="Where its folder is made."
 )
+@without_option
 def command(name: str, kind: str, folder: Path) -> int:
     """Write a small distribution NAME with one working stage, its tests, and all that goes with it.
 
@@ -31,7 +33,7 @@ def command(name: str, kind: str, folder: Path) -> int:
     cd dh2urdf-lab-table
     pip install -e '.[test]' && pytest
     """
-    place, files = write_plugin(name, cast("Kind", kind), folder, load())
+    place, files = write_plugin(name, cast("Kind", kind), folder, catalog())
     click.echo("\n".join(f"{place / file}" for file in files))
     click.echo(f"\nnext:\n    cd {place}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")
     return 0

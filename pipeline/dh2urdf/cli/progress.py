@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from dh2urdf.batch_report import BatchReport
-    from dh2urdf.run import Note
+    from dh2urdf.runs import Note
 
 LINE_EVERY = 10.0
 """Time between two lines in a log [s]."""

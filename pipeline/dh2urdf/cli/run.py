@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS
-from dh2urdf.config import load_config
+from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.outcome import to_text
-from dh2urdf.registry import load
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
-from dh2urdf.run import execute, make_plan
-from dh2urdf.stores import open_store
+from dh2urdf.runs import execute, load_plan
 
 
 @click.command(name="run", epilog=EXIT_STATUS)
@@ -27,6 +24,7 @@ from dh2urdf.stores import open_store
 @click.option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON in place of the summary.")
 @click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     config: Path,
     output: str | None,
@@ -52,9 +50,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     from dh2urdf.cli.progress import progress
 
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
-    plan = make_plan(load_config(config, overrides), load())
-    if output is not None:
-        plan = replace(plan, store=open_store(output))
+    plan = load_plan(config, overrides, output, catalog())
     debug = click.get_current_context().find_root().params["debug"]
     try:
         with progress(quiet=quiet, debug=debug) as note:

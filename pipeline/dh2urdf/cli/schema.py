@@ -6,24 +6,27 @@ import json
 
 import click
 
-from dh2urdf.registry import load
-from dh2urdf.report.schema import manifest_schema, report_schema
+from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.report.schema import manifest_schema, plugins_schema, report_schema
 from dh2urdf.schema import run_schema, table_schema
 
 SCHEMAS = {
-    "run": lambda: run_schema(load()),
-    "table": lambda: table_schema(load()),
+    "run": lambda: run_schema(catalog()),
+    "table": lambda: table_schema(catalog()),
     "report": report_schema,
     "manifest": manifest_schema,
+    "plugins": plugins_schema,
 }
 
 
 @click.command(name="schema")
 @click.argument("what", type=click.Choice(list(SCHEMAS)), default="run")
+@without_option
 def command(what: str) -> int:
     """Print the JSON Schema of run files, every installed stage's options included, or of what WHAT says.
 
-    table: of YAML tables; report: of report.json; manifest: of a line of manifest.jsonl.
+    table: of YAML tables; report: of report.json; manifest: of a line of manifest.jsonl; plugins: of what
+    `dh2urdf plugins --json` prints.
 
     \b
     dh2urdf schema > run.schema.json

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from dh2urdf.outcome import Row
-    from dh2urdf.run import Result
+    from dh2urdf.runs import Result
 
 MOST_ROWS = 40
 """Rows that a summary shows [1]; of a longer run it shows the failures first and counts the rest."""

@@ -20,8 +20,8 @@ from dh2urdf.truth import Truth
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from dh2urdf.attribution import Call
     from dh2urdf.batches import Batch, Single
-    from dh2urdf.conversion import Call
     from dh2urdf.manipulator import DHRow
     from dh2urdf.stages import Transform
 

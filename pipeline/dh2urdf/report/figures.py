@@ -7,33 +7,40 @@ matplotlib. No text of a table stands in a figure.
 
 from __future__ import annotations
 
+import logging
 import math
 import re
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Self
 from xml.etree import ElementTree as ET
 
-from dh2urdf.kinematics import as_matrices, forward_kinematics, joint_variables, row_transform
-from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.kinematics import as_matrices
 from dh2urdf.proof import joint_ranges
-from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate
+from dh2urdf.report.skeletons import arm_skeleton
+from dh2urdf.rotations import add, rotate
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     import numpy as np
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from dh2urdf.report.skeletons import Skeleton
     from dh2urdf.robot import Robot
-    from dh2urdf.truth import Tip, Truth
+    from dh2urdf.rotations import Vec3
+    from dh2urdf.truth import Truth
 
 SAMPLES = 5000
 """Joint vectors at which the workspace is looked at [1]."""
+LARGEST = 1e9
+"""How far from its root an arm may reach and be drawn [m]: beyond it is a mistake, and matplotlib's arithmetic ends."""
 _MOST_VALUES = 500_000  # joint values of such a sample: arms of more than a hundred axes get fewer vectors
 _MOST_LABELS = 40  # numbered joints of a drawing
+_ELEVATION, _AZIMUTH = 22.0, 58.0  # of who looks at an arm, above its ground and to the right of its x axis [deg]
 
 _INK, _MUTED, _LINE, _FILL = "#010203", "#010204", "#010205", "#010206"
 _VARIABLES = {_INK: "--ink", _MUTED: "--muted", _LINE: "--line", _FILL: "--accent"}
@@ -71,52 +78,6 @@ _STYLE: dict[str, Any] = {
 # --- The arm --------------------------------------------------------------------------------------------------------
 
 
-class Skeleton(NamedTuple):
-    """An arm as its table has it where all joint values are 0, in the root frame [m].
-
-    Attributes:
-        path: from the root of the arm along every d and a to tool0.
-        axes: the moving joints' axes: number from 1, a point on it, its direction, and whether it slides.
-        frames: the base, the DH frames and tool0.
-    """
-
-    path: tuple[Vec3, ...]
-    axes: tuple[tuple[int, Vec3, Vec3, bool], ...]
-    frames: tuple[RigidTransform, ...]
-
-
-def skeleton(tip: Tip) -> Skeleton:
-    """The last arm on the way to a tip."""
-    pose = IDENTITY
-    for table, joints, placement in tip.way[:-1]:
-        pose = pose @ placement @ forward_kinematics(table, [0.0] * len(joints))
-    table, _, placement = tip.way[-1]
-    pose = pose @ placement
-    path, axes, frames = [pose.translation], [], [pose]
-    pose = pose @ table.base
-    path.append(pose.translation)
-    frames.append(pose)
-    number = 0
-    for row in table.rows:
-        _, d = joint_variables(row)
-        after = pose @ row_transform(table.convention, row)
-        # The joint turns about z of the frame before it, in the modified convention about z of its own.
-        if table.convention is Convention.STANDARD:
-            foot, corner = pose, add(pose.translation, rotate(pose.rotation, (0.0, 0.0, d)))
-        else:
-            foot, corner = after, add(pose.translation, rotate(pose.rotation, (row.a, 0.0, 0.0)))
-        path += [corner, after.translation]
-        if row.type is not JointType.FIXED:
-            number += 1
-            at = foot.translation if table.convention is Convention.STANDARD else corner
-            direction = rotate(foot.rotation, (0.0, 0.0, float(row.sign)))
-            axes.append((number, at, direction, row.type is JointType.PRISMATIC))
-        pose = after
-        frames.append(pose)
-    pose = pose @ table.tool
-    return Skeleton((*path, pose.translation), tuple(axes), (*frames, pose))
-
-
 def arm_figure(truth: Truth, key: str) -> str:
     """The arms of a robot where all joint values are 0, with joint axes and DH frames, as SVG.
 
@@ -124,16 +85,30 @@ def arm_figure(truth: Truth, key: str) -> str:
         truth: what the tables say of it.
         key: a word of the figure's own on its page, for the names of its parts.
     """
+    return skeleton_figure(
+        [arm_skeleton(tip) for tip in truth.tips],
+        "the arm at zero joint values, with its joint axes and DH frames",
+        key,
+    )
+
+
+def skeleton_figure(arms: Sequence[Skeleton], what: str, key: str) -> str:
+    """Arms or robots where all joint values are 0, with joint axes and frames, as SVG.
+
+    Args:
+        arms: what is drawn.
+        what: the same in words, for who does not see it.
+        key: as of `arm_figure`.
+    """
     import numpy as np
 
-    arms = [skeleton(tip) for tip in truth.tips]
-    points = np.array([point for arm in arms for point in (*arm.path, *(f.translation for f in arm.frames))])
+    points = np.array([p for arm in arms for p in (*(f.translation for f in arm.frames), *_corners(arm))])
     low, high = points.min(axis=0), points.max(axis=0)
     size = max(float((high - low).max()), 1e-3)
     middle, extent = (low + high) / 2.0, np.maximum(high - low, 0.45 * size) + 0.16 * size
     with _Drawing(5.2, 3.9) as drawing:
         axes: Any = drawing.figure.add_axes((-0.09, -0.06, 1.12, 1.16), projection="3d", proj_type="ortho")
-        axes.set_box_aspect(extent / extent.max(), zoom=1.04)
+        axes.set_box_aspect(extent / extent.max(), zoom=min(1.04, 0.96 * _height(np.ones(3)) / _height(extent)))
         for name, centre, width in zip("xyz", middle, extent, strict=True):
             getattr(axes, f"set_{name}lim")(centre - width / 2.0, centre + width / 2.0)
             axis = getattr(axes, f"{name}axis")
@@ -142,16 +117,28 @@ def arm_figure(truth: Truth, key: str) -> str:
             axis.set_pane_color((0.0, 0.0, 0.0, 0.0))
             axis.line.set_color(_LINE)
             getattr(axes, f"set_{name}label")(f"{name} [m]", labelpad=-3, fontsize=8)
-        axes.view_init(elev=22, azim=-58)
+        axes.view_init(elev=_ELEVATION, azim=-_AZIMUTH)
         for arm in arms:
             _draw_arm(axes, arm, size)
-        return drawing.svg("the arm at zero joint values, with its joint axes and DH frames", key)
+        return drawing.svg(what, key)
+
+
+def _height(extent: NDArray[np.float64]) -> float:
+    """How high a box appears, as a share of its diagonal, which is what matplotlib fits into the drawing."""
+    x, y, z = extent / math.hypot(*extent)
+    up, around = math.radians(_ELEVATION), math.radians(_AZIMUTH)
+    return float(z * math.cos(up) + (x * math.cos(around) + y * math.sin(around)) * math.sin(up))
+
+
+def _corners(arm: Skeleton) -> list[Vec3]:
+    return [point for path in arm.paths for point in path]
 
 
 def _draw_arm(axes: Any, arm: Skeleton, size: float) -> None:  # noqa: ANN401 - matplotlib has no type for 3D axes
     labelled = len(arm.axes) <= _MOST_LABELS
-    axes.plot(*zip(*arm.path, strict=True), color=_MUTED, linewidth=5.0, alpha=0.35, solid_capstyle="round")
-    axes.plot(*zip(*arm.path, strict=True), color=_INK, linewidth=1.2, solid_capstyle="round")
+    for path in arm.paths:
+        axes.plot(*zip(*path, strict=True), color=_MUTED, linewidth=5.0, alpha=0.35, solid_capstyle="round")
+        axes.plot(*zip(*path, strict=True), color=_INK, linewidth=1.2, solid_capstyle="round")
     beside = 0.13 * size
     taken: list[Vec3] = []
     for number, at, direction, slides in arm.axes:
@@ -165,14 +152,14 @@ def _draw_arm(axes: Any, arm: Skeleton, size: float) -> None:  # noqa: ANN401 - 
             taken.append(label)  # type: ignore[arg-type]  # three numbers
             axes.text(*label, str(number), color=_FILL, fontsize=9.5, ha="center", va="center")
     length = 0.075 * size
-    for frame in arm.frames if labelled else (arm.frames[0], arm.frames[-1]):
+    for frame in arm.frames if labelled else (arm.frames[0], *arm.frames[-len(arm.tips) :]):
         for index, colour in enumerate(_AXES):
             unit: list[float] = [0.0, 0.0, 0.0]
             unit[index] = length
             end = add(frame.translation, rotate(frame.rotation, (unit[0], unit[1], unit[2])))
             axes.plot(*zip(frame.translation, end, strict=True), color=colour, linewidth=1.5)
     origins = [frame.translation for frame in arm.frames]
-    for at, marker, large in ((origins[0], "s", 6.0), (origins[-1], "o", 6.5)):
+    for at, marker, large in ((origins[0], "s", 6.0), *((tip, "o", 6.5) for tip in arm.tips)):
         axes.plot(*([number] for number in at), color=_INK, marker=marker, markersize=large)
     axes.plot(*zip(*origins, strict=True), color=_INK, linestyle="none", marker="o", markersize=2.6)
 
@@ -304,6 +291,18 @@ def _ticks(count: int, *, whole: bool = False) -> Any:  # noqa: ANN401 - matplot
     from matplotlib.ticker import MaxNLocator
 
     return MaxNLocator(nbins=count, integer=whole, steps=[1, 2, 2.5, 5, 10])
+
+
+@contextmanager
+def without_warnings() -> Iterator[None]:
+    """Keeps to itself what matplotlib says of its font cache and its folders when it is used for the first time."""
+    logger = logging.getLogger("matplotlib")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 # --- SVG ------------------------------------------------------------------------------------------------------------

@@ -10,11 +10,9 @@ own policy lets it run no script but its own.
 
 from __future__ import annotations
 
-import logging
 import math
 import tarfile
 from base64 import b64encode
-from contextlib import contextmanager
 from dataclasses import fields
 from hashlib import sha256
 from importlib.util import find_spec
@@ -24,7 +22,7 @@ from dh2urdf import __version__
 from dh2urdf.layouts import Form
 from dh2urdf.number_text import format_number
 from dh2urdf.report.exhibits import FULL, Exhibit
-from dh2urdf.report.figures import ARMS, Workspace, arm_figure, bars_figure
+from dh2urdf.report.figures import ARMS, LARGEST, Workspace, arm_figure, bars_figure, without_warnings
 from dh2urdf.report.overview import MOST_DRAWN, SAMPLED, Overview, checks
 from dh2urdf.source import printable
 
@@ -65,21 +63,9 @@ def write_html(store: Store, rows: BinaryIO, exhibits: Exhibits, recipe: Recipe,
         OutputError: it cannot be written.
     """
     overview = Overview(rows, FULL)
-    with _without_warnings():
+    with without_warnings():
         content = page(overview, exhibits, recipe, store, layout)
     store.write(PAGE, content)
-
-
-@contextmanager
-def _without_warnings() -> Iterator[None]:
-    """Keeps to itself what matplotlib says of its font cache and its folders when it is used for the first time."""
-    logger = logging.getLogger("matplotlib")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)
 
 
 def page(overview: Overview, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:
@@ -235,7 +221,7 @@ def _figures(exhibit: Exhibit) -> dict[str, Any] | None:
         return None
     workspace = Workspace(exhibit.truth, exhibit.robot)
     extents = {tip: workspace.extent(tip) for tip in workspace.points}
-    if not all(0.0 <= extent["distance"] < _LARGEST_DRAWING for extent in extents.values()):
+    if not all(0.0 <= extent["distance"] < LARGEST for extent in extents.values()):
         return None
     return {
         "arm": Markup(arm_figure(exhibit.truth, f"{exhibit.key}-arm")),  # noqa: S704 - drawn by matplotlib
@@ -243,9 +229,6 @@ def _figures(exhibit: Exhibit) -> dict[str, Any] | None:
         "extents": [(tip, ARMS[n % len(ARMS)], extent) for n, (tip, extent) in enumerate(extents.items())],
         "samples": len(next(iter(workspace.points.values()))),
     }
-
-
-_LARGEST_DRAWING = 1e9  # [m]: beyond, an arm is a mistake, and matplotlib's arithmetic ends
 
 
 def _distributions(overview: Overview) -> dict[str, Any]:

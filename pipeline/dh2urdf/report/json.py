@@ -17,7 +17,7 @@ from dh2urdf.outcome import to_text
 from dh2urdf.output import reporting_os_errors
 
 if TYPE_CHECKING:
-    from dh2urdf.run import Result
+    from dh2urdf.runs import Result
     from dh2urdf.stores import Store
 
 SCHEMA = "dh2urdf-report/1"

@@ -1,10 +1,12 @@
-"""JSON Schemas (2020-12) of what a run tells: of `report.json`, and of a line of `manifest.jsonl`."""
+"""JSON Schemas (2020-12) of what a run tells, and of the list of plugins."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from dh2urdf.registry import KINDS
 from dh2urdf.report.json import REPORTED, SCHEMA
+from dh2urdf.report.plugins import SCHEMA as PLUGINS_SCHEMA
 from dh2urdf.schema import DIALECT
 
 
@@ -25,6 +27,55 @@ def report_schema() -> dict[str, Any]:
 def manifest_schema() -> dict[str, Any]:
     """The schema of a line of `manifest.jsonl`."""
     return {"$schema": DIALECT, "title": "a line of manifest.jsonl of dh2urdf", **_row(), "$defs": _parts()}
+
+
+def plugins_schema() -> dict[str, Any]:
+    """The schema of what `dh2urdf plugins --json` prints."""
+    plugin = {
+        "plugin": _text("the plugin's entry point, such as my_lab = my_lab.plugin"),
+        "distribution": _text("name and version of the distribution that provides it"),
+    }
+    kind = {"enum": list(KINDS), "description": "the kind of stage"}
+    option = _object(
+        {
+            "name": _text("the option's name in a run file"),
+            "type": _text("what it takes, in words"),
+            "default": _text("what it is where nobody says it, in words"),
+            "help": _text("what it is for"),
+        }
+    )
+    stage = _object(
+        {
+            "kind": kind,
+            "name": _text("the stage's name in a run file"),
+            "summary": _text("what it does, in one line"),
+            **plugin,
+            "options": _list(option, "its options"),
+        }
+    )
+    clash = _object(
+        {
+            "kind": kind,
+            "name": _text("a name that several plugins claim"),
+            "distributions": _list({"type": "string"}, "who claims it: name and version of each distribution"),
+            "choices": _list({"type": "string"}, "how each is said without doubt: distribution:name"),
+        }
+    )
+    refused = {**plugin, "reason": _text("why it cannot be used")}
+    failed = _object({**refused, "traceback": _text("where it failed")})
+    report = _object(
+        {
+            "schema": {"const": PLUGINS_SCHEMA, "description": "name and version of this form"},
+            "version": _text("version of dh2urdf that wrote it"),
+            "interface": _text("version of the plugin interface, major.minor"),
+            "stages": _list(stage, "every stage that is installed, by kind and name"),
+            "clashes": _list(clash, "names that are no use without the distribution before them"),
+            "broken": _list(failed, "plugins, or parts of plugins, that failed"),
+            "incompatible": _list(_object(refused), "plugins for another version of the interface"),
+            "left_out": _list(_object(plugin), "plugins that the command line leaves out"),
+        }
+    )
+    return {"$schema": DIALECT, "title": "dh2urdf plugins --json", **report}
 
 
 def _row() -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.cli.check import _checker
+from dh2urdf.cli.check import _inspection
 from dh2urdf.errors import ConfigError
 from dh2urdf.registry import load
 
@@ -113,7 +113,7 @@ def test_a_format_without_a_check_is_refused() -> None:
         provided = staticmethod(load().provided)
 
     with pytest.raises(ConfigError, match=r"(?s)'mine' cannot be checked.*urdf, xacro"):
-        _checker(Catalog(), Path("arm.mine"), "mine")  # type: ignore[arg-type]
+        _inspection(Catalog(), Path("arm.mine"), "mine")  # type: ignore[arg-type]
 
 
 # --- Against a table --------------------------------------------------------------------------------------------------

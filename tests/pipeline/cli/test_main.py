@@ -124,14 +124,19 @@ class TestDebug:
         def broken() -> None:
             raise LookupError("the ground is gone")
 
-        monkeypatch.setattr(dh2urdf.cli.plugins, "load", broken)
+        monkeypatch.setattr(dh2urdf.cli.plugins, "catalog", broken)
         assert _status(["plugins"], debug=False) == cli.INTERNAL_ERROR == 1
         assert capfd.readouterr().err == (
             "dh2urdf: internal error: LookupError: the ground is gone\n"
             "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where\n"
         )
         with pytest.raises(LookupError):
-            _status(["--debug", "plugins"], debug=True)
+            _status(["--debug", "plugins"])
+
+    def test_it_is_heeded_wherever_it_stands_before_the_command(self, capfd: pytest.CaptureFixture[str]) -> None:
+        """Other options of the program may stand before it."""
+        assert _status(["--without", "builtin", "--debug", "convert", "nope.csv"]) == 2
+        assert "Traceback (most recent call last):" in capfd.readouterr().err
 
 
 class TestPipes:

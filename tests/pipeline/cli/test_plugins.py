@@ -5,7 +5,10 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
+from jsonschema import Draft202012Validator
+
 from dh2urdf import __version__
+from dh2urdf.hookspecs import INTERFACE_VERSION
 from dh2urdf.registry import KINDS, load
 
 if TYPE_CHECKING:
@@ -35,13 +38,16 @@ def test_every_option_is_explained(cli: Callable[..., Answer]) -> None:
 
 
 def test_the_same_as_json(cli: Callable[..., Answer]) -> None:
-    """A script gets kind, name, summary, distribution and options, and the broken plugins."""
+    """A script gets kind, name, summary, plugin, distribution and options, as `schema plugins` says."""
     listed = json.loads(cli("plugins", "--json").stdout)
-    assert set(listed) == {"stages", "broken"}
+    Draft202012Validator(json.loads(cli("schema", "plugins").stdout)).validate(listed)
+    assert (listed["version"], listed["interface"]) == (__version__, INTERFACE_VERSION)
+    assert [listed[what] for what in ("clashes", "broken", "incompatible", "left_out")] == [[], [], [], []]
     stages = {(stage["kind"], stage["name"]): stage for stage in listed["stages"]}
     assert {("reader", "csv"), ("reader", "yaml"), ("transform", "alpha-swap"), ("emitter", "urdf"), ("emitter", "xacro"),
             ("loader", "pybullet"), ("executor", "local")} <= set(stages)  # fmt: skip
     swap = stages["transform", "alpha-swap"]
+    assert swap["plugin"] == "builtin = dh2urdf_plugins"
     assert swap["distribution"] == f"dh2urdf {__version__}"
     frames = next(option for option in swap["options"] if option["name"] == "frames")
     assert set(frames) == {"name", "type", "default", "help"}

@@ -260,9 +260,9 @@ class TestPluginsThatMisbehave:
     def test_a_broken_stage_fails_its_manipulator(
         self, dh2urdf: Callable[..., CompletedProcess[str]], lab: Path, reports: frozenset[str]
     ) -> None:
-        """Status 1, one message that names the stage; no file of the other emitters stays either."""
+        """Status 1, one message with the stage, distribution and version; no file of the other emitters stays either."""
         failed = dh2urdf("run", "broken.yaml", path=[lab / "site"], status=1)
-        assert "emitter 'broken' failed: AttributeError" in failed.stderr
+        assert "emitter 'broken' of lab 1.0 failed: AttributeError" in failed.stderr
         assert "Traceback" not in failed.stderr
         assert written(lab) == reports
 

@@ -8,7 +8,7 @@ from dh2urdf.cli.summary import MANY, MOST_ROWS, print_summary
 from dh2urdf.conversion import Written
 from dh2urdf.outcome import Outcome
 from dh2urdf.proof import Proof
-from dh2urdf.run import Result
+from dh2urdf.runs import Result
 from dh2urdf.stages import EmittedFile, LoadReport
 
 if TYPE_CHECKING:

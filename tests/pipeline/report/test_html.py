@@ -22,15 +22,16 @@ from dh2urdf.config import load_config
 from dh2urdf.outcome import make_row, to_line
 from dh2urdf.proof import Proof
 from dh2urdf.registry import load
-from dh2urdf.run import execute, make_plan
+from dh2urdf.runs import execute, make_plan
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
 
 from dh2urdf.report.exhibits import EXAMPLES, FULL, Exhibits
-from dh2urdf.report.figures import Workspace, skeleton
+from dh2urdf.report.figures import Workspace
 from dh2urdf.report.html import page
 from dh2urdf.report.overview import LISTED, Overview
+from dh2urdf.report.skeletons import arm_skeleton
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -436,7 +437,7 @@ class TestRuns:
     ) -> None:
         """The run is done, and the summary ends with what to type; not where nobody wants the page."""
         monkeypatch.setattr("dh2urdf.cli.run.can_write_html", lambda: False)
-        monkeypatch.setattr("dh2urdf.run.can_write_html", lambda: False)
+        monkeypatch.setattr("dh2urdf.runs.can_write_html", lambda: False)
         _file(tmp_path, "run.yaml", RUN, arms=table(["arm"]))
         assert cli("run", "run.yaml").stdout.splitlines()[-1].endswith("pip install 'dh2urdf[report]'")
         assert not (tmp_path / "out" / "report.html").exists()
@@ -450,10 +451,10 @@ class TestDrawings:
         from dh2urdf.truth import Truth
 
         table_ = reference_robot.manipulator
-        arm = skeleton(Truth.of(table_).tips[0])
+        arm = arm_skeleton(Truth.of(table_).tips[0])
         zero = [0.0] * len(table_.moving_rows)
         expected = forward_kinematics(table_, zero)
-        np.testing.assert_allclose(arm.path[-1], expected.translation, atol=1e-12)
+        np.testing.assert_allclose(arm.tips[0], expected.translation, atol=1e-12)
         assert len(arm.axes) == len(zero)
         # A joint turns tool0 about its drawn axis, or moves it along it: by central differences.
         for index, (_, at, direction, slides) in enumerate(arm.axes):

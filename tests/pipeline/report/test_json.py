@@ -12,7 +12,7 @@ from dh2urdf.batch_report import BatchReport
 from dh2urdf.errors import OutputError
 from dh2urdf.outcome import make_row, to_line, to_text
 from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
-from dh2urdf.run import Result
+from dh2urdf.runs import Result
 from dh2urdf.stores import open_store
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ import pytest
 from dh2urdf.config import load_config
 from dh2urdf.errors import ConfigError, ExecutorError, MissingDependencyError
 from dh2urdf.registry import load
-from dh2urdf.run import make_plan
+from dh2urdf.runs import make_plan
 from dh2urdf.stages import Lost
 from dh2urdf_plugins.executors import dask
 from dh2urdf_plugins.executors.dask import EXECUTOR, DaskOptions, map_on_dask
@@ -405,8 +405,8 @@ class TestThePage:
         for block in blocks:
             (tmp_path / "run.yaml").write_text(block, "utf-8")
             plan = make_plan(load_config(tmp_path / "run.yaml"), load())
-            assert plan.executor.name == "dask"
-            assert plan.executor_options == DaskOptions(scheduler="tcp://head:8786")
+            assert plan.executor.stage.name == "dask"
+            assert plan.executor.options == DaskOptions(scheduler="tcp://head:8786")
 
     def test_its_commands_have_these_options(self) -> None:
         """Dask knows every word of the commands that start a cluster."""
@@ -456,4 +456,4 @@ class TestThePage:
         assert words[:4] == ["dh2urdf", "run", "study.yaml", "--resume"]
         shutil.copytree(self.ROOT / "configs", tmp_path / "configs")
         plan = make_plan(load_config(tmp_path / "configs" / "ur5.yaml", words[5::2]), load())
-        assert plan.executor_options == DaskOptions(scheduler=Stub.scheduler_address)
+        assert plan.executor.options == DaskOptions(scheduler=Stub.scheduler_address)

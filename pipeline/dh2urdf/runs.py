@@ -11,25 +11,29 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 from dh2urdf import sampling
+from dh2urdf.attribution import Call, depending_on, own_work
 from dh2urdf.batches import Batch, Doomed, Expected, batches
 from dh2urdf.cells import CellCall
-from dh2urdf.conversion import Call, Recipe
+from dh2urdf.config import load_config
+from dh2urdf.conversion import Recipe
 from dh2urdf.errors import ConfigError, CrashError, InputError, ManipulatorError, TableError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
-from dh2urdf.making import Effect, Maker, this_process
+from dh2urdf.making import Effect, Maker
 from dh2urdf.mesh_section import MeshCall
 from dh2urdf.options import make_options
 from dh2urdf.output import reporting_os_errors, write_all
+from dh2urdf.registry import load
 from dh2urdf.report.exhibits import Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import run_report, write_reports, write_timing
 from dh2urdf.source import Problem, in_file_order
-from dh2urdf.stages import Executor, Loader, Lost, Reader
+from dh2urdf.stages import Emitter, Executor, Loader, Lost, Reader
 from dh2urdf.stores import Store, open_store
 from dh2urdf.variations import VariationCall
+from dh2urdf.watchdog import this_process
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
@@ -47,26 +51,24 @@ class Plan:
     """A run file whose stages and options are all resolved.
 
     Attributes:
-        inputs: files with the reader and the reader's options of each.
+        inputs: files with the reader of each.
         recipe: what is done with every manipulator.
         key: the recipe's, by which a later run knows files that are still right.
         store: where the output goes.
         layout: under which names.
         executor: does the work.
-        executor_options: its options.
         cells: robots of several of the manipulators, made when all have been read.
         variations: manipulators drawn from others, made at the end.
         html: whether to write a page for people, where its packages are installed.
         meshes: mesh files that links are drawn and touched as.
     """
 
-    inputs: tuple[tuple[Path, Reader[Any], Any], ...]
+    inputs: tuple[tuple[Path, Call[Reader[Any]]], ...]
     recipe: Recipe
     key: str
     store: Store
     layout: Layout
-    executor: Executor[Any]
-    executor_options: Any
+    executor: Call[Executor[Any]]
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     html: bool = True
@@ -110,6 +112,26 @@ class Result:
         self.timings += report.timings
 
 
+def load_plan(
+    path: Path, overrides: Sequence[str] = (), output: str | None = None, catalog: Catalog | None = None
+) -> Plan:
+    """The plan of a run file.
+
+    Args:
+        path: the run file.
+        overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
+        output: where the output goes, if not where the run file says: a folder or an address.
+        catalog: the stages; by default all that are installed.
+
+    Raises:
+        ConfigError: something in the run file is wrong; all of it is said at once.
+        OutputError: nothing can be written there.
+        PluginError: the run needs a plugin that is broken, or a package that is not installed.
+    """
+    plan = make_plan(load_config(path, overrides), catalog or load())
+    return plan if output is None else replace(plan, store=open_store(output))
+
+
 def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     """Resolve every stage and every option of a run file, before anything is read or written.
 
@@ -122,13 +144,16 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     def resolve(kind: Any, call: StageCall) -> Call[Any] | None:  # noqa: ANN401 - a kind of stage
         try:
             stage = catalog.get(kind, call.stage)
-            where = f"{kind} {stage.name!r}"
-            return Call(stage=stage, options=make_options(stage.options, call.options, mark=call.mark, where=where))
+            plugin = catalog.plugin_of(stage)
+            options = make_options(
+                stage.options, call.options, mark=call.mark, where=f"{kind} {stage.name!r}", plugin=plugin
+            )
+            return Call(stage=stage, options=options, plugin=plugin)
         except InputError as error:
             problems.extend(problem.about(mark=call.mark) for problem in error.problems)
             return None
 
-    inputs: list[tuple[Path, Reader[Any], Any]] = []
+    inputs: list[tuple[Path, Call[Reader[Any]]]] = []
     for given in config.inputs:
         for path in given.paths:
             try:
@@ -139,12 +164,14 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
             call = resolve("reader", given.read_by(name))
             if call is None:
                 break
-            inputs.append((path, call.stage, call.options))
+            inputs.append((path, call))
     transform = resolve("transform", config.transform)
     emitters = [resolve("emitter", call) for call in config.emitters]
     loaders = [resolve("loader", call) for call in config.loaders]
     executor = resolve("executor", config.execution)
-    problems += _without_file(config, loaders)
+    problems += _twice(config.emitters, emitters)
+    problems += _twice(config.loaders, loaders)
+    problems += _without_file(config, emitters, loaders)
     if problems or transform is None or executor is None:
         raise ConfigError(in_file_order(problems))
     recipe = Recipe(
@@ -157,19 +184,18 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         time_limit=config.time_limit,
         mesh_prefix=config.mesh_prefix,
     )
-    for loader in recipe.loaders:
-        loader.stage.require(loader.options)
-    executor.stage.require(executor.options)
+    for needed in (*recipe.loaders, executor):
+        with depending_on(needed, "require"):
+            needed.stage.require(needed.options)
     for variation in config.variations:
         sampling.require(variation.sampling)
     return Plan(
         inputs=tuple(inputs),
         recipe=recipe,
-        key=recipe_key(recipe, catalog),
+        key=recipe_key(recipe),
         store=open_store(config.output),
         layout=config.layout,
-        executor=executor.stage,
-        executor_options=executor.options,
+        executor=executor,
         cells=config.cells,
         variations=config.variations,
         html=config.html,
@@ -177,9 +203,11 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     )
 
 
-def _without_file(config: RunConfig, loaders: Sequence[Call[Loader[Any]] | None]) -> Iterator[Problem]:
+def _without_file(
+    config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None], loaders: Sequence[Call[Loader[Any]] | None]
+) -> Iterator[Problem]:
     """The loaders that take no file which the run writes."""
-    formats = [call.stage for call in config.emitters]
+    formats = [call.stage.name if call else asked.stage for asked, call in zip(config.emitters, emitters, strict=True)]
     for asked, loader in zip(config.loaders, loaders, strict=True):
         if loader is not None and not set(loader.stage.formats) & set(formats):
             yield Problem(
@@ -188,6 +216,21 @@ def _without_file(config: RunConfig, loaders: Sequence[Call[Loader[Any]] | None]
                 field="loaders",
                 found=", ".join(formats),
                 accepted=f"one of the emitters {', '.join(loader.stage.formats)} in the section `emitters`",
+            )
+
+
+def _twice(asked: Sequence[StageCall], calls: Sequence[Call[Any] | None]) -> Iterator[Problem]:
+    """The stages whose name another one has, of another distribution: files and reports are told by these names."""
+    first: dict[str, StageCall] = {}
+    for given, call in zip(asked, calls, strict=True):
+        if call is not None and (other := first.setdefault(call.stage.name, given)) is not given:
+            yield Problem(
+                message=f"the {call.kind} {call.stage.name!r} stands twice in one run",
+                mark=given.mark,
+                field=f"{call.kind}s",
+                found=given.stage,
+                accepted="each name once",
+                suggestion=f"it stands first at {other.mark}",
             )
 
 
@@ -279,11 +322,12 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     expected = Expected(plan)
 
     def handed_over() -> Iterator[Batch]:
-        for batch in batches(plan, expected):
-            known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
-            under_way.append(known)
-            exhibits.see(batch)
-            yield known
+        with own_work():
+            for batch in batches(plan, expected):
+                known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
+                under_way.append(known)
+                exhibits.see(batch)
+                yield known
 
     unread: list[
         BatchReport
@@ -309,8 +353,13 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
 
 
 def _answers(plan: Plan, maker: Maker, some: Iterator[Batch]) -> Generator[Any, None, None]:
-    """What the executor has of each batch."""
-    yield from plan.executor.map(maker, some, plan.executor_options)
+    """What the executor has of each batch.
+
+    Raises:
+        BrokenPluginError: the executor failed, and not because of what is told of a batch.
+    """
+    with depending_on(plan.executor):
+        yield from plan.executor.stage.map(maker, some, plan.executor.options)
 
 
 # --- Batches that their workers do not survive -----------------------------------------------------------------------

@@ -19,14 +19,14 @@ from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, M
 from dh2urdf.outcome import Row, to_text
 from dh2urdf.registry import KINDS, Catalog, Plugin, load
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
-from dh2urdf.run import execute, make_plan
+from dh2urdf.runs import execute, make_plan
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from dh2urdf import run
+    from dh2urdf import runs
     from dh2urdf.batch_report import BatchReport
 
 # The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
@@ -150,7 +150,7 @@ class Lab:
         provide.__name__ = f"dh2urdf_{kind}"
         return provide
 
-    def plan(self, config: str, **tables: str) -> run.Plan:
+    def plan(self, config: str, **tables: str) -> runs.Plan:
         for name, text in tables.items():
             (self.folder / f"{name}.list").write_text(text)
         (self.folder / "run.yaml").write_text(
@@ -171,7 +171,7 @@ class Lab:
 REPORTS = {"manifest.jsonl", "manifest.parquet", "report.json", "index.json", "timing.json"}
 
 
-def rows(plan: run.Plan, **how: Any) -> list[Row]:
+def rows(plan: runs.Plan, **how: Any) -> list[Row]:
     """The rows of a run, which are in its manifest and, of a short one, in its report."""
     _, report = execute(plan, **how)
     if not how.get("dry_run"):
@@ -218,11 +218,14 @@ class TestPlan:
     def test_stages_and_options_are_resolved(self, lab: Lab) -> None:
         """A plan holds the records of the stages, the readers by the files' suffixes, and the options as their types."""
         plan = lab.plan("inputs: [a.list, {path: b.list, stage: list}]\nloaders: paper", a="x", b="y")
-        assert [(path.name, reader.name) for path, reader, _ in plan.inputs] == [("a.list", "list"), ("b.list", "list")]
+        assert [(path.name, reader.stage.name) for path, reader in plan.inputs] == [
+            ("a.list", "list"),
+            ("b.list", "list"),
+        ]
         assert plan.recipe.transform.stage.transform is draw
         assert plan.recipe.transform.options == DrawOptions()
         assert [call.stage.name for call in plan.recipe.loaders] == ["paper"]
-        assert plan.executor.name == "here"
+        assert plan.executor.stage.name == "here"
         assert str(plan.store) == str(lab.output)
 
     def test_all_that_is_wrong_is_said_at_once(self, lab: Lab) -> None:
@@ -319,7 +322,7 @@ class TestExecute:
         assert (first["name"], last["name"]) == ("arm", "hand")
         assert crash["status"] == "failed"
         (problem,) = crash["errors"]
-        assert problem["message"].startswith("reader 'list' failed: ZeroDivisionError: no such number")
+        assert problem["message"].startswith("reader 'list' of lab 1.0 failed: ZeroDivisionError: no such number")
         assert problem["file"] == str(lab.folder / "a.list")
         tracebacks = [text for report in noted for text in report.tracebacks]
         assert ['raise ZeroDivisionError("no such number")' in text for text in tracebacks] == [True]

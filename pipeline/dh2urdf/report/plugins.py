@@ -1,0 +1,65 @@
+"""What is installed, as plain data: what `dh2urdf plugins --json` prints. `dh2urdf.report.schema` has its schema."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf import __version__
+from dh2urdf.attribution import Call, broken
+from dh2urdf.errors import IncompatiblePluginError
+from dh2urdf.hookspecs import INTERFACE_VERSION
+from dh2urdf.options import describe_options
+from dh2urdf.registry import KINDS
+
+if TYPE_CHECKING:
+    from dh2urdf.errors import BrokenPluginError
+    from dh2urdf.registry import Catalog, Provided
+
+SCHEMA = "dh2urdf-plugins/1"
+
+
+def plugins_report(catalog: Catalog) -> dict[str, Any]:
+    """Every stage with its options, and every plugin that gives none: broken, incompatible, or left out."""
+    failed: list[BrokenPluginError] = []
+    stages = [_stage(item, kind, failed) for kind in KINDS for item in catalog.provided(kind)]
+    failed = [*catalog.broken, *failed]
+    return {
+        "schema": SCHEMA,
+        "version": __version__,
+        "interface": INTERFACE_VERSION,
+        "stages": stages,
+        "clashes": [
+            {"kind": clash.kind, "name": clash.name, "distributions": clash.distributions, "choices": clash.choices}
+            for clash in catalog.clashes()
+        ],
+        "broken": [
+            {**_refused(error), "traceback": error.traceback}
+            for error in failed
+            if not isinstance(error, IncompatiblePluginError)
+        ],
+        "incompatible": [_refused(error) for error in failed if isinstance(error, IncompatiblePluginError)],
+        "left_out": [{"plugin": plugin.name, "distribution": plugin.distribution} for plugin in catalog.left_out],
+    }
+
+
+def _stage(item: Provided, kind: str, failed: list[BrokenPluginError]) -> dict[str, Any]:
+    options: list[dict[str, str]] = []
+    try:
+        options = [
+            {"name": name, "type": type_text, "default": default, "help": text}
+            for name, type_text, default, text in describe_options(item.stage.options)
+        ]
+    except Exception as error:  # noqa: BLE001 - a default describes itself by code of the plugin
+        failed.append(broken(error, Call(stage=item.stage, options=None, plugin=item.plugin), "options"))
+    return {
+        "kind": kind,
+        "name": item.stage.name,
+        "summary": item.stage.summary,
+        "plugin": item.plugin.name,
+        "distribution": item.plugin.distribution,
+        "options": options,
+    }
+
+
+def _refused(error: BrokenPluginError) -> dict[str, str]:
+    return {"plugin": error.plugin, "distribution": error.distribution, "reason": error.reason}

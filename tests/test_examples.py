@@ -1,0 +1,174 @@
+"""The plugins under examples/, used as anybody uses them: installed, listed, tested, and run from a run file."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import pytest
+from lxml import etree
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = {"cisst": ("reader", "cisst"), "graphviz": ("emitter", "dot"), "threads": ("executor", "threads")}
+
+
+class Lab(NamedTuple):
+    """A virtual environment with the examples in it.
+
+    Attributes:
+        folder: copies of the examples.
+        commands: where the commands of the environment are.
+    """
+
+    folder: Path
+    commands: Path
+
+    def types(self, *words: str | Path, where: str, status: int = 0) -> str:
+        """What a command of the environment prints in the folder of an example."""
+        inherited = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        result = subprocess.run(
+            words,
+            env={**inherited, "PATH": f"{self.commands}{os.pathsep}{os.environ['PATH']}"},
+            cwd=self.folder / where,
+            capture_output=True,
+            encoding="utf-8",
+            check=False,
+            timeout=600,
+        )
+        assert result.returncode == status, f"exit status {result.returncode}\n{result.stdout}\n{result.stderr}"
+        return result.stdout
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Lab:
+    """An environment into which pip has installed dh2urdf and the examples, without a network.
+
+    What they depend on is seen in the environment of the tests.
+    """
+    folder = tmp_path_factory.mktemp("lab")
+    for name in EXAMPLES:
+        shutil.copytree(ROOT / "examples" / name, folder / name, ignore=shutil.ignore_patterns("build", "__pycache__"))
+    venv.create(folder / "venv", with_pip=False)
+    commands = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
+    site = Path(sysconfig.get_path("purelib", vars={"base": str(folder / "venv")}))
+    site.joinpath("tests.pth").write_text(sysconfig.get_path("purelib"))
+    offline = ("--no-index", "--no-deps", "--no-build-isolation", "--ignore-installed", "--quiet")
+    pip = (sys.executable, "-m", "pip", "--python", str(commands / "python"), "--disable-pip-version-check")
+    subprocess.run(
+        [*pip, "install", *offline, ROOT, *(folder / name for name in EXAMPLES)],
+        env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
+        check=True,
+    )
+    return Lab(folder, commands)
+
+
+def readme_block(name: str, language: str) -> str:
+    text = (ROOT / "examples" / name / "README.md").read_text("utf-8")
+    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    return str(block)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_it_is_listed(lab: Lab, name: str) -> None:
+    """`dh2urdf plugins` shows the stage with its distribution and the help of its options; nothing is broken."""
+    listed = json.loads(lab.types("dh2urdf", "plugins", "--json", where=name))
+    assert listed["broken"] == []
+    (stage,) = (stage for stage in listed["stages"] if stage["distribution"] == f"dh2urdf-{name} 1.0.0")
+    assert (stage["kind"], stage["name"]) == EXAMPLES[name]
+    assert all(option["help"] for option in stage["options"])
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_its_own_tests_pass(lab: Lab, name: str) -> None:
+    """The contract of its kind and what it says of itself, from its own folder."""
+    told = lab.types("python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", where=name)
+    assert re.search(r"\d+ passed", told)
+    assert " failed" not in told
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_it_is_typed(lab: Lab, name: str) -> None:
+    """mypy --strict accepts the stage and its tests; ruff is asked by whoever lints the whole repository."""
+    lab.types("python", "-m", "mypy", "--strict", "--config-file=", "--cache-dir", ".mypy", "src", "tests", where=name)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_its_readme_keeps_its_word(lab: Lab, name: str) -> None:
+    """What is to be typed after the installation works in its folder, word for word, and its run file has no failure."""
+    install, *commands = readme_block(name, "sh").splitlines()
+    assert install == "pip install ."
+    if any(command.startswith("dot ") for command in commands) and shutil.which("dot") is None:
+        pytest.skip("Graphviz's command dot is not installed")
+    lab.types("bash", "-euo", "pipefail", "-c", "\n".join(commands), where=name)
+    lab.types("dh2urdf", "run", "run.yaml", where=name)
+
+
+def report_of(lab: Lab, name: str) -> list[dict[str, Any]]:
+    """What a run of its run file says of each manipulator."""
+    return list(json.loads(lab.types("dh2urdf", "run", "run.yaml", "--json", where=name))["manipulators"])
+
+
+class TestInARun:
+    """Each in a pipeline, from its run file."""
+
+    def test_the_reader(self, lab: Lab, tool0_of: Callable[[Path], Callable[[Sequence[float]], np.ndarray]]) -> None:
+        """The endoscope becomes URDF and xacro, which are proved, and whose tip goes where its insertion does."""
+        (arm,) = report_of(lab, "cisst")
+        assert (arm["name"], arm["status"]) == ("endoscope", "ok")
+        assert max(proof["position_error"] for proof in arm["proof"].values()) < 1e-12
+        tool0 = tool0_of(lab.folder / "cisst" / "build" / "endoscope.urdf")
+        moved = tool0([0.2, 0.1, 0.15, 0.0])[:3, 3] - tool0([0.2, 0.1, 0.05, 0.0])[:3, 3]
+        assert np.linalg.norm(moved) == pytest.approx(0.1, abs=1e-12)
+
+    def test_the_emitter(self, lab: Lab) -> None:
+        """The graph stands beside the URDF and has its links and joints; nothing of it is to be proved."""
+        (arm,) = report_of(lab, "graphviz")
+        assert [file["path"] for file in arm["files"]] == ["scara.urdf", "scara.dot"]
+        assert arm["proof"]["dot"] is None
+        build = lab.folder / "graphviz" / "build"
+        urdf, graph = etree.parse(build / "scara.urdf"), (build / "scara.dot").read_text("utf-8")
+        for element in (*urdf.findall("link"), *urdf.findall("joint")):
+            assert f'label="{element.get("name")}' in graph
+        assert "rankdir=LR" in graph
+
+    def test_the_graph_can_be_drawn(self, lab: Lab) -> None:
+        """Graphviz's own dot draws it: a node for each link, an edge for each joint."""
+        if shutil.which("dot") is None:
+            pytest.skip("Graphviz's command dot is not installed")
+        report_of(lab, "graphviz")
+        build = lab.folder / "graphviz" / "build"
+        drawn = subprocess.run(["dot", "-Tsvg", build / "scara.dot"], capture_output=True, check=True).stdout  # noqa: S607
+        shapes = [group.get("class") for group in etree.fromstring(drawn).iter("{http://www.w3.org/2000/svg}g")]
+        urdf = etree.parse(build / "scara.urdf")
+        assert shapes.count("node") == len(urdf.findall("link"))
+        assert shapes.count("edge") == len(urdf.findall("joint"))
+
+    def test_the_executor(self, lab: Lab) -> None:
+        """Forty arms are made by threads, byte for byte as by one process, and all are proved."""
+        arms = report_of(lab, "threads")
+        assert [arm["name"] for arm in arms] == [f"arm_{number}" for number in range(1, 41)]
+        assert {arm["status"] for arm in arms} == {"ok"}
+        lab.types("dh2urdf", "run", "run.yaml", "-o", "local", "--set", "execution=local", where="threads")
+        build, local = (lab.folder / "threads" / name for name in ("build", "local"))
+        for path in local.glob("*.urdf"):
+            assert path.read_bytes() == (build / path.name).read_bytes()
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_its_run_file_uses_it(name: str) -> None:
+    """The run file names the stage, and the README says what it is."""
+    run = (ROOT / "examples" / name / "run.yaml").read_text("utf-8")
+    assert f"stage: {EXAMPLES[name][1]}" in run
+    assert f"`{EXAMPLES[name][1]}`" in (ROOT / "examples" / name / "README.md").read_text("utf-8")

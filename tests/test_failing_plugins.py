@@ -1,0 +1,343 @@
+"""Whatever a plugin raises, wherever it does, is told as its own fault: plugin, distribution and version.
+
+What happens at import, at registration and in hooks is in tests/pipeline/test_registry.py.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.cli import _status
+from dh2urdf.registry import KINDS, RECORDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+PLUGIN = """
+from dataclasses import dataclass, replace
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.stages import Executor, Loader, LoadReport, NoOptions, Reader
+from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+class Unpicklable(Exception):
+    def __init__(self, one, two):
+        super().__init__(f"{one} and {two}")
+
+@dataclass(frozen=True)
+class Options:
+    def __post_init__(self):
+        fail()
+
+def fail(*_arguments):
+    raise ZeroDivisionError("at work")
+
+def fail_oddly(*_arguments):
+    raise Unpicklable("at work", "odd")
+
+def leave(*_arguments):
+    raise SystemExit(7)
+
+def give_nothing(*_arguments):
+    return None
+
+def give_numbers(*_arguments):
+    return [7]
+
+def read(path, options):
+    for name in ("left", "right"):
+        row = DHRow(joint="turn", link="one", a=0.5, alpha=0.0, d=0.1)
+        yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,))
+
+def load(request, options):
+    return LoadReport(simulator="paper", version="1", poses=len(request.poses), position_error=0.0)
+
+GOOD = {
+    "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",), schema=dict),
+    "transform": replace(TRANSFORM, name="bad"),
+    "emitter": replace(EMITTER, name="bad", suffixes=(".bad",)),
+    "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("urdf", "bad"),
+                     poses=lambda _: 2, picture=lambda _: False),
+    "executor": Executor(name="bad", summary="s", map=lambda work, tasks, _: map(work, tasks), options=NoOptions),
+}
+KIND, FIELD, HOW = "{what}".split(".")
+
+def given(kind):
+    yield replace(GOOD[kind], **({FIELD: globals()[HOW]} if kind == KIND else {}))
+
+@hookimpl
+def dh2urdf_readers():
+    return given("reader")
+
+@hookimpl
+def dh2urdf_transforms():
+    return given("transform")
+
+@hookimpl
+def dh2urdf_emitters():
+    return given("emitter")
+
+@hookimpl
+def dh2urdf_loaders():
+    return given("loader")
+
+@hookimpl
+def dh2urdf_executors():
+    return given("executor")
+"""
+RUN = (
+    "inputs: arm.bad\ntransform: bad\nemitters: [bad]\nloaders: bad\nexecution: bad\n"
+    "output: {directory: out}\nreport: {html: false}\n"
+)
+PLUGIN_NAME = "plugin 'lab = lab_lab' of lab 1.0 is broken: "
+
+
+@pytest.fixture
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, install: Callable[..., None]) -> Callable[[str], Path]:
+    """Install a plugin with one bad stage, and write a run that uses all of its stages."""
+
+    def with_bad(what: str) -> Path:
+        install(tmp_path / "site", "lab", PLUGIN.replace("{what}", what))
+        monkeypatch.syspath_prepend(tmp_path / "site")
+        monkeypatch.delitem(sys.modules, "lab_lab", raising=False)
+        (tmp_path / "arm.bad").touch()
+        (tmp_path / "run.yaml").write_text(RUN)
+        return tmp_path
+
+    return with_bad
+
+
+def said(answer: Answer) -> str:
+    return " ".join(answer.stderr.split())
+
+
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("reader.read.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("reader.read.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
+        (
+            "reader.read.give_numbers",
+            "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manipulator.M",
+        ),
+        ("transform.transform.fail", "transform 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        (
+            "transform.transform.give_nothing",
+            "transform 'bad' of lab 1.0 failed: TypeError: it gave NoneType, not dh2urdf",
+        ),
+        ("emitter.emit.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        (
+            "emitter.emit.give_numbers",
+            "emitter 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.stages.Emit",
+        ),
+        ("emitter.read_back.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("loader.load.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("loader.load.fail_oddly", "loader 'bad' of lab 1.0 failed: RuntimeError: Unpicklable: at work and odd"),
+        ("loader.load.give_numbers", "loader 'bad' of lab 1.0 failed: "),
+        ("loader.poses.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("loader.poses.give_nothing", "loader 'bad' of lab 1.0 failed: TypeError"),
+        ("loader.picture.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("loader.time_limit.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("loader.read_output.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+    ],
+)
+def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: str, message: str) -> None:
+    """The manipulator fails with stage, distribution and version, and the plugin whose authors should hear of it."""
+    lab(what)
+    nothing_was_read = what.startswith("reader")
+    told = said(cli("run", "run.yaml", status=2 if nothing_was_read else 1))
+    assert message in told
+    assert "tell the authors of lab 1.0 (plugin 'lab = lab_lab')" in told
+    assert "Traceback" not in told
+
+
+@pytest.mark.parametrize(
+    ("what", "words", "message"),
+    [
+        ("transform.keeps_kinematics.fail", "run run.yaml", "`keeps_kinematics` of the transform 'bad' failed: Zero"),
+        ("loader.require.fail", "run run.yaml", "`require` of the loader 'bad' failed: ZeroDivisionError: at work"),
+        ("executor.require.fail", "run run.yaml", "`require` of the executor 'bad' failed: ZeroDivisionError: at work"),
+        ("executor.map.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
+        ("executor.map.leave", "run run.yaml", "the executor 'bad' failed: SystemExit: 7"),
+        ("executor.map.give_nothing", "run run.yaml", "the executor 'bad' failed: TypeError: 'NoneType' object is not"),
+        (
+            "emitter.one_file.fail",
+            "convert arm.bad --robot left --to bad",
+            "`one_file` of the emitter 'bad' failed: Zero",
+        ),
+        ("emitter.check.fail", "check arm.bad", "`check` of the emitter 'bad' failed: ZeroDivisionError: at work"),
+        ("emitter.check.give_nothing", "check arm.bad", "`check` of the emitter 'bad' failed: TypeError: it gave None"),
+        ("reader.schema.fail", "schema table", "`schema` of the reader 'bad' failed: ZeroDivisionError: at work"),
+        *(
+            (
+                f"{kind}.options.Options",
+                "run run.yaml",
+                f"the options type Options of the {kind} 'bad' does not work: Zero",
+            )
+            for kind in KINDS
+        ),
+    ],
+)
+def test_what_the_whole_command_needs(
+    cli: Cli, lab: Callable[[str], Path], what: str, words: str, message: str
+) -> None:
+    """Status 3, with the plugin, the distribution, its version, the stage, and what was asked of it."""
+    folder = lab(what)
+    assert PLUGIN_NAME + message in said(cli(*words.split(), status=3))
+    assert not list(folder.glob("out/*.bad"))
+
+
+@pytest.mark.parametrize(
+    ("what", "reason"),
+    [
+        ("transform.transform_columns.fail", "transform 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("transform.transform_columns.give_numbers", "transform 'bad' of lab 1.0 failed: TypeError: "),
+        ("emitter.emit_columns.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("emitter.emit_columns.give_numbers", "emitter 'bad' of lab 1.0 failed: TypeError: "),
+        ("emitter.read_columns.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("emitter.read_columns.give_numbers", "emitter 'bad' of lab 1.0 failed: TypeError: "),
+    ],
+)
+def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what: str, reason: str) -> None:
+    """Each is made by itself, proved like any, and a notice says why, and whose fault it is."""
+    folder = lab(what)
+    cli("run", "run.yaml", "--set", "loaders=[]")
+    rows = json.loads((folder / "out" / "report.json").read_bytes())["manipulators"]
+    assert [row["status"] for row in rows] == ["ok", "ok"]
+    for row in rows:
+        assert row["proof"]["bad"]["position_error"] < 1e-12
+        (notice,) = (notice["message"] for notice in row["notices"] if "of lab 1.0" in notice["message"])
+        assert notice.startswith(reason)
+        assert "; it was made by itself" in notice
+
+
+def test_every_function_of_every_record_is_tried() -> None:
+    """The lists above have each field of each kind of stage that may hold code of a plugin."""
+    tried = set()
+    for test in (test_at_work_on_a_manipulator, test_what_the_whole_command_needs, test_where_many_are_made_at_once):
+        (mark,) = test.pytestmark  # type: ignore[attr-defined]
+        tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
+    described = {"name", "summary", "suffixes", "formats", "costly_proof"}
+    assert tried == {
+        (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described
+    }
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ("emitter.emit.fail", "run run.yaml"),
+        ("loader.load.fail", "run run.yaml"),
+        ("executor.map.fail", "run run.yaml"),
+        ("emitter.check.fail", "check arm.bad"),
+        ("emitter.options.Options", "run run.yaml"),
+    ],
+)
+def test_debug_shows_where(
+    lab: Callable[[str], Path],
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    what: str,
+    words: str,
+) -> None:
+    """The line of the plugin that raised it, also where that was in a child process."""
+    monkeypatch.chdir(lab(what))
+    assert _status(["--debug", *words.split()]) in {1, 3}
+    told = capfd.readouterr().err
+    assert "Traceback (most recent call last):" in told
+    assert 'raise ZeroDivisionError("at work")' in told
+
+
+def test_debug_shows_where_of_listed_plugins(
+    tmp_path: Path, install: Callable[..., None], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """`dh2urdf --debug plugins` shows the tracebacks, and --json has them always, as its schema says."""
+    install(tmp_path, "at-import", "raise OSError('the licence server does not answer')")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert _status(["plugins"]) == 0
+    assert "Traceback" not in capfd.readouterr().out
+    assert _status(["--debug", "plugins"]) == 0
+    assert "raise OSError('the licence server does not answer')" in capfd.readouterr().out
+    assert _status(["plugins", "--json"]) == 0
+    (entry,) = json.loads(capfd.readouterr().out)["broken"]
+    assert "raise OSError('the licence server does not answer')" in entry.pop("traceback")
+    assert entry == {
+        "plugin": "lab = at_import_lab",
+        "distribution": "at-import 1.0",
+        "reason": "OSError: the licence server does not answer",
+    }
+
+
+def test_a_fault_of_the_host_is_no_executor_s(
+    cli: Cli, lab: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What dh2urdf itself raises inside an executor, which calls it, is told as an internal error."""
+    lab("reader.schema.fail")
+
+    def fail(*_arguments: Any) -> None:
+        raise LookupError("the ground is gone")
+
+    monkeypatch.setattr("dh2urdf.making._Work.done", fail)
+    assert "dh2urdf: internal error: LookupError: the ground is gone" in said(cli("run", "run.yaml", status=1))
+
+
+@pytest.mark.parametrize(
+    ("record", "reason"),
+    [
+        ("replace(EMITTER, name='a:b')", "ValueError: the emitter 'a:b' has no name that a run file could say"),
+        ("replace(EMITTER, name='')", "ValueError: the emitter '' has no name"),
+        ("replace(EMITTER, summary=3)", "TypeError: the summary of the emitter 'urdf' is 3, not a text"),
+        (
+            "replace(EMITTER, options=dict)",
+            "TypeError: the options of the emitter 'urdf' are <class 'dict'>, not a dataclass",
+        ),
+    ],
+)
+def test_a_record_that_nobody_could_ask_for(  # noqa: PLR0917 - fixtures
+    tmp_path: Path,
+    install: Callable[..., None],
+    monkeypatch: pytest.MonkeyPatch,
+    cli: Cli,
+    record: str,
+    reason: str,
+) -> None:
+    """A record without a name, a summary or options that are what they should be breaks its plugin, when it is given."""
+    source = (
+        "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
+        f"from dh2urdf_plugins.emitters.urdf import EMITTER\n@hookimpl\ndef dh2urdf_emitters():\n    return [{record}]\n"
+    )
+    install(tmp_path, "odd", source)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "odd_lab", raising=False)
+    assert f"broken: lab = odd_lab of odd 1.0: {reason}" in cli("plugins").stdout
+
+
+def test_options_that_cannot_be_described(
+    tmp_path: Path, install: Callable[..., None], monkeypatch: pytest.MonkeyPatch, cli: Cli
+) -> None:
+    """A default that cannot be made does not end the list: the stage is there, the plugin is named as broken."""
+    source = (
+        "from dataclasses import dataclass, field, replace\nfrom dh2urdf.hookspecs import hookimpl\n"
+        "from dh2urdf_plugins.emitters.urdf import EMITTER\n"
+        "def odd():\n    raise RuntimeError('not shown')\n"
+        "@dataclass(frozen=True)\nclass Options:\n    odd: int = field(default_factory=odd)\n"
+        "@hookimpl\ndef dh2urdf_emitters():\n    return [replace(EMITTER, name='odd', options=Options)]\n"
+    )
+    install(tmp_path, "shy", source)
+    monkeypatch.syspath_prepend(tmp_path)
+    listed = json.loads(cli("plugins", "--json").stdout)
+    assert "odd" in {stage["name"] for stage in listed["stages"]}
+    (entry,) = listed["broken"]
+    assert entry["distribution"] == "shy 1.0"
+    assert entry["reason"] == "`options` of the emitter 'odd' failed: RuntimeError: not shown"

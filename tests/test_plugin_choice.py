@@ -1,0 +1,224 @@
+"""Two plugins with one name, and plugins that are left out: by the commands, as a person types them."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from subprocess import CompletedProcess
+
+    Command = Callable[..., CompletedProcess[str]]
+
+STAGES = """
+from pathlib import Path
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.stages import EmittedFile, Emitter, NoOptions, Reader
+
+with Path("imported").open("a") as log:
+    log.write("{who}\\n")
+
+def read(path, options):
+    row = DHRow(joint="turn", link="one", a=0.5, alpha=0.0, d=0.0)
+    yield Manipulator(name="arm_by_{who}", convention=Convention.STANDARD, rows=(row,))
+
+def emit(robot, stem, options):
+    return [EmittedFile(name=stem + ".usd", content=b"by {who}")]
+
+@hookimpl
+def dh2urdf_readers():
+    yield Reader(name="table", summary="s", read=read, options=NoOptions, suffixes=(".tab",))
+
+@hookimpl
+def dh2urdf_emitters():
+    yield Emitter(name="usd", summary="s", emit=emit, options=NoOptions, suffixes=(".usd",))
+"""
+RUN = "inputs: [a.csv, b.csv]\nemitters: [{emitter}]\noutput: {{directory: out}}\nreport: {{html: false}}\n"
+TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
+CLAIMED = "emitter 'usd' is claimed by lab-one 1.0 and by lab-two 1.0; say which is meant: lab-one:usd or lab-two:usd"
+
+
+@pytest.fixture
+def site(tmp_path: Path, install: Callable[..., None]) -> list[Path]:
+    """Two distributions, each in a folder of its own, whose plugins claim the same names; each import is written down."""
+    folders = [tmp_path / "site_one", tmp_path / "site_two"]
+    for folder, who in zip(folders, ("one", "two"), strict=True):
+        install(folder, f"lab-{who}", STAGES.replace("{who}", who), plugin=f"plugin_{who}")
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text(TABLE)
+    (tmp_path / "arm.tab").touch()
+    (tmp_path / "run.yaml").write_text(RUN.format(emitter="usd"))
+    return folders
+
+
+@pytest.fixture
+def imported(tmp_path: Path) -> Callable[[], set[str]]:
+    """Who has been imported since it was asked last."""
+
+    def since() -> set[str]:
+        log = tmp_path / "imported"
+        found = set(log.read_text().split()) if log.exists() else set()
+        log.unlink(missing_ok=True)
+        return found
+
+    return since
+
+
+class TestAClash:
+    def test_it_is_an_error_for_who_uses_the_name(self, dh2urdf: Command, site: list[Path], tmp_path: Path) -> None:
+        """Both distributions and both ways to say which is meant; nothing is written."""
+        assert CLAIMED in dh2urdf("run", "run.yaml", path=site, status=3).stderr
+        assert CLAIMED in dh2urdf("convert", "a.csv", "--to", "usd", path=site, status=3).stderr
+        assert not (tmp_path / "out").exists()
+
+    def test_it_is_none_for_who_does_not(self, dh2urdf: Command, site: list[Path], tmp_path: Path) -> None:
+        """A run of other stages works."""
+        (tmp_path / "run.yaml").write_text(RUN.format(emitter="urdf"))
+        dh2urdf("run", "run.yaml", path=site)
+        assert (tmp_path / "out" / "a.urdf").is_file()
+
+    @pytest.mark.parametrize("who", ["one", "two"])
+    @pytest.mark.parametrize("order", [1, -1])
+    def test_the_run_file_says_which(
+        self, dh2urdf: Command, site: list[Path], tmp_path: Path, who: str, order: int
+    ) -> None:
+        """Whatever is found first: `distribution:stage` decides, with several workers, too; reports have the short name."""
+        (tmp_path / "run.yaml").write_text(RUN.format(emitter=f'"lab-{who}:usd"'))
+        dh2urdf("run", "run.yaml", "--workers", "2", path=site[::order])
+        assert (tmp_path / "out" / "a.usd").read_text() == (tmp_path / "out" / "b.usd").read_text() == f"by {who}"
+        report = json.loads((tmp_path / "out" / "report.json").read_bytes())
+        assert {file["stage"] for row in report["manipulators"] for file in row["files"]} == {"usd"}
+
+    def test_the_command_line_says_which(self, dh2urdf: Command, site: list[Path], tmp_path: Path) -> None:
+        """In `run` by --set, in `convert` by --to and --from."""
+        dh2urdf("run", "run.yaml", "--set", "emitters.0.stage=lab-two:usd", path=site)
+        assert (tmp_path / "out" / "a.usd").read_text() == "by two"
+        words = ("convert", "arm.tab", "--from", "lab-one:table", "--to", "Lab_Two:usd")
+        assert dh2urdf(*words, path=site).stdout == "by two"
+        dh2urdf("convert", "arm.tab", "--from", "lab-two:table", "-o", "arm.urdf", path=site)
+        assert "arm_by_two" in (tmp_path / "arm.urdf").read_text()
+
+    def test_a_suffix_does_not_say_which(self, dh2urdf: Command, site: list[Path]) -> None:
+        """A file that both read, or both write, is the same clash."""
+        read = dh2urdf("convert", "arm.tab", "-o", "arm.urdf", path=site, status=3).stderr
+        assert "lab-one:table or lab-two:table" in read
+        assert CLAIMED in dh2urdf("convert", "a.csv", "-o", "arm.usd", path=site, status=3).stderr
+
+    def test_both_in_one_run_are_refused(self, dh2urdf: Command, site: list[Path], tmp_path: Path) -> None:
+        """Files and reports are told by the short name: two of one name are an error with its place."""
+        (tmp_path / "run.yaml").write_text(RUN.format(emitter='"lab-one:usd", "lab-two:usd"'))
+        refused = dh2urdf("run", "run.yaml", path=site, status=2).stderr
+        assert "run.yaml:2:27: error: field 'emitters': the emitter 'usd' stands twice in one run" in refused
+        assert "it stands first at run.yaml:2:12" in refused
+
+    def test_a_distribution_that_has_no_such_stage(self, dh2urdf: Command, site: list[Path]) -> None:
+        """Its stages are listed as they would have to be written; of a distribution that nobody knows, all stages."""
+        refused = dh2urdf("convert", "a.csv", "--to", "lab-one:usdz", path=site, status=2).stderr
+        assert "accepted: lab-one:usd\n    did you mean 'lab-one:usd'?" in refused
+        refused = dh2urdf("convert", "a.csv", "--to", "lab-on:usd", path=site, status=2).stderr
+        assert "dh2urdf:urdf" in refused
+        assert "did you mean 'lab-one:usd'?" in refused
+
+    def test_it_is_listed(self, dh2urdf: Command, site: list[Path]) -> None:
+        """`dh2urdf plugins` names it without anybody using it, and its JSON has it as its schema says."""
+        assert (
+            "claimed twice: emitter usd by lab-one 1.0 and lab-two 1.0; say lab-one:usd or lab-two:usd"
+            in dh2urdf("plugins", path=site).stdout
+        )
+        clashes = json.loads(dh2urdf("plugins", "--json", path=site).stdout)["clashes"]
+        assert [(clash["kind"], clash["name"]) for clash in clashes] == [("reader", "table"), ("emitter", "usd")]
+        assert clashes[1]["choices"] == ["lab-one:usd", "lab-two:usd"]
+
+    def test_an_editor_knows_it(self, dh2urdf: Command, site: list[Path]) -> None:
+        """The schema of run files has the long names of all stages, and the short ones that are not claimed twice."""
+        schema = dh2urdf("schema", path=site).stdout
+        assert '"lab-one:usd"' in schema
+        assert '"dh2urdf:urdf"' in schema
+        assert '"urdf"' in schema
+        assert '"usd"' not in schema
+
+
+class TestLeavingOut:
+    @pytest.mark.parametrize(
+        "words",
+        [
+            ("--without", "lab-one", "run", "run.yaml"),
+            ("run", "run.yaml", "--without", "lab-one"),
+            ("run", "run.yaml", "--without", "plugin_one", "--workers", "2"),
+        ],
+        ids=["before the command", "after it", "two workers"],
+    )
+    def test_it_ends_a_clash(
+        self,
+        dh2urdf: Command,
+        site: list[Path],
+        tmp_path: Path,
+        imported: Callable[[], set[str]],
+        words: tuple[str, ...],
+    ) -> None:
+        """The other one has the name to itself; what is left out is imported by no process, workers included."""
+        dh2urdf(*words, path=site)
+        assert (tmp_path / "out" / "a.usd").read_text() == "by two"
+        assert imported() == {"two"}
+
+    @pytest.mark.parametrize(
+        "words",
+        [
+            ("convert", "arm.tab", "-o", "arm.usd"),
+            ("check", "arm.urdf", "--against", "arm.tab"),
+            ("plugins",),
+            ("schema",),
+            ("schema", "table"),
+        ],
+        ids=" ".join,
+    )
+    @pytest.mark.parametrize("before", [True, False])
+    def test_every_command_heeds_it(
+        self,
+        dh2urdf: Command,
+        site: list[Path],
+        imported: Callable[[], set[str]],
+        words: tuple[str, ...],
+        *,
+        before: bool,
+    ) -> None:
+        """Each that uses plugins, with the option before its name or after."""
+        if words[0] == "check":
+            dh2urdf("convert", "a.csv", "-o", "arm.urdf", path=site)
+            imported()
+        option = ("--without", "lab-two")
+        command = (*option, *words) if before else (*words, *option)
+        dh2urdf(*command, path=site, status=int(words[0] == "check"))  # it is another arm
+        assert imported() == {"one"}
+
+    def test_it_may_be_said_often(self, dh2urdf: Command, site: list[Path], imported: Callable[[], set[str]]) -> None:
+        """Before the command and after it, all names count; `plugins` lists what is left out."""
+        words = ("--without", "lab-one", "plugins", "--without", "lab-two", "--json")
+        listed = json.loads(dh2urdf(*words, path=site).stdout)
+        assert [entry["distribution"] for entry in listed["left_out"]] == ["lab-one 1.0", "lab-two 1.0"]
+        assert imported() == set()
+
+    def test_a_name_that_nobody_has(self, dh2urdf: Command, site: list[Path]) -> None:
+        """An error that lists what is there, status 2."""
+        refused = dh2urdf("plugins", "--without", "lab-three", path=site, status=2).stderr
+        assert "named 'lab-three'" in refused
+        assert "dh2urdf (plugin builtin), lab-one (plugin plugin_one), lab-two (plugin plugin_two)" in refused
+
+    def test_help_imports_no_plugin(self, dh2urdf: Command, site: list[Path], imported: Callable[[], set[str]]) -> None:
+        """Of the program and of each command."""
+        for words in ((), ("run",), ("convert",), ("check",), ("plugins",), ("schema",)):
+            dh2urdf(*words, "--help", path=site)
+        assert imported() == set()
+
+    def test_one_of_a_distribution_needs_no_other(
+        self, dh2urdf: Command, site: list[Path], imported: Callable[[], set[str]]
+    ) -> None:
+        """A run that says whose every stage is imports nobody else."""
+        words = ("arm.tab", "--from", "lab-one:table", "--transform", "dh2urdf:alpha-swap", "--to", "lab-one:usd")
+        assert dh2urdf("convert", *words, path=site).stdout == "by one"
+        assert imported() == {"one"}

@@ -1,0 +1,332 @@
+"""What a third party may import stays as it is, or says so.
+
+`PUBLIC` lists it. `tests/public_interface/recorded.json` has every signature and field of it as the code has it, and
+`released.json` as the last version of the interface had it; a release makes the second a copy of the first.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import json
+import re
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from enum import Enum
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeVar, TypeVarTuple
+
+import pytest
+
+from dh2urdf.hookspecs import INTERFACE_VERSION
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "compatibility.md"
+RECORDED = Path(__file__).parent / "public_interface" / "recorded.json"
+RELEASED = RECORDED.with_name("released.json")
+COMMAND = "pytest tests/test_public_interface.py --renew"
+TABLE = re.compile(r"(?<=<!-- public: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!-- /public -->)", re.DOTALL)
+
+PUBLIC = {
+    "dh2urdf": "the commands as functions, and the records of arms: the Python API",
+    "dh2urdf.attribution": "calls of stages, and whose fault it is when one fails",
+    "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
+    "dh2urdf.conversion": "one manipulator on its way: transform, check, emit, prove",
+    "dh2urdf.discovery": "the plugins that are installed, before anything of them is imported",
+    "dh2urdf.documents": "YAML with the place of every value",
+    "dh2urdf.elementwise": "arithmetic that is the same for numbers and for arrays of them",
+    "dh2urdf.errors": "every exception, with its exit status",
+    "dh2urdf.hookspecs": "the hooks, and the version of this interface",
+    "dh2urdf.isolation": "a function in a child process, which may crash",
+    "dh2urdf.kinematics": "the DH product and forward kinematics",
+    "dh2urdf.manipulator": "what a table says: readers make it, transforms take it",
+    "dh2urdf.mass_properties": "mass, centre and inertia of shapes and of compounds",
+    "dh2urdf.meshes": "mesh files, and where descriptions name them",
+    "dh2urdf.number_text": "the shortest text of a number",
+    "dh2urdf.options": "options of a stage, checked and described",
+    "dh2urdf.output": "files that are written whole or not at all",
+    "dh2urdf.quantities": "numbers with units, as expressions",
+    "dh2urdf.registry": "the catalog of the stages that are installed",
+    "dh2urdf.robot": "what will be written: transforms make it, emitters take it",
+    "dh2urdf.robot_check": "the rules that every robot keeps",
+    "dh2urdf.rotations": "rotations and rigid transforms, exact at quarter turns",
+    "dh2urdf.seen": "which names of a long file have been seen",
+    "dh2urdf.source": "a place in a file, and a problem there",
+    "dh2urdf.stages": "the records that a plugin gives, one for each kind of stage",
+    "dh2urdf.testing": "contract tests for the stages of a plugin, and fixtures",
+    "dh2urdf.textfiles": "text files in whatever encoding",
+    "dh2urdf.units": "units of lengths and angles",
+}
+"""Modules that a third party may import, and what each is for. Of each, whatever it defines without an underscore."""
+
+
+# --- What a module offers ---------------------------------------------------------------------------------------------
+
+
+def interface_of(module: ModuleType) -> dict[str, Any]:
+    """Every public name of a module, and what it is."""
+    every = {name: getattr(module, name) for name in sorted(public_names(module))}
+    return {name: shape_of(value) for name, value in every.items() if not isinstance(value, TypeVar | TypeVarTuple)}
+
+
+def public_names(module: ModuleType) -> set[str]:
+    """The names of ``__all__``; without it, those that the module defines itself."""
+    listed = getattr(module, "__all__", None)
+    names = set(defined_in(Path(str(module.__file__)))) if listed is None else set(listed)
+    return {name for name in names if not name.startswith("_") and hasattr(module, name)}
+
+
+def defined_in(path: Path) -> Iterator[str]:
+    for node in ast.parse(path.read_text("utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.Assign):
+            yield from (target.id for target in node.targets if isinstance(target, ast.Name))
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            yield node.target.id
+
+
+def shape_of(value: Any) -> Any:
+    """What a caller relies on: a signature, fields, members, or the type of a constant."""
+    if isinstance(value, type):
+        return class_shape(value)
+    if isinstance(value, ModuleType):
+        return "a module"
+    if callable(value) and hasattr(value, "__module__") and inspect.isroutine(inspect.unwrap(value)):
+        return without_addresses(str(inspect.signature(value)))
+    if isinstance(value, str | int | float) and not isinstance(value, Enum):
+        return f"{type(value).__name__} {value!r}"
+    return type(value).__name__
+
+
+def class_shape(kind: type[Any]) -> dict[str, Any]:
+    shape: dict[str, Any] = {"bases": [base.__name__ for base in kind.__bases__ if base is not object]}
+    if issubclass(kind, Enum):
+        shape["members"] = {member.name: repr(member.value) for member in kind}
+    elif is_dataclass(kind):
+        shape["fields"] = {each.name: field_shape(each) for each in fields(kind) if not each.name.startswith("_")}
+    elif "__init__" in vars(kind):
+        shape["init"] = without_addresses(str(inspect.signature(kind.__init__)))
+    elif hasattr(kind, "_fields"):
+        shape["fields"] = {name: str(kind.__annotations__[name]) for name in kind._fields}
+    members = {}
+    for name, member in sorted(vars(kind).items()):
+        plain = member.__func__ if isinstance(member, staticmethod | classmethod) else member
+        if name.startswith("_") or name in shape.get("fields", ()):
+            continue
+        if inspect.isfunction(plain):
+            members[name] = without_addresses(str(inspect.signature(plain)))
+        elif isinstance(plain, property) or type(plain).__name__ == "cached_property":
+            members[name] = "property"
+    return shape | ({"methods": members} if members else {})
+
+
+def field_shape(each: Any) -> str:
+    text = str(each.type)
+    if each.default_factory is not MISSING:
+        return f"{text} = {each.default_factory.__name__}()"
+    return text if each.default is MISSING else without_addresses(f"{text} = {each.default!r}")
+
+
+def without_addresses(text: str) -> str:
+    return re.sub(r" at 0x[0-9a-f]+", "", text)
+
+
+def present() -> dict[str, Any]:
+    """The interface as the code has it."""
+    modules = {name: interface_of(importlib.import_module(name)) for name in sorted(PUBLIC)}
+    return {"version": INTERFACE_VERSION, "modules": modules}
+
+
+def read(path: Path) -> dict[str, Any]:
+    return dict(json.loads(path.read_text("utf-8")))
+
+
+# --- What has changed -------------------------------------------------------------------------------------------------
+
+
+def changes(old: dict[str, Any], new: dict[str, Any]) -> dict[str, str]:
+    """What is added, changed or removed, by name: a module, or ``module.name``."""
+    found: dict[str, str] = {}
+    for module in sorted({*old["modules"], *new["modules"]}):
+        before, after = old["modules"].get(module), new["modules"].get(module)
+        if before is None or after is None:
+            found[module] = "added" if before is None else "removed"
+            continue
+        for name in sorted({*before, *after}):
+            if before.get(name) != after.get(name):
+                word = "changed" if name in before and name in after else "added" if name in after else "removed"
+                found[f"{module}.{name}"] = word
+    return {name: word for name, word in found.items() if name != "dh2urdf.hookspecs.INTERFACE_VERSION"}
+
+
+def newest_section(changelog: str) -> str:
+    """What the changelog says of the newest version."""
+    return changelog.split("\n## ")[1]
+
+
+def unmentioned(names: dict[str, str], section: str) -> list[str]:
+    """The names that no code span of a section speaks of: whole, or without their module, or with more behind them."""
+    spans = [re.split(r"[^\w.]", span)[0] for span in re.findall(r"`([^`]+)`", section)]
+    return [name for name in names if name not in spans and (name in PUBLIC or name.rpartition(".")[2] not in spans)]
+
+
+def version_of(record: dict[str, Any]) -> tuple[int, int]:
+    major, minor = record["version"].split(".")
+    return int(major), int(minor)
+
+
+def wrong_version(old: dict[str, Any], new: dict[str, Any]) -> str:
+    """Why the version of the interface does not go with what has changed; empty where it does."""
+    words = set(changes(old, new).values())
+    if "removed" in words and version_of(new)[0] <= version_of(old)[0]:
+        return f"something public is gone since interface {old['version']}: the major number has to be higher"
+    if words and version_of(new) <= version_of(old):
+        return f"something public is new or other since interface {old['version']}: the version has to be higher"
+    return ""
+
+
+class TestTheInterface:
+    def test_it_is_as_it_is_recorded(self, *, renew: bool) -> None:
+        """No signature, field, member or name changes unnoticed: the record has to change with it."""
+        found = present()
+        if renew:
+            RECORDED.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", "utf-8")
+        differing = changes(read(RECORDED), found)
+        assert found == read(RECORDED), (
+            f"{differing}: if that is meant, record it: `{COMMAND}`, and write it in CHANGELOG.md"
+        )
+
+    def test_every_change_is_in_the_changelog(self) -> None:
+        """The newest section of CHANGELOG.md has the name of everything public that is new, other or gone."""
+        missing = unmentioned(
+            changes(read(RELEASED), read(RECORDED)), newest_section((ROOT / "CHANGELOG.md").read_text("utf-8"))
+        )
+        assert missing == [], "the newest section of CHANGELOG.md has to say what became of these, as `code`"
+
+    def test_its_version_goes_with_the_changes(self) -> None:
+        """What is gone asks for another major version, what is new or other for another minor one."""
+        assert wrong_version(read(RELEASED), read(RECORDED)) == ""
+
+    def test_its_modules_are_documented(self, *, renew: bool) -> None:
+        """The page lists every public module and what it is for."""
+        table = "| module | what it has |\n|---|---|\n" + "".join(
+            f"| `{name}` | {text} |\n" for name, text in PUBLIC.items()
+        )
+        if renew:
+            PAGE.write_text(TABLE.sub(lambda found: found["remark"] + table, PAGE.read_text("utf-8")), "utf-8")
+        found = TABLE.search(PAGE.read_text("utf-8"))
+        assert found
+        assert found["table"] == table, f"`{COMMAND}` writes the table"
+
+    @pytest.mark.parametrize("folder", ["plugins/dh2urdf_plugins", "tests/example_plugin/src", "examples"])
+    def test_it_is_enough(self, folder: str) -> None:
+        """The built-in stages and the example use public modules of the host only, and of them public names."""
+        wrong = []
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+                if isinstance(node, ast.ImportFrom) and str(node.module).partition(".")[0] == "dh2urdf":
+                    offered = public_names(importlib.import_module(str(node.module)))
+                    names = [name.name for name in node.names]
+                    inner = [name for name in names if f"{node.module}.{name}" not in PUBLIC and name not in offered]
+                    wrong += [f"{path.name}: {node.module}.{name}" for name in inner]
+                    wrong += [] if node.module in PUBLIC else [f"{path.name}: {node.module}"]
+        assert wrong == []
+
+
+# --- The comparison itself is right -----------------------------------------------------------------------------------
+
+
+def record(version: str = "1.0", **modules: dict[str, Any]) -> dict[str, Any]:
+    return {"version": version, "modules": {f"dh2urdf.{name}": names for name, names in modules.items()}}
+
+
+OLD = record(stages={"Reader": "(path)", "Loader": "(file)"}, source={"Mark": "()"})
+MORE = {**OLD, "modules": {**OLD["modules"], "dh2urdf.columns": {}}}
+CHANGED = record(stages={"Reader": "(path, options)", "Emitter": "()"}, columns={"Mask": "()"})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sample:
+    size: int
+    color: str = "red"
+    names: list[str] = field(default_factory=list)
+    _inner: int = 0
+
+    def area(self, scale: float = 1.0) -> float:
+        return self.size * scale
+
+    @property
+    def is_big(self) -> bool:
+        return self.size > 1
+
+    @classmethod
+    def of(cls, text: str) -> Sample:
+        return cls(size=len(text))
+
+
+class TestTheComparison:
+    def test_what_it_sees_of_a_class(self) -> None:
+        """Fields with types and defaults, methods with signatures, properties; nothing that begins with an underscore."""
+        assert shape_of(Sample) == {
+            "bases": [],
+            "fields": {"size": "int", "color": "str = 'red'", "names": "list[str] = list()"},
+            "methods": {
+                "area": "(self, scale: 'float' = 1.0) -> 'float'",
+                "is_big": "property",
+                "of": "(cls, text: 'str') -> 'Sample'",
+            },
+        }
+
+    def test_what_it_sees_of_a_function(self) -> None:
+        """Its signature, with defaults, without the address of any."""
+
+        def function(a: int, *, key: Callable[[int], int] = abs, other: Any = unmentioned) -> None: ...
+
+        assert shape_of(function) == (
+            "(a: 'int', *, key: 'Callable[[int], int]' = <built-in function abs>, other: 'Any' = <function unmentioned>)"
+            " -> 'None'"
+        )
+
+    def test_what_it_sees_of_constants(self) -> None:
+        """Numbers and texts by value, anything else by type."""
+        assert [shape_of(value) for value in (3, "x", {"a": 1})] == ["int 3", "str 'x'", "dict"]
+
+    def test_what_has_changed(self) -> None:
+        """Names that are added, changed and removed, and modules as a whole."""
+        assert changes(OLD, OLD) == {}
+        assert changes(OLD, CHANGED) == {
+            "dh2urdf.columns": "added",
+            "dh2urdf.source": "removed",
+            "dh2urdf.stages.Emitter": "added",
+            "dh2urdf.stages.Loader": "removed",
+            "dh2urdf.stages.Reader": "changed",
+        }
+
+    def test_what_the_changelog_mentions(self) -> None:
+        """A name counts where it stands as code, by itself, with its module, or with something behind it."""
+        section = "Reader is other, `Loader(file)` is gone, `dh2urdf.columns` is new, `dh2urdf.stages.Emitter` too"
+        assert unmentioned(changes(OLD, CHANGED), section) == ["dh2urdf.source", "dh2urdf.stages.Reader"]
+
+    def test_the_newest_section(self) -> None:
+        """What older versions say does not count."""
+        assert newest_section("# Changelog\n\n## 0.2.0\n\n- new\n\n## 0.1.0\n\n- old\n") == "0.2.0\n\n- new\n"
+
+    @pytest.mark.parametrize(
+        ("new", "says"),
+        [
+            (OLD, ""),
+            ({**CHANGED, "version": "1.1"}, "the major number has to be higher"),
+            ({**CHANGED, "version": "2.0"}, ""),
+            (MORE, "the version has to be higher"),
+            ({**MORE, "version": "1.1"}, ""),
+        ],
+    )
+    def test_the_version(self, new: dict[str, Any], says: str) -> None:
+        """What is gone needs a major version, what is new a minor one, and nothing needs none."""
+        assert says in wrong_version(OLD, new)
+        assert bool(says) == bool(wrong_version(OLD, new))

@@ -6,6 +6,7 @@ What happens at import, at registration and in hooks is in tests/pipeline/test_r
 from __future__ import annotations
 
 import json
+import re
 import sys
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.cli import _status
-from dh2urdf.registry import KINDS, RECORDS
+from dh2urdf.errors import StageError
+from dh2urdf.registry import KINDS, RECORDS, load
+from dh2urdf.studio.opening import open_tables
+from dh2urdf.studio.save import table_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -222,10 +226,34 @@ def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what:
         assert "; it was made by itself" in notice
 
 
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("reader.texts.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        (
+            "reader.texts.give_numbers",
+            "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.table_text.T",
+        ),
+        ("reader.write.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("reader.write.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave NoneType, not dh2urdf.table"),
+    ],
+)
+def test_where_the_studio_opens_and_saves(lab: Callable[[str], Path], what: str, message: str) -> None:
+    """What a person reads on the page names the reader, the distribution and the version."""
+    table, catalog = lab(what) / "arm.bad", load()
+    with pytest.raises(StageError, match=re.escape(message)):
+        table_file(open_tables(table, catalog)[0].table, "bad", catalog)
+
+
 def test_every_function_of_every_record_is_tried() -> None:
     """The lists above have each field of each kind of stage that may hold code of a plugin."""
     tried = set()
-    for test in (test_at_work_on_a_manipulator, test_what_the_whole_command_needs, test_where_many_are_made_at_once):
+    for test in (
+        test_at_work_on_a_manipulator,
+        test_what_the_whole_command_needs,
+        test_where_many_are_made_at_once,
+        test_where_the_studio_opens_and_saves,
+    ):
         (mark,) = test.pytestmark  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
     described = {"name", "summary", "suffixes", "formats", "costly_proof"}

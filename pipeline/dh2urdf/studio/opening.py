@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.attribution import blaming, default_call
+from dh2urdf.attribution import a_record, blaming, default_call
 from dh2urdf.conversion import read_items
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
@@ -56,7 +56,7 @@ def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, Table
         return {}
     try:
         with blaming(default_call(catalog, reader)):
-            return {table.name: table for table in reader.texts(path)}
+            return {a_record(table, TableText).name: table for table in reader.texts(path)}
     except InputError:  # It can be read, if not so: then its numbers are what there is.
         return {}
 

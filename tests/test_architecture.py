@@ -202,7 +202,7 @@ class TestHooks:
         manager.register(dh2urdf_plugins)
         assert {caller.name for caller in manager.get_hookcallers(dh2urdf_plugins) or ()} == set(HOOKS)
 
-    @pytest.mark.parametrize(("hook", "record"), zip(HOOKS, RECORDS.values(), strict=True))
+    @pytest.mark.parametrize(("hook", "record"), list(zip(HOOKS, RECORDS.values(), strict=True)))
     def test_each_gives_records_of_its_kind(self, hook: str, record: type[Any]) -> None:
         """Called through pluggy, with two plugins: a list of what each gives, the records of that kind of stage alone."""
         manager = pluggy.PluginManager(hookspecs.PROJECT)

@@ -57,6 +57,7 @@ PUBLIC = {
     "dh2urdf.seen": "which names of a long file have been seen",
     "dh2urdf.source": "a place in a file, and a problem there",
     "dh2urdf.stages": "the records that a plugin gives, one for each kind of stage",
+    "dh2urdf.table_text": "a table as its author types it: texts in cells",
     "dh2urdf.testing": "contract tests for the stages of a plugin, and fixtures",
     "dh2urdf.textfiles": "text files in whatever encoding",
     "dh2urdf.units": "units of lengths and angles",

@@ -236,7 +236,7 @@ def _read_yaml(folder: Folder, block: Block) -> None:
     (folder.path / ".run.yaml").write_text(text, "utf-8")
     plan = make_plan(load_config(folder.path / ".run.yaml"), load())
     assert plan.inputs
-    assert all(path.is_file() for path, _, _ in plan.inputs)
+    assert all(path.is_file() for path, _ in plan.inputs)
 
 
 def _read_json(_folder: Folder, block: Block) -> None:
@@ -309,6 +309,8 @@ def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
         ("simulators/coppeliasim.md", "python"),
         ("simulators/gazebo.md", "sh"),
         ("simulators/ros.md", "python"),
+        ("studio.md", "sh"),
+        ("studio.md", "sh"),
     ]
 
 

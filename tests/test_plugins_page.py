@@ -58,10 +58,10 @@ def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp
 
     That such a plugin is installed, passes its tests and runs is a fact of tests/test_new_plugin.py.
     """
-    first, *others = blocks("sh")[0].splitlines()
+    first, others = blocks("sh")[0], blocks("sh")[1].splitlines()
     cli(*first.split()[1:])
     folder = tmp_path / "dh2urdf-joint-list"
-    assert others[0] == "cd dh2urdf-joint-list"
+    assert others[1] == "cd dh2urdf-joint-list"
     listed = re.findall(r"^\| `([^`]*[./][^`]*)` \|", PAGE.read_text("utf-8"), re.MULTILINE)
     assert len(listed) == 5
     assert all((folder / name).is_file() for name in listed)

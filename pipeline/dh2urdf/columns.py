@@ -84,6 +84,7 @@ class ManipulatorColumns:
 
     def take(self, indices: Sequence[int]) -> ManipulatorColumns:
         """Some of them, in the order of their indices."""
+        indices = list(indices)  # A tuple is another kind of index to numpy.
         return ManipulatorColumns(
             table=replaced(self.table, lambda numbers: _alike(numbers[indices])),
             names=tuple([self.names[index] for index in indices]),

@@ -80,7 +80,7 @@ class TestManipulatorsInColumns:
         many = [table(row(a=number, mass=1.0), name=f"arm_{k}") for k, number in enumerate(numbers)]
         ((_, columns),) = in_columns(many)
         places = random.choices(range(len(many)), k=5)
-        taken = columns.take(places)
+        taken = columns.take(tuple(places))  # numpy takes a tuple for the indices of one entry
         assert [taken.pick(k) for k in range(5)] == [many[place] for place in places]
         assert bool(columns_of(taken)) is (len({numbers[place] for place in places}) > 1)
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 SECONDS = 240
+_OTHERS = [folder for folder in os.get_exec_path() if Path(folder) != Path(sys.executable).parent]
+CHECK_URDF = shutil.which("check_urdf", path=os.pathsep.join(_OTHERS))
+"""urdfdom's command as a system has it. Pinocchio brings a newer one along, urdfdom 6, which takes document types."""
 
 
 @dataclass
@@ -228,7 +231,7 @@ def _each_in_a_fork(consumer: str, paths: list[str]) -> None:
 
 def check_urdf(path: Path) -> Behaviour:
     done = subprocess.run(
-        ["check_urdf", path],  # noqa: S607 - of the packages that the tests need
+        [str(CHECK_URDF), path],
         capture_output=True,
         text=True,
         errors="replace",

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from consumers import Behaviour, behaviours
+from consumers import CHECK_URDF, Behaviour, behaviours
 from faulty_files import FAULTS, SOUND, write_all
 
 from dh2urdf_plugins.lint.inspection import inspect_urdf
@@ -125,7 +125,7 @@ def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[st
     consumer = str(request.param)
     if consumer in INSTALLED and find_spec(INSTALLED[consumer]) is None:
         pytest.skip(f"{consumer} is not installed")
-    if consumer == "ros" and not shutil.which("check_urdf"):
+    if consumer == "ros" and not CHECK_URDF:
         pytest.skip("check_urdf is not installed")
     if consumer == "gazebo" and not (shutil.which("gz") or shutil.which("ign")):
         pytest.skip("sdformat is not installed")
@@ -268,7 +268,7 @@ def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.
     paths = foreign_files()
     if not paths or (consumer in INSTALLED and find_spec(INSTALLED[consumer]) is None):
         pytest.skip("example-robot-data or the consumer is not installed")
-    if consumer == "ros" and not shutil.which("check_urdf"):
+    if consumer == "ros" and not CHECK_URDF:
         pytest.skip("check_urdf is not installed")
     assert len(paths) > 50
     if consumer == "pybullet":  # It reads all meshes, and takes its time.

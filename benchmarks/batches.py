@@ -52,6 +52,8 @@ PACKAGES = ("dh2urdf", "numpy", "orjson", "lxml", "pyarrow", "urdf-parser-py", "
 FORMS = {"one form": LONG, "mixed forms": None}
 NO_PROOF = ("proof.first=0", "proof.every=1000000000")
 """Settings with which one file of a run is proved, the first one."""
+NO_PAGE = "report.html=false"
+"""The page for people: a second or so, however long a run is."""
 COMMAND = Path(sys.executable).parent / "dh2urdf"
 
 
@@ -105,7 +107,7 @@ def _run_file(folder: Path, content: dict[str, Any]) -> Path:
 
 def chain(run_file: Path, robots: int, *settings: str) -> Callable[[Path], Result]:
     """Does a run in this process, into a given folder."""
-    plan = make_plan(load_config(run_file, ["execution.options.workers=1", *settings]), load())
+    plan = make_plan(load_config(run_file, ["execution.options.workers=1", NO_PAGE, *settings]), load())
     return partial(_execute, plan, robots)
 
 
@@ -277,7 +279,7 @@ def workers(bench: Bench) -> None:
     """Two workers against one, as commands, into tar shards."""
     sizes = bench.count(20_000, 2 * SHARD), bench.count(100_000, 10 * SHARD)
     print(f"What a run of {sizes[1]:,} takes more than one of {sizes[0]:,}, so that no start-up counts; everything is")
-    print(f"proved, no page is drawn; median of {bench.rounds}. A shard is a task. The bound is 1.7.\n")
+    print(f"proved; median of {bench.rounds}. A shard is a task. The bound is 1.7.\n")
     rows = []
     for source, make in {"a CSV file": bench.csv_run, "variations": bench.variations_run}.items():
         small, large = [make(size) for size in sizes]
@@ -297,7 +299,7 @@ def workers(bench: Bench) -> None:
 
 def _command(run_file: Path, number: int, folder: Path) -> Child:
     """Does a run into tar shards as a command, and removes the shards."""
-    settings = ("--set", "output.layout=shards", "--set", "report.html=false")
+    settings = ("--set", "output.layout=shards", "--set", NO_PAGE)
     child = run_child([COMMAND, "run", run_file, "-o", folder, "--workers", str(number), "-q", *settings])
     for path in folder.glob("*.tar"):
         path.unlink()
@@ -362,7 +364,7 @@ def million(bench: Bench) -> None:
         raise SystemExit(f"{robots:,} robots need {needed / 1e9:.0f} GB, and only {free / 1e9:.0f} GB are free")
     number = len(os.sched_getaffinity(0))
     run_file, folder = bench.variations_run(robots), fresh(bench.place)
-    settings = ("--set", "output.layout=shards", "--set", "report.html=false")
+    settings = ("--set", "output.layout=shards", "--set", NO_PAGE)
     child = run_child([COMMAND, "run", run_file, "-o", folder, "--workers", str(number), "-q", *settings])
     with (folder / "manifest.jsonl").open("rb") as lines:
         rows = Counter((row["status"], bool(row["proof"]["urdf"])) for row in map(orjson.loads, lines))

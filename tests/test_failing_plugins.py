@@ -22,6 +22,7 @@ from dh2urdf.studio.save import table_file
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
+    from subprocess import CompletedProcess
 
     from conftest import Answer
 
@@ -52,6 +53,19 @@ def fail_oddly(*_arguments):
 
 def leave(*_arguments):
     raise SystemExit(7)
+
+class Panic(BaseException):
+    pass
+
+def panic(*_arguments):
+    raise Panic("as extensions in Rust do")
+
+class Speechless(Exception):
+    def __str__(self):
+        raise ValueError("no words")
+
+def fail_without_words(*_arguments):
+    raise Speechless
 
 def give_nothing(*_arguments):
     return None
@@ -136,6 +150,8 @@ def said(answer: Answer) -> str:
             "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manipulator.M",
         ),
         ("transform.transform.fail", "transform 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("transform.transform.panic", "transform 'bad' of lab 1.0 failed: Panic: as extensions in Rust do"),
+        ("emitter.emit.fail_without_words", "emitter 'bad' of lab 1.0 failed: Speechless: its text cannot be made"),
         (
             "transform.transform.give_nothing",
             "transform 'bad' of lab 1.0 failed: TypeError: it gave NoneType, not dh2urdf",
@@ -325,7 +341,12 @@ def test_a_fault_of_the_host_is_no_executor_s(
     [
         ("replace(EMITTER, name='a:b')", "ValueError: the emitter 'a:b' has no name that a run file could say"),
         ("replace(EMITTER, name='')", "ValueError: the emitter '' has no name"),
-        ("replace(EMITTER, summary=3)", "TypeError: the summary of the emitter 'urdf' is 3, not a text"),
+        ("replace(EMITTER, name='a b')", "ValueError: the emitter 'a b' has no name"),
+        ("replace(EMITTER, name='a\\x1bb')", r"ValueError: the emitter 'a\x1bb' has no name"),
+        ("replace(EMITTER, summary=3)", "TypeError: the summary of the emitter 'urdf' is 3, not a line of text"),
+        ("replace(EMITTER, summary='a\\nb')", r"TypeError: the summary of the emitter 'urdf' is 'a\nb', not a line of"),
+        ("replace(EMITTER, suffixes=7)", "TypeError: the suffixes of the emitter 'urdf' are 7, not a tuple of texts"),
+        ("replace(EMITTER, suffixes='.x')", "TypeError: the suffixes of the emitter 'urdf' are '.x', not a tuple of"),
         (
             "replace(EMITTER, options=dict)",
             "TypeError: the options of the emitter 'urdf' are <class 'dict'>, not a dataclass",
@@ -369,3 +390,37 @@ def test_options_that_cannot_be_described(
     (entry,) = listed["broken"]
     assert entry["distribution"] == "shy 1.0"
     assert entry["reason"] == "`options` of the emitter 'odd' failed: RuntimeError: not shown"
+
+
+@pytest.mark.parametrize("words", [("plugins", "--json"), ("schema",), ("schema", "table")])
+def test_what_a_plugin_prints_is_no_answer(
+    tmp_path: Path, install: Callable[..., None], dh2urdf: Callable[..., CompletedProcess[str]], words: tuple[str, ...]
+) -> None:
+    """Standard output has what was asked for alone; what a plugin prints, from programs too, is on standard error."""
+    source = (
+        "import os\nfrom dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
+        "from dh2urdf_plugins.emitters.urdf import EMITTER\nprint('welcome')\n"
+        "@hookimpl\ndef dh2urdf_emitters():\n    os.system('echo licensed')\n    yield replace(EMITTER, name='noisy')\n"
+    )
+    install(tmp_path / "site", "noisy", source)
+    answer = dh2urdf(*words, path=[tmp_path / "site"])
+    assert json.loads(answer.stdout)
+    if words[0] == "plugins":
+        assert {"welcome", "licensed"} <= set(answer.stderr.split())
+
+
+def test_what_an_emitter_prints_is_not_in_its_file(
+    tmp_path: Path, install: Callable[..., None], dh2urdf: Callable[..., CompletedProcess[str]]
+) -> None:
+    """A description on standard output is the one that a file would hold."""
+    source = (
+        "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
+        "from dh2urdf_plugins.emitters.urdf import EMITTER\n"
+        "def emit(robot, stem, options):\n    print('at work')\n    return EMITTER.emit(robot, stem, options)\n"
+        "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='noisy', emit=emit, suffixes=('.noisy',))\n"
+    )
+    install(tmp_path / "site", "noisy", source)
+    (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
+    answer = dh2urdf("convert", "arm.csv", "--to", "noisy", path=[tmp_path / "site"])
+    assert answer.stdout == dh2urdf("convert", "arm.csv", "--to", "urdf", path=[tmp_path / "site"]).stdout
+    assert answer.stderr == "at work\n"

@@ -71,8 +71,8 @@ def imported(tmp_path: Path) -> Callable[[], set[str]]:
 
 class TestAClash:
     def test_it_is_an_error_for_who_uses_the_name(self, dh2urdf: Command, site: list[Path], tmp_path: Path) -> None:
-        """Both distributions and both ways to say which is meant; nothing is written."""
-        assert CLAIMED in dh2urdf("run", "run.yaml", path=site, status=3).stderr
+        """The place, both distributions and both ways to say which is meant; nothing is written."""
+        assert f"run.yaml:2:12: error: {CLAIMED}" in dh2urdf("run", "run.yaml", path=site, status=3).stderr
         assert CLAIMED in dh2urdf("convert", "a.csv", "--to", "usd", path=site, status=3).stderr
         assert not (tmp_path / "out").exists()
 

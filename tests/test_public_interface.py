@@ -151,7 +151,7 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def changes(old: dict[str, Any], new: dict[str, Any]) -> dict[str, str]:
-    """What is added, changed or removed, by name: a module, or ``module.name``."""
+    """What is added, changed or removed, by name: a module, ``module.name``, or what is gone of a ``module.Class``."""
     found: dict[str, str] = {}
     for module in sorted({*old["modules"], *new["modules"]}):
         before, after = old["modules"].get(module), new["modules"].get(module)
@@ -162,7 +162,15 @@ def changes(old: dict[str, Any], new: dict[str, Any]) -> dict[str, str]:
             if before.get(name) != after.get(name):
                 word = "changed" if name in before and name in after else "added" if name in after else "removed"
                 found[f"{module}.{name}"] = word
+                gone = parts(before.get(name)) - parts(after.get(name)) if word == "changed" else ()
+                found |= {f"{module}.{name}.{part}": "removed" for part in sorted(gone)}
     return {name: word for name, word in found.items() if name != "dh2urdf.hookspecs.INTERFACE_VERSION"}
+
+
+def parts(shape: Any) -> set[str]:
+    """The names of a class that its users may say: fields, members and methods."""
+    groups = ("fields", "members", "methods") if isinstance(shape, dict) else ()
+    return {name for group in groups for name in shape.get(group, ())}
 
 
 def newest_section(changelog: str) -> str:
@@ -199,7 +207,8 @@ class TestTheInterface:
             RECORDED.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", "utf-8")
         differing = changes(read(RECORDED), found)
         assert found == read(RECORDED), (
-            f"{differing}: if that is meant, record it: `{COMMAND}`, and write it in CHANGELOG.md"
+            f"{differing}: if that is meant, record it: `{COMMAND}`; then CHANGELOG.md has to name it, and "
+            "dh2urdf.hookspecs.INTERFACE_VERSION to be a higher one than the released"
         )
 
     def test_every_change_is_in_the_changelog(self) -> None:
@@ -307,6 +316,13 @@ class TestTheComparison:
             "dh2urdf.stages.Loader": "removed",
             "dh2urdf.stages.Reader": "changed",
         }
+
+    def test_what_is_gone_of_a_class(self) -> None:
+        """A field or a method that nobody has any more is removed; one that has become a property is not."""
+        old = record(stages={"Reader": {"bases": [], "fields": {"name": "str", "read": "F"}, "methods": {"of": "()"}}})
+        new = record(stages={"Reader": {"bases": [], "fields": {"read": "G"}, "methods": {"name": "property"}}})
+        assert changes(old, new) == {"dh2urdf.stages.Reader": "changed", "dh2urdf.stages.Reader.of": "removed"}
+        assert "major" in wrong_version(old, {**new, "version": "1.1"})
 
     def test_what_the_changelog_mentions(self) -> None:
         """A name counts where it stands as code, by itself, with its module, or with something behind it."""

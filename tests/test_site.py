@@ -158,6 +158,16 @@ def test_every_hook_is_there_with_its_signature(site: Path) -> None:
             assert field in section
 
 
+def test_docstrings_leave_no_markup_behind(site: Path) -> None:
+    """The mark that stands before an example in a docstring is not shown."""
+    assert "::" not in re.findall(r"\S+", text_of(site, "reference/python"))
+
+
+def test_a_stage_of_a_run_file_has_one_name(site: Path) -> None:
+    """Not each a second one with its distribution: the page says once that there is such a name."""
+    assert re.findall(r"\bdh2urdf:\w+", text_of(site, "reference/run-file")) == ["dh2urdf:urdf"]
+
+
 # --- Nothing is asked of others ---------------------------------------------------------------------------------------
 
 LOADED = {"script": "src", "img": "src", "iframe": "src", "source": "src", "video": "src", "link": "href"}

@@ -111,7 +111,9 @@ class Tables:
         """What a value of one kind may be."""
         schema = self._resolved(schema)
         if "const" in schema or "enum" in schema:
-            return " or ".join(code(value) for value in schema.get("enum", [schema.get("const")]))
+            # Every stage has a second name, with its distribution: the page says so once.
+            values = [value for value in schema.get("enum", [schema.get("const")]) if ":" not in str(value)]
+            return " or ".join(map(code, values))
         kinds = schema.get("type", "object")
         if kinds == "array":
             return f"a list, each {self._takes(schema['items'])}"

@@ -40,6 +40,11 @@ def generated(name: str) -> str:
     return GENERATORS[name]()
 
 
+def on_page_content(content: str, **_: Any) -> str:  # noqa: ANN401 - mkdocs hands over what it has
+    """Called by mkdocs with a page as HTML: the mark of docstrings before an example is none in Markdown."""
+    return content.replace("<p>::</p>\n", "")
+
+
 def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401 - mkdocs hands over what it has
     """Called by mkdocs with the text of a page before it is made HTML."""
     return PLACE.sub(lambda place: generated(place["name"]), markdown)

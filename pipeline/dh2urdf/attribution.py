@@ -7,7 +7,6 @@ with the plugin, its distribution and its version: as a `StageError` where it co
 
 from __future__ import annotations
 
-import traceback
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from dh2urdf.discovery import UNKNOWN
 from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, StageError
+from dh2urdf.faults import INTERRUPTS, reason_of, traceback_of
 from dh2urdf.registry import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Transform
 
@@ -83,14 +83,14 @@ def blaming(call: Call[Any]) -> Iterator[None]:
     """
     try:
         yield
-    except Dh2UrdfError:
+    except (Dh2UrdfError, *INTERRUPTS):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         plugin = call.plugin
         raise StageError(
             str(call),
-            _reason(error),
-            _text(error),
+            reason_of(error),
+            traceback_of(error),
             plugin=plugin.name if plugin else "",
             distribution=plugin.distribution if plugin else "",
         ) from error
@@ -124,9 +124,9 @@ def depending_on(call: Call[Any], what: str = "") -> Iterator[None]:
     """
     try:
         yield
-    except Dh2UrdfError:
+    except (Dh2UrdfError, *INTERRUPTS):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         if _OWN in getattr(error, "__notes__", ()):
             raise
         raise broken(error, call, what) from error
@@ -138,8 +138,8 @@ def broken(error: BaseException, call: Call[Any], what: str = "") -> BrokenPlugi
     return BrokenPluginError(
         plugin.name if plugin else call.stage.name,
         plugin.distribution if plugin else UNKNOWN,
-        f"{f'`{what}` of ' if what else ''}the {call} failed: {_reason(error)}",
-        _text(error),
+        f"{f'`{what}` of ' if what else ''}the {call} failed: {reason_of(error)}",
+        traceback_of(error),
     )
 
 
@@ -153,11 +153,3 @@ def a_record(value: T, *kinds: type[Any]) -> T:
         wanted = " or ".join(f"{kind.__module__}.{kind.__name__}" for kind in kinds)
         raise TypeError(f"it gave {type(value).__name__}, not {wanted}")
     return value
-
-
-def _reason(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"
-
-
-def _text(error: BaseException) -> str:
-    return "".join(traceback.format_exception(error))

@@ -37,6 +37,8 @@ from dh2urdf.source import Problem, did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
+    from dh2urdf.source import Mark
+
 SCREENFUL = 20
 """Problems that one message spells out [1]; the rest are counted."""
 
@@ -181,9 +183,20 @@ def _stage_error(stage: str, reason: str, traceback: str, plugin: str, distribut
 
 
 class PluginError(Dh2UrdfError):
-    """The run needs a plugin that does not work."""
+    """The run needs a plugin that does not work.
+
+    Attributes:
+        mark: where the run file asks for it; None where it does not.
+    """
 
     exit_status = 3
+    mark: Mark | None = None
+
+    def __str__(self) -> str:
+        return f"{self.mark}: error: {self._message()}" if self.mark else self._message()
+
+    def _message(self) -> str:
+        return super().__str__()
 
 
 class BrokenPluginError(PluginError):
@@ -200,7 +213,7 @@ class BrokenPluginError(PluginError):
         self.plugin, self.distribution, self.reason, self.traceback = plugin, distribution, reason, traceback
         super().__init__(plugin, distribution, reason, traceback)
 
-    def __str__(self) -> str:
+    def _message(self) -> str:
         return f"plugin {self.plugin!r} of {self.distribution} is broken: {self.reason}"
 
 
@@ -211,7 +224,7 @@ class IncompatiblePluginError(BrokenPluginError):
         reason: for which version it is made, which one this is, and what to do.
     """
 
-    def __str__(self) -> str:
+    def _message(self) -> str:
         return f"plugin {self.plugin!r} of {self.distribution} is not loaded: {self.reason}"
 
 
@@ -234,7 +247,7 @@ class StageConflictError(PluginError):
         names = [distribution.partition(" ")[0] for distribution in self.distributions]
         return tuple(f"{name}:{self.name}" for name in names) if len(set(names)) == len(names) else ()
 
-    def __str__(self) -> str:
+    def _message(self) -> str:
         choice = f"say which is meant: {' or '.join(self.choices)}; or" if self.choices else "to choose,"
         return (
             f"{self.kind} {self.name!r} is claimed by {' and by '.join(self.distributions)}; "
@@ -255,7 +268,7 @@ class MissingDependencyError(PluginError):
         self.stage, self.package, self.extra = stage, package, extra
         super().__init__(stage, package, extra)
 
-    def __str__(self) -> str:
+    def _message(self) -> str:
         return f"{self.stage} needs {self.package}: pip install '{self.extra}'"
 
 
@@ -272,5 +285,5 @@ class MissingProgramError(PluginError):
         self.stage, self.program, self.remedy = stage, program, remedy
         super().__init__(stage, program, remedy)
 
-    def __str__(self) -> str:
+    def _message(self) -> str:
         return f"{self.stage} needs {self.program}: {self.remedy}"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 PROJECT = "dh2urdf"
 INTERFACE_VERSION = "1.0"
-"""Version of all that is public, which `tests/public_interface.json` lists.
+"""Version of all that is public, which `tests/public_interface/recorded.json` lists.
 
 The major number changes where plugins have to change with it, the minor number where something is added.
 """

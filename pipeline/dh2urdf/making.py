@@ -85,6 +85,12 @@ class Maker:
     home: str
     effect: Effect = Effect.MAKE
 
+    @property
+    def distributions(self) -> tuple[str, ...]:
+        """The distributions whose stages are used: see `dh2urdf.stages.Executor`."""
+        calls: tuple[Call[Any], ...] = (self.recipe.transform, *self.recipe.emitters, *self.recipe.loaders)
+        return tuple(sorted({call.plugin.distribution_name for call in calls if call.plugin}))
+
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""
         with own_work(), collected_at_the_end():

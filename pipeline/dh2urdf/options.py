@@ -10,13 +10,13 @@ from __future__ import annotations
 import json
 import re
 import sys
-import traceback
 from dataclasses import MISSING, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_origin
 
 from dh2urdf.discovery import UNKNOWN
 from dh2urdf.documents import Node, expect_mapping, load_yaml
 from dh2urdf.errors import BrokenPluginError, ConfigError, InputError
+from dh2urdf.faults import INTERRUPTS, reason_of, traceback_of
 from dh2urdf.option_types import choices, describe_options, members, type_hints, type_text
 from dh2urdf.source import Mark, Problem, did_you_mean, in_file_order
 
@@ -65,13 +65,13 @@ def make_options(
         place = mark or COMMAND_LINE
         words = {name: word_node(word, place.file) for name, word in (given or {}).items()}
         return _Call(options_type, Node(words, place.file, 0, 0), place, where).options()
-    except InputError:
+    except (InputError, *INTERRUPTS):
         raise
-    except (Exception, SystemExit) as error:
-        told = f"{type(error).__name__}: {error}".partition("\n")[0]
+    except BaseException as error:
+        told = reason_of(error).partition("\n")[0]
         reason = f"the options type {options_type.__name__} of the {where} does not work: {told}"
         name, whose = (plugin.name, plugin.distribution) if plugin else (options_type.__module__, UNKNOWN)
-        raise BrokenPluginError(name, whose, reason, traceback.format_exc()) from error
+        raise BrokenPluginError(name, whose, reason, traceback_of(error)) from error
 
 
 def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import traceback
+import re
 from contextlib import contextmanager
 from dataclasses import dataclass, is_dataclass
 from typing import TYPE_CHECKING, Any, get_args, overload
@@ -12,6 +12,7 @@ import pluggy
 from dh2urdf import hookspecs
 from dh2urdf.discovery import Plugin, installed, same_name
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
+from dh2urdf.faults import INTERRUPTS, reason_of, traceback_of
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
@@ -257,15 +258,11 @@ class Catalog:
     def _blamed(self, plugin: Plugin) -> Iterator[None]:
         try:
             yield
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - an import runs anything, and may raise anything
-            self._broken.append(
-                BrokenPluginError(
-                    plugin.name,
-                    plugin.distribution,
-                    f"{type(error).__name__}: {error}",
-                    "".join(traceback.format_exception(error)),
-                )
-            )
+        except INTERRUPTS:
+            raise
+        except BaseException as error:  # noqa: BLE001 - an import runs anything, and may raise anything
+            fault = BrokenPluginError(plugin.name, plugin.distribution, reason_of(error), traceback_of(error))
+            self._broken.append(fault)
 
 
 def _check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a hook gave
@@ -274,12 +271,16 @@ def _check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a 
     if not isinstance(stage, record):
         given = f"{type(stage).__name__} {stage!r:.60}"
         raise TypeError(f"the hook dh2urdf_{kind}s gave {given}, not a dh2urdf.stages.{record.__name__}")
-    if not isinstance(stage.name, str) or not stage.name or ":" in stage.name:
+    if not isinstance(stage.name, str) or not re.fullmatch(r"[^\s:]+", stage.name) or not stage.name.isprintable():
         raise ValueError(f"the {kind} {stage.name!r:.60} has no name that a run file could say: a word without a colon")
-    if not isinstance(stage.summary, str):
-        raise TypeError(f"the summary of the {kind} {stage.name!r} is {stage.summary!r:.60}, not a text")
+    if not isinstance(stage.summary, str) or not stage.summary.isprintable():
+        raise TypeError(f"the summary of the {kind} {stage.name!r} is {stage.summary!r:.60}, not a line of text")
     if not (isinstance(stage.options, type) and is_dataclass(stage.options)):
         raise TypeError(f"the options of the {kind} {stage.name!r} are {stage.options!r:.60}, not a dataclass")
+    for what in ("suffixes", "formats"):
+        words = getattr(stage, what, ())
+        if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
+            raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")
 
 
 def load(without: Sequence[str] = ()) -> Catalog:

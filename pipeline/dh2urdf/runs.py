@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf import sampling
+from dh2urdf.asked_stages import AskedStages
 from dh2urdf.attribution import Call, depending_on, own_work
 from dh2urdf.batches import Batch, Doomed, Expected, batches
 from dh2urdf.cells import CellCall
 from dh2urdf.config import load_config
 from dh2urdf.conversion import Recipe
-from dh2urdf.errors import ConfigError, CrashError, InputError, ManipulatorError, TableError
+from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.keys import recipe_key
@@ -24,14 +25,13 @@ from dh2urdf.layouts import Layout
 from dh2urdf.making import Effect, Maker
 from dh2urdf.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.mesh_section import MeshCall
-from dh2urdf.options import make_options
 from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import Overview
-from dh2urdf.source import Problem, in_file_order
-from dh2urdf.stages import Emitter, Executor, Loader, Lost, Reader
+from dh2urdf.source import in_file_order
+from dh2urdf.stages import Executor, Lost, Reader
 from dh2urdf.stores import Store, open_store
 from dh2urdf.variations import VariationCall
 from dh2urdf.watchdog import this_process
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
 
     from dh2urdf.batch_report import BatchReport
-    from dh2urdf.config import RunConfig, StageCall
+    from dh2urdf.config import RunConfig
     from dh2urdf.registry import Catalog
 
 Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
@@ -138,41 +138,15 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         ConfigError: something in the run file is wrong; all of it is said at once.
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
-    problems: list[Problem] = list(config.problems)
-
-    def resolve(kind: Any, call: StageCall) -> Call[Any] | None:  # noqa: ANN401 - a kind of stage
-        try:
-            stage = catalog.get(kind, call.stage)
-            plugin = catalog.plugin_of(stage)
-            options = make_options(
-                stage.options, call.options, mark=call.mark, where=f"{kind} {stage.name!r}", plugin=plugin
-            )
-            return Call(stage=stage, options=options, plugin=plugin)
-        except InputError as error:
-            problems.extend(problem.about(mark=call.mark) for problem in error.problems)
-            return None
-
-    inputs: list[tuple[Path, Call[Reader[Any]]]] = []
-    for given in config.inputs:
-        for path in given.paths:
-            try:
-                name = given.stage or catalog.reader_for(path).name
-            except InputError as error:
-                problems.extend(problem.about(mark=given.mark) for problem in error.problems)
-                continue
-            call = resolve("reader", given.read_by(name))
-            if call is None:
-                break
-            inputs.append((path, call))
-    transform = resolve("transform", config.transform)
-    emitters = [resolve("emitter", call) for call in config.emitters]
-    loaders = [resolve("loader", call) for call in config.loaders]
-    executor = resolve("executor", config.execution)
-    problems += _twice(config.emitters, emitters)
-    problems += _twice(config.loaders, loaders)
-    problems += _without_file(config, emitters, loaders)
-    if problems or transform is None or executor is None:
-        raise ConfigError(in_file_order(problems))
+    asked = AskedStages(catalog, config.problems)
+    inputs = asked.readers(config.inputs)
+    transform = asked.call("transform", config.transform)
+    emitters = asked.calls("emitter", config.emitters)
+    loaders = asked.calls("loader", config.loaders)
+    executor = asked.call("executor", config.execution)
+    asked.check_loaders(config.loaders, loaders, config.emitters, emitters)
+    if asked.problems or transform is None or executor is None:
+        raise ConfigError(in_file_order(asked.problems))
     recipe = Recipe(
         transform=transform,
         emitters=tuple(call for call in emitters if call),
@@ -189,7 +163,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     for variation in config.variations:
         sampling.require(variation.sampling)
     return Plan(
-        inputs=tuple(inputs),
+        inputs=inputs,
         recipe=recipe,
         key=recipe_key(recipe),
         store=open_store(config.output),
@@ -200,37 +174,6 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         html=config.html,
         meshes=config.meshes,
     )
-
-
-def _without_file(
-    config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None], loaders: Sequence[Call[Loader[Any]] | None]
-) -> Iterator[Problem]:
-    """The loaders that take no file which the run writes."""
-    formats = [call.stage.name if call else asked.stage for asked, call in zip(config.emitters, emitters, strict=True)]
-    for asked, loader in zip(config.loaders, loaders, strict=True):
-        if loader is not None and not set(loader.stage.formats) & set(formats):
-            yield Problem(
-                message=f"the loader {loader.stage.name!r} has no file to load",
-                mark=asked.mark,
-                field="loaders",
-                found=", ".join(formats),
-                accepted=f"one of the emitters {', '.join(loader.stage.formats)} in the section `emitters`",
-            )
-
-
-def _twice(asked: Sequence[StageCall], calls: Sequence[Call[Any] | None]) -> Iterator[Problem]:
-    """The stages whose name another one has, of another distribution: files and reports are told by these names."""
-    first: dict[str, StageCall] = {}
-    for given, call in zip(asked, calls, strict=True):
-        if call is not None and (other := first.setdefault(call.stage.name, given)) is not given:
-            yield Problem(
-                message=f"the {call.kind} {call.stage.name!r} stands twice in one run",
-                mark=given.mark,
-                field=f"{call.kind}s",
-                found=given.stage,
-                accepted="each name once",
-                suggestion=f"it stands first at {other.mark}",
-            )
 
 
 def execute(

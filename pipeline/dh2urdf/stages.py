@@ -346,6 +346,8 @@ class Executor(Generic[O]):
         map: results of a picklable function over tasks, in the order of the tasks, taking tasks as they are needed. A
             worker that ends costs no result but that of a task which ends every worker it is given to: it gives `Lost`
             in its place, and the others go on. What the function raises is raised after the results before it.
+            The function of a run has an attribute ``distributions``: the names of those whose stages it uses, which a
+            worker on another machine has to have in the same versions.
         require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `map`
             needs with these options is not installed, without importing it (`importlib.util.find_spec`).
     """

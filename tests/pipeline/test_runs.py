@@ -435,6 +435,21 @@ class TestLongRuns:
 
 
 class TestCallsInOtherProcesses:
+    def test_executors_are_told_whose_stages_a_run_uses(self, lab: Lab) -> None:
+        """Of the work in other processes: not that of a reader, whose tables come from the run's own."""
+        plan = lab.plan("inputs: names.list", names="x")
+        seen: list[tuple[str, ...]] = []
+
+        def watch(function: Any, tasks: Any, _options: NoOptions) -> Iterator[Any]:
+            seen.append(function.distributions)
+            return map(function, tasks)
+
+        other = Plugin(name="far = far", distribution="far-lab 2.0")
+        recipe = replace(plan.recipe, emitters=tuple(replace(call, plugin=other) for call in plan.recipe.emitters))
+        executor = replace(plan.executor, stage=replace(plan.executor.stage, map=watch))
+        execute(replace(plan, executor=executor, recipe=recipe))
+        assert seen == [("far-lab", "lab")]
+
     @pytest.mark.parametrize("kind", KINDS)
     def test_a_stage_goes_by_its_name(self, kind: Any) -> None:
         """Stages need not be picklable: a worker finds them as the run did, among what is installed."""

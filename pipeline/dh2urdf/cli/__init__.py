@@ -148,11 +148,13 @@ def _status(words: list[str], *, debug: bool = False) -> int:
         click.echo("; ".join(["dh2urdf: interrupted; nothing half-written is left", *advice]), err=True)
         return INTERRUPTED
     except Dh2UrdfError as error:
+        from dh2urdf.source import printable
+
         if invocation.debug:
             import traceback
 
             click.echo("".join(traceback.format_exception(error)) + getattr(error, "traceback", ""), err=True)
-        click.echo(str(error), err=True)
+        click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
         return error.exit_status
     except Exception as error:
         if isinstance(error, OSError) and error.filename is None:  # what has a name was reported where it was met

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf.attribution import Call, a_record, depending_on
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
@@ -87,9 +88,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if comparison and (apart := comparison_finding(comparison[0], comparison[1])):
         findings.append(replace(apart, mark=Mark(file=str(file))))
     if form == "json":
-        click.echo(as_json(file, findings, consumers, comparison))
+        answer(as_json(file, findings, consumers, comparison))
     elif form == "sarif":
-        click.echo(as_sarif(file, findings))
+        answer(as_sarif(file, findings))
     else:
         from dh2urdf.cli.findings import print_findings
 

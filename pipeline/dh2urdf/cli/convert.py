@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, settings_of, table_options
 from dh2urdf.errors import SCREENFUL
@@ -71,7 +72,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         note=_print_notices,
     )
     if target is None:
-        click.echo(conversion.written[0].files[0].content, nl=False)
+        answer(conversion.written[0].files[0].content, nl=False)
     return 0
 
 

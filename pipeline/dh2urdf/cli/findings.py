@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
-import click
-
 from dh2urdf.agreement import changes
+from dh2urdf.cli.answers import answer, answers
 from dh2urdf.report.findings import OTHER_ARM, counts
 from dh2urdf.source import printable
 
@@ -29,17 +27,17 @@ def print_findings(
 ) -> None:
     """Print findings, how many there are, and what came of the comparison."""
     of_the_file = [finding for finding in findings if finding.rule != OTHER_ARM]
-    if of_the_file and sys.stdout.isatty():
+    if of_the_file and answers().isatty():
         _print_table(of_the_file)
     else:
         for finding in of_the_file:
-            click.echo("\n".join(map(printable, _lines(finding))))
+            answer("\n".join(map(printable, _lines(finding))))
     numbers = [
         f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts(of_the_file).items() if count
     ]
-    click.echo(f"{', '.join(numbers) or 'nothing found'} for {', '.join(consumers)}")
+    answer(f"{', '.join(numbers) or 'nothing found'} for {', '.join(consumers)}")
     if comparison:
-        click.echo("\n".join(map(printable, _comparison(*comparison))))
+        answer("\n".join(map(printable, _comparison(*comparison))))
 
 
 def said(finding: Finding) -> Iterator[str]:
@@ -81,7 +79,7 @@ def _print_table(findings: Sequence[Finding]) -> None:
             escape(printable(finding.message)) + f"\n[dim]{escape(printable(finding.mend))}[/]",
             escape("\n".join(map(printable, said(finding)))),
         )
-    Console(highlight=False).print(table)
+    Console(file=answers(), highlight=False).print(table)
 
 
 def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> Iterator[str]:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.cli.answers import keep_apart
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import TypeVar
@@ -34,11 +36,13 @@ def without_option(function: F) -> F:
 
 
 def catalog() -> Catalog:
-    """What is installed, without what the command line leaves out.
+    """What is installed, without what the command line leaves out; whatever it prints is not the command's answer.
 
     Raises:
         ConfigError: what it leaves out is not there.
     """
     from dh2urdf.registry import load
 
-    return load(click.get_current_context().meta.get(_NAMES, ()))
+    context = click.get_current_context()
+    keep_apart(context)
+    return load(context.meta.get(_NAMES, ()))

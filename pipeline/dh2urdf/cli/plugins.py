@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.registry import KINDS
 from dh2urdf.report.plugins import plugins_report
+from dh2urdf.source import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 @click.command(name="plugins")
@@ -29,27 +34,27 @@ def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so
     if as_json:
         import json
 
-        click.echo(json.dumps(report, indent=2, ensure_ascii=False))
-        return 0
-    for kind in KINDS:
-        click.echo(f"{kind}s")
-        for entry in (entry for entry in report["stages"] if entry["kind"] == kind):
-            click.echo(f"  {entry['name']}: {entry['summary']}  [{entry['distribution']}]")
-            for option in entry["options"]:
-                click.echo(f"      {option['name']} = {option['default']} ({option['type']}): {option['help']}")
-    _print_the_others(report, debug=click.get_current_context().find_root().params["debug"])
+        answer(json.dumps(report, indent=2, ensure_ascii=False))
+    else:
+        debug = click.get_current_context().find_root().params["debug"]
+        answer("\n".join(map(printable, _lines(report, debug=debug))))
     return 0
 
 
-def _print_the_others(report: dict[str, Any], *, debug: bool) -> None:
-    """What there is to know besides the stages."""
+def _lines(report: dict[str, Any], *, debug: bool) -> Iterator[str]:
+    for kind in KINDS:
+        yield f"{kind}s"
+        for entry in (entry for entry in report["stages"] if entry["kind"] == kind):
+            yield f"  {entry['name']}: {entry['summary']}  [{entry['distribution']}]"
+            for option in entry["options"]:
+                yield f"      {option['name']} = {option['default']} ({option['type']}): {option['help']}"
     for clash in report["clashes"]:
         choice = f"; say {' or '.join(clash['choices'])}" if clash["choices"] else ""
-        click.echo(f"claimed twice: {clash['kind']} {clash['name']} by {' and '.join(clash['distributions'])}{choice}")
+        yield f"claimed twice: {clash['kind']} {clash['name']} by {' and '.join(clash['distributions'])}{choice}"
     for what in ("broken", "incompatible"):
         for entry in report[what]:
-            click.echo(f"{what}: {entry['plugin']} of {entry['distribution']}: {entry['reason']}")
-            if debug and "traceback" in entry:
-                click.echo(entry["traceback"])
+            yield f"{what}: {entry['plugin']} of {entry['distribution']}: {entry['reason']}"
+            if debug:
+                yield from entry.get("traceback", "").splitlines()
     for entry in report["left_out"]:
-        click.echo(f"left out: {entry['plugin']} of {entry['distribution']}")
+        yield f"left out: {entry['plugin']} of {entry['distribution']}"

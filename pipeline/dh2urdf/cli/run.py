@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
@@ -60,11 +61,11 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             interrupt.add_note("`--resume` goes on from there")
         raise
     if as_json:
-        click.echo(to_text(report), nl=False)
+        answer(to_text(report), nl=False)
     elif not quiet:
         from dh2urdf.cli.summary import print_summary
 
         print_summary(result, report, str(plan.store), dry_run=dry_run)
         if plan.html and not dry_run and not can_write_html():
-            click.echo(HOW_TO_GET)
+            answer(HOW_TO_GET)
     return result.exit_status

@@ -6,6 +6,7 @@ import json
 
 import click
 
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.report.schema import manifest_schema, plugins_schema, report_schema
 from dh2urdf.schema import run_schema, table_schema
@@ -33,5 +34,5 @@ def command(what: str) -> int:
     dh2urdf schema table > table.schema.json
     dh2urdf schema report > report.schema.json
     """
-    click.echo(json.dumps(SCHEMAS[what](), indent=2, ensure_ascii=False))
+    answer(json.dumps(SCHEMAS[what](), indent=2, ensure_ascii=False))
     return 0

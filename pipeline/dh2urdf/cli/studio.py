@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
         host=host,
         port=port,
         browser=not no_browser,
-        said=lambda address: click.echo(f"the studio is at {address} (Ctrl-C ends it)"),
+        said=lambda address: answer(f"the studio is at {address} (Ctrl-C ends it)"),
         title="dh2urdf studio",
     )
     return 0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.cli.answers import answers
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -33,9 +35,9 @@ def print_summary(result: Result, report: Row, where: str, *, dry_run: bool) -> 
     """
     from rich.console import Console
 
-    console = Console(highlight=False)
+    console = Console(file=answers(), highlight=False)
     if not console.is_terminal:
-        console = Console(highlight=False, width=140)
+        console = Console(file=answers(), highlight=False, width=140)
     rows = report["manipulators"]
     if any(row["files"] for row in rows):
         console.print("largest distance of tool0 from the DH product, in metres:")

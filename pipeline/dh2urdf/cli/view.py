@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 
 
@@ -40,7 +41,7 @@ def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bo
         host=host,
         port=port,
         browser=not no_browser,
-        said=lambda address: click.echo(f"the view is at {address} (Ctrl-C ends it)"),
+        said=lambda address: answer(f"the view is at {address} (Ctrl-C ends it)"),
         title="dh2urdf view",
     )
     return 0

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf import __version__
-from dh2urdf.attribution import Call, broken
-from dh2urdf.errors import IncompatiblePluginError
+from dh2urdf.attribution import Call, depending_on
+from dh2urdf.errors import BrokenPluginError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION
 from dh2urdf.options import describe_options
 from dh2urdf.registry import KINDS
 
 if TYPE_CHECKING:
-    from dh2urdf.errors import BrokenPluginError
     from dh2urdf.registry import Catalog, Provided
 
 SCHEMA = "dh2urdf-plugins/1"
@@ -45,12 +44,13 @@ def plugins_report(catalog: Catalog) -> dict[str, Any]:
 def _stage(item: Provided, kind: str, failed: list[BrokenPluginError]) -> dict[str, Any]:
     options: list[dict[str, str]] = []
     try:
-        options = [
-            {"name": name, "type": type_text, "default": default, "help": text}
-            for name, type_text, default, text in describe_options(item.stage.options)
-        ]
-    except Exception as error:  # noqa: BLE001 - a default describes itself by code of the plugin
-        failed.append(broken(error, Call(stage=item.stage, options=None, plugin=item.plugin), "options"))
+        with depending_on(Call(stage=item.stage, options=None, plugin=item.plugin), "options"):
+            options = [
+                {"name": name, "type": type_text, "default": default, "help": text}
+                for name, type_text, default, text in describe_options(item.stage.options)
+            ]
+    except BrokenPluginError as error:  # A default describes itself by code of the plugin.
+        failed.append(error)
     return {
         "kind": kind,
         "name": item.stage.name,

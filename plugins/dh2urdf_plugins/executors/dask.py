@@ -44,15 +44,14 @@ _SCRIPT = Path(__file__).with_name("dask_cluster.py")
 _LOOK = 1.0  # [s] between looks at the cluster while a result is waited for
 _UNTOLD = 5.0  # [s] without workers that nobody has to hear of: others are being started
 _LOGGER = logging.getLogger("dh2urdf")
-_INSTALLED = """{
-    "Python": "%d.%d" % __import__("sys").version_info[:2],
-    "distributed": __import__("distributed").__version__,
+_VERSIONS = """{
     **{
-        point.dist.name: point.dist.version
-        for point in __import__("importlib.metadata").metadata.entry_points(group="dh2urdf")
+        name: next((found.version for found in __import__("importlib.metadata").metadata.distributions(name=name)), "")
+        for name in NAMES
     },
+    "Python": "%d.%d" % __import__("sys").version_info[:2],
 }"""
-"""What has to be the same everywhere, as an expression: a worker has to answer it without dh2urdf, too."""
+"""The versions of some distributions and of Python, as an expression: a worker has to answer without dh2urdf, too."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,6 +165,8 @@ class _Cluster:
     def __init__(self, client: Any, function: Callable[[Any], Any]) -> None:  # noqa: ANN401 - Dask has no types
         self._client = client
         self._function = function
+        # What has to be the same everywhere. A run says whose stages it uses; what else is installed is its own affair.
+        self._needed = _versions(("Python", "distributed", "dh2urdf", *getattr(function, "distributions", ())))
         self._under_way: set[Any] = set()
         self._threads = 0
         self._looked = 0.0
@@ -180,7 +181,7 @@ class _Cluster:
 
     def hand_over(self, task: Any) -> tuple[Any, Any]:  # noqa: ANN401 - a task is the caller's
         """A task and Dask's promise of its result."""
-        future = self._client.submit(_do, self._function, _installed(), task, pure=False)
+        future = self._client.submit(_do, self._function, self._needed, task, pure=False)
         self._under_way.add(future)
         return task, future
 
@@ -259,8 +260,8 @@ class _Cluster:
             self._look()
 
     def _refuse_other_versions(self) -> None:
-        found = self._client.run(eval, _INSTALLED)
-        if problems := [problem for where in sorted(found) for problem in _others(where, _installed(), found[where])]:
+        found = self._client.run(eval, _VERSIONS, {"NAMES": tuple(self._needed)})
+        if problems := [problem for where in sorted(found) for problem in _others(where, self._needed, found[where])]:
             raise ExecutorError(problems)
 
 
@@ -274,16 +275,16 @@ def _gone() -> ExecutorError:
 
 
 @cache
-def _installed() -> dict[str, str]:
-    """What has to be the same everywhere: the versions of Python, Dask, dh2urdf and all plugins."""
-    return dict(eval(_INSTALLED))  # noqa: S307 - the text stands above
+def _versions(names: tuple[str, ...]) -> dict[str, str]:
+    """The versions of some distributions, and of Python, in this process; empty where one is not installed."""
+    return dict(eval(_VERSIONS, {"NAMES": names}))  # noqa: S307 - the text stands above
 
 
 def _others(address: str, ours: dict[str, str], theirs: dict[str, str]) -> Iterator[Problem]:
     """What a worker has not, or in another version."""
     for name, version in ours.items():
         if theirs.get(name) != version:
-            has = f"has {name} {theirs[name]}, not {version} as the run has" if name in theirs else f"has no {name}"
+            has = f"has {name} {theirs[name]}, not {version} as the run has" if theirs.get(name) else f"has no {name}"
             yield Problem(
                 message=f"the Dask worker at {address} {has}",
                 suggestion=f"install {name} {version} where `dask worker` is started",
@@ -300,10 +301,11 @@ def _do(function: Callable[[Any], Any], ours: dict[str, str], task: Any) -> Any:
     Raises:
         ExecutorError: the worker has other versions than the run.
     """
-    if ours != _installed():
+    theirs = _versions(tuple(ours))
+    if ours != theirs:
         from distributed import get_worker
 
-        raise ExecutorError(_others(get_worker().address, ours, _installed()))
+        raise ExecutorError(_others(get_worker().address, ours, theirs))
     with _ONE_AT_A_TIME:
         return function(task)
 

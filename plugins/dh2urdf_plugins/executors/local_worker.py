@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-class _Terminated(BaseException):
-    """SIGTERM came while a task was under way."""
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM came while a task was under way: an interrupt like Ctrl-C, and no fault of what it interrupts."""
 
 
 def main() -> None:

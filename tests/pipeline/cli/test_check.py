@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -217,7 +218,7 @@ def test_a_table_on_a_terminal(arm: Path, monkeypatch: pytest.MonkeyPatch, capfd
     from dh2urdf_plugins.lint.inspection import inspect_urdf
 
     swap_limits(arm)
-    monkeypatch.setattr(module.sys.stdout, "isatty", lambda: True)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
     monkeypatch.setenv("COLUMNS", "160")
     found = inspect_urdf(arm)
     module.print_findings(found.findings, found.consumers, None)

@@ -206,14 +206,11 @@ class TestACluster:
         assert isinstance(lost, Lost)
         assert lost.reason.startswith("2 Dask workers died at it, the last at tcp://127.0.0.1:")
 
-    def test_other_versions_are_refused(
-        self, functions: ModuleType, cluster: Cluster, tmp_path: Path, soon: Callable[..., bool]
-    ) -> None:
+    def test_other_versions_are_refused(self, functions: ModuleType, cluster: Cluster, tmp_path: Path) -> None:
         """A worker that would make other bytes is named with both versions, whether it comes late or early."""
         old = tmp_path / "dh2urdf-0.0.1.dist-info"
         old.mkdir()
         (old / "METADATA").write_text("Metadata-Version: 2.1\nName: dh2urdf\nVersion: 0.0.1\n")
-        (old / "entry_points.txt").write_text("[dh2urdf]\nbuiltin = dh2urdf_plugins\n")
         results = map_on_dask(functions.double, count(), cluster.options)
         assert next(results) == 0
         worker = cluster.worker(tmp_path)
@@ -223,12 +220,23 @@ class TestACluster:
         with pytest.raises(ExecutorError, match=refused):
             list(map_on_dask(functions.double, range(5), cluster.options))
         kill(worker)
-        (old / "entry_points.txt").unlink()
-        worker = cluster.worker(tmp_path)
-        assert soon(lambda: cluster.workers() == 3)
-        with pytest.raises(ExecutorError, match=r"the Dask worker at tcp://127.0.0.1:\d+ has no dh2urdf\n"):
-            list(map_on_dask(functions.double, range(5), cluster.options))
-        kill(worker)
+
+    def test_plugins_are_compared_whose_stages_are_used(
+        self,
+        functions: ModuleType,
+        cluster: Cluster,
+        tmp_path: Path,
+        install: Callable[..., None],
+        monkeypatch: pytest.MonkeyPatch,
+    ) -> None:
+        """A worker without one of them is refused; what a run leaves out, or does not need, no worker has to have."""
+        install(tmp_path, "lab-tools", "raise ImportError('of nobody')")
+        monkeypatch.syspath_prepend(tmp_path)
+        assert list(map_on_dask(functions.double, range(3), cluster.options)) == [0, 2, 4]
+        functions.halve.distributions = ("dh2urdf", "lab-tools")
+        refused = r"the Dask worker at tcp://127.0.0.1:\d+ has no lab-tools\n.* install lab-tools 1\.0 where"
+        with pytest.raises(ExecutorError, match=refused):
+            list(map_on_dask(functions.halve, range(3), cluster.options))
 
     def test_a_run_that_ends_early_leaves_the_cluster_alone(
         self, functions: ModuleType, cluster: Cluster, tmp_path: Path, soon: Callable[..., bool]

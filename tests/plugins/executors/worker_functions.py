@@ -25,6 +25,18 @@ def double(number: int) -> int:
     return 2 * number
 
 
+class _Halving:
+    """A function that says, as a run's does, whose stages it uses."""
+
+    distributions: tuple[str, ...] = ()
+
+    def __call__(self, number: int) -> float:
+        return number / 2
+
+
+halve = _Halving()
+
+
 def pid(_task: Any) -> int:
     return os.getpid()
 

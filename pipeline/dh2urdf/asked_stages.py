@@ -1,0 +1,110 @@
+"""The stages that a run file asks for: found in the catalog, with their options, or what is wrong with each."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.attribution import Call
+from dh2urdf.errors import InputError, PluginError
+from dh2urdf.options import make_options
+from dh2urdf.source import Problem
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
+
+    from dh2urdf.config import InputCall, StageCall
+    from dh2urdf.registry import Catalog
+    from dh2urdf.source import Mark
+    from dh2urdf.stages import Emitter, Loader, Reader
+
+
+class AskedStages:
+    """Finds stages, and gathers what is wrong.
+
+    Attributes:
+        problems: all that is wrong, each with its place in the run file.
+    """
+
+    def __init__(self, catalog: Catalog, problems: Iterable[Problem] = ()) -> None:
+        self.problems = list(problems)
+        self._catalog = catalog
+
+    def call(self, kind: Any, asked: StageCall) -> Call[Any] | None:  # noqa: ANN401 - a kind of stage
+        """The stage of a kind with its options; None where something is wrong.
+
+        Raises:
+            PluginError: the plugin that it needs is broken, or several claim its name; the error has the place.
+        """
+        with self._at(asked.mark):
+            stage = self._catalog.get(kind, asked.stage)
+            plugin = self._catalog.plugin_of(stage)
+            where = f"{kind} {stage.name!r}"
+            options = make_options(stage.options, asked.options, mark=asked.mark, where=where, plugin=plugin)
+            return Call(stage=stage, options=options, plugin=plugin)
+        return None
+
+    def calls(self, kind: Any, asked: Sequence[StageCall]) -> list[Call[Any] | None]:  # noqa: ANN401 - a kind of stage
+        """Stages of a kind, each name once: files and reports are told by these names."""
+        calls = [self.call(kind, each) for each in asked]
+        first: dict[str, StageCall] = {}
+        for given, call in zip(asked, calls, strict=True):
+            if call is not None and (other := first.setdefault(call.stage.name, given)) is not given:
+                self.problems.append(
+                    Problem(
+                        message=f"the {call.kind} {call.stage.name!r} stands twice in one run",
+                        mark=given.mark,
+                        field=f"{call.kind}s",
+                        found=given.stage,
+                        accepted="each name once",
+                        suggestion=f"it stands first at {other.mark}",
+                    )
+                )
+        return calls
+
+    def readers(self, inputs: Iterable[InputCall]) -> tuple[tuple[Path, Call[Reader[Any]]], ...]:
+        """Every input file with its reader: the one that is named, or that of its suffix."""
+        found: list[tuple[Path, Call[Reader[Any]]]] = []
+        for given in inputs:
+            for path in given.paths:
+                with self._at(given.mark):
+                    name = given.stage or self._catalog.reader_for(path).name
+                    call = self.call("reader", given.read_by(name))
+                    if call is None:
+                        break  # What is wrong with it is wrong with all files of this input.
+                    found.append((path, call))
+        return tuple(found)
+
+    def check_loaders(
+        self,
+        asked: Sequence[StageCall],
+        loaders: Sequence[Call[Loader[Any]] | None],
+        asked_emitters: Sequence[StageCall],
+        emitters: Sequence[Call[Emitter[Any]] | None],
+    ) -> None:
+        """Every loader takes a file that the run writes."""
+        both = zip(asked_emitters, emitters, strict=True)
+        formats = [call.stage.name if call else each.stage for each, call in both]
+        for each, loader in zip(asked, loaders, strict=True):
+            if loader is not None and not set(loader.stage.formats) & set(formats):
+                self.problems.append(
+                    Problem(
+                        message=f"the loader {loader.stage.name!r} has no file to load",
+                        mark=each.mark,
+                        field="loaders",
+                        found=", ".join(formats),
+                        accepted=f"one of the emitters {', '.join(loader.stage.formats)} in the section `emitters`",
+                    )
+                )
+
+    @contextmanager
+    def _at(self, mark: Mark | None) -> Iterator[None]:
+        """Whatever is wrong with what is asked for at a place is told with the place."""
+        try:
+            yield
+        except InputError as error:
+            self.problems += [problem.about(mark=mark) for problem in error.problems]
+        except PluginError as error:
+            error.mark = error.mark or mark
+            raise

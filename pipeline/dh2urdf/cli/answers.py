@@ -1,0 +1,52 @@
+"""Standard output carries what was asked for, and nothing else, whatever plugins print."""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import contextmanager, redirect_stdout
+from typing import IO, TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_OWN = f"{__name__}.own"
+_STDOUT, _STDERR = 1, 2
+
+
+def answer(what: str | bytes, *, nl: bool = True) -> None:
+    """Print what was asked for, or a part of it."""
+    click.echo(what, file=answers(), nl=nl)
+
+
+def answers() -> IO[Any]:
+    """Where answers go."""
+    context = click.get_current_context(silent=True)
+    return context.meta[_OWN] if context and _OWN in context.meta else sys.stdout
+
+
+def keep_apart(context: click.Context) -> None:
+    """From here to the end of a command, what anybody else prints, from C and in programs too, is no answer.
+
+    It goes to standard error: many a library prints when it is imported.
+    """
+    if _OWN not in context.meta and None not in (sys.stdout, sys.stderr):  # None where a shell has closed it
+        context.meta[_OWN] = context.with_resource(_kept_apart())
+        context.call_on_close(lambda: context.meta.pop(_OWN))
+
+
+@contextmanager
+def _kept_apart() -> Iterator[IO[str]]:
+    """The standard output of this process, which is nobody else's as long."""
+    sys.stdout.flush()
+    # What a terminal's encoding lacks is escaped as JSON does it.
+    own = os.fdopen(os.dup(_STDOUT), "w", encoding=sys.stdout.encoding, errors="backslashreplace")
+    try:
+        os.dup2(_STDERR, _STDOUT)
+        with redirect_stdout(sys.stderr):
+            yield own
+    finally:
+        os.dup2(own.fileno(), _STDOUT)
+        own.close()

@@ -1,0 +1,22 @@
+"""What a third party's code raises, in words: it may raise anything, and even the text of that may fail."""
+
+from __future__ import annotations
+
+import traceback
+
+INTERRUPTS = (KeyboardInterrupt, GeneratorExit)
+"""What comes from outside, and is nobody's fault; all else that code of a plugin raises is its own."""
+
+
+def reason_of(error: BaseException) -> str:
+    """The class of an exception and what it says."""
+    try:
+        text = str(error)
+    except Exception as failed:  # noqa: BLE001 - it is the exception's own code
+        text = f"its text cannot be made: {type(failed).__name__}"
+    return f"{type(error).__name__}: {text}"
+
+
+def traceback_of(error: BaseException) -> str:
+    """Where an exception was raised, for `--debug`."""
+    return "".join(traceback.format_exception(error))

@@ -40,7 +40,7 @@ def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bo
         host=host,
         port=port,
         browser=not no_browser,
-        said=lambda address: click.echo(f"the view is at {address} (Ctrl-C ends it)"),
+        say=click.echo,
         title="dh2urdf view",
     )
     return 0

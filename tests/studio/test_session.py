@@ -46,6 +46,17 @@ def test_the_last_good_arm_stays(session: Session) -> None:
     assert session.arm.manipulator.rows[1].a == -0.5
 
 
+def test_no_arm_is_left_of_another_table(session: Session) -> None:
+    """Rows in which nothing stands yet are nobody's arm: the last good one is not shown for them."""
+    for row in range(6):
+        for field in set(session.table.rows[row]) - set(edits.NOT_GEOMETRY):
+            session.edit(row, field, "")
+    assert session.arm is None
+    assert session.drawing.nodes == ()
+    session.undo()
+    assert session.table.rows[5].keys() - set(edits.NOT_GEOMETRY)
+
+
 def test_undo_brings_back_table_and_arm(session: Session) -> None:
     """One step back, one forward, and a new edit forgets what was undone."""
     session.edit(1, "a", "-0.5")

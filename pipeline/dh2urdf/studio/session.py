@@ -222,7 +222,7 @@ class Session:
             self._draw()
         self.reading = read(self.table, self.catalog)
         self.problems_of_making = ()
-        if not self.table.rows:
+        if self.reading.waiting == len(self.table.rows):  # Nothing has been begun: no arm was ever this table's.
             self.arm = None
             self._draw()
         else:

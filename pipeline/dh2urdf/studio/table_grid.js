@@ -67,10 +67,15 @@
       return true;
     },
 
-
     clicked({ rowIndex }) {
       home = null;
       emitEvent("dh-focus", rowIndex);
+    },
+
+    // A cell as the table has it: what was sent before it was typed may have overtaken it.
+    put(api, row, field, text) {
+      const node = api.getRowNode(String(row));
+      if (node) node.data[field] = text;
     },
 
     // Problems by row and field, and which row is picked. What is being typed is left alone.

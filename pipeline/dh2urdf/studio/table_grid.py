@@ -133,20 +133,21 @@ class TableGrid:
         if header != self._header:
             self._header = header
             self._grid.run_grid_method("setGridOption", "columnDefs", _columns(session))
-        rows = [{"id": number, **row} for number, row in enumerate(session.table.rows)]
-        if rows != self._rows:
+        if (rows := _rows(session)) != self._rows:
             self._rows = rows
             self._grid.run_grid_method("setGridOption", "rowData", rows)
         self.mark(session)
 
-    def typed(self, session: Session) -> None:
-        """Shows what is wrong after a cell was typed; the cells themselves are as they were typed, unless cleaned."""
-        row_count = len(self._rows)
-        rows = [{"id": number, **row} for number, row in enumerate(session.table.rows)]
-        if session.columns != self._header[0] or len(rows) != row_count:
+    def typed(self, session: Session, row: int, field: str) -> None:
+        """Shows what is wrong after a cell was typed, and the cell as it was taken.
+
+        Other cells stay as they are on the screen, where a person may have gone on typing.
+        """
+        if session.columns != self._header[0]:
             self.show(session)
             return
-        self._rows = rows
+        self._rows = _rows(session)
+        self._run("put", row, field, session.table.rows[row].get(field, ""))
         self.mark(session)
 
     def refresh(self, session: Session) -> None:
@@ -178,6 +179,10 @@ class TableGrid:
 def all_problems(session: Session) -> Sequence[CellProblem]:
     """What is wrong with a table, whoever says it."""
     return (*session.reading.problems, *session.problems_of_making)
+
+
+def _rows(session: Session) -> list[dict[str, Any]]:
+    return [{"id": number, **row} for number, row in enumerate(session.table.rows)]
 
 
 def _problems(session: Session) -> dict[int, dict[str, dict[str, str]]]:

@@ -58,9 +58,10 @@ def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
     typed = _typed(path, reader, catalog)
     if arms:
         return tuple(_opened(arm, typed.get(arm.name), catalog) for arm in arms)
-    if unsaid := [table for table in typed.values() if table.rows and not table.convention]:
-        return tuple(Opened(_completed(table, [f"joint_{i + 1}" for i in range(len(table.rows))])) for table in unsaid)
-    raise InputError([problem for item in items if isinstance(item, Rejected) for problem in item.problems])
+    rejected = [item for item in items if isinstance(item, Rejected)]
+    if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
+        return tuple(map(Opened, unsaid))
+    raise InputError([problem for item in rejected for problem in item.problems])
 
 
 def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, TableText]:
@@ -82,6 +83,14 @@ def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> Open
     table = table_text(arm)
     again = read_whole(table, catalog).manipulator
     return Opened(table, tuple(_lost(arm, again)) if again else ())
+
+
+def _unsaid(rejected: Rejected, typed: TableText | None, catalog: Catalog) -> TableText | None:
+    """A table as it was typed that does not say its convention, if as much is wrong with it as with the file."""
+    if typed is None or typed.convention or not typed.rows:
+        return None
+    table = _completed(typed, [f"joint_{number}" for number in range(1, len(typed.rows) + 1)])
+    return table if len(read_whole(table, catalog).errors) == len(rejected.problems) else None
 
 
 def _completed(typed: TableText, joints: Iterable[str]) -> TableText:

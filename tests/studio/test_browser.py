@@ -67,6 +67,26 @@ def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., 
     assert tab.cells(1, "a") == ["-0.425"]
 
 
+def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+    """Of many letters that are typed at once few arms are made, and the last of them is that of all letters."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    tab.cell(1, "a").dblclick()
+    shown = page.evaluate("document.querySelector('.arm-view').shown")
+    page.evaluate(
+        """() => {
+            const input = document.querySelector('.dh-table .ag-cell-inline-editing input');
+            for (let i = 100; i < 200; i++) {
+                input.value = `-0.${i}`;
+                input.dispatchEvent(new Event('input', {bubbles: true}));
+            }
+        }"""
+    )
+    tab.wait_for_tool0(arm_of(edits.with_cell(gallery.exhibit("ur5.csv", catalog), 1, "a", "-0.199"), catalog))
+    assert page.evaluate("document.querySelector('.arm-view').shown") <= shown + 3
+
+
 def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """By key and by button, in the cells and in the scene."""
     tab = new_tab(studio_address)

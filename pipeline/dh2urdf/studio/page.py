@@ -248,8 +248,11 @@ class StudioPage:
         self._show_words()
 
     def _typing(self, row: int, field: str, text: str) -> None:
-        if self.session.preview(row, field, text):
-            self._show_arm()
+        try:
+            if self.session.preview(row, field, text):
+                self._show_arm()
+        finally:
+            self._table.answer()
 
     def _typing_ended(self) -> None:
         if self.session.previews:

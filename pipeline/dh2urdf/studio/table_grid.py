@@ -89,6 +89,7 @@ class TableGrid:
                 },
                 "enableBrowserTooltips": True,
                 ":onCellEditingStarted": "e => dhGrid.started(e)",
+                ":onCellEditingStopped": "() => dhGrid.stopped()",
                 ":onCellMouseDown": "e => dhGrid.clicked(e)",
                 "stopEditingWhenCellsLoseFocus": True,
                 "rowDragManaged": True,
@@ -109,11 +110,8 @@ class TableGrid:
         )
         grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
         ui.on("dh-focus", lambda event: on_pick(event.args))
-        grid.on(
-            "input",
-            lambda event: on_typing(*event.args),
-            js_handler="e => { const typed = dhGrid.typing(e); if (typed) emit(typed); }",
-        )
+        grid.on("input", js_handler="e => dhGrid.typing(e)")
+        ui.on("dh-typing", lambda event: on_typing(*event.args))
         grid.on(
             "paste",
             lambda event: on_paste(*event.args),
@@ -149,6 +147,10 @@ class TableGrid:
         self._rows = _rows(session)
         self._run("put", row, field, session.table.rows[row].get(field, ""))
         self.mark(session)
+
+    def answer(self) -> None:
+        """What is being typed is on the screen, as far as it was asked for."""
+        self._run("ask")
 
     def refresh(self, session: Session) -> None:
         """Sends all cells again: the grid shows something else than the table."""

@@ -140,6 +140,8 @@ class RunConfig:
     problems: tuple[Problem, ...] = ()
 
 
+RUN_SUFFIXES = (".yaml", ".yml", ".json")
+"""How the names of run files end."""
 LIKELY_BYTES = 2**20
 """Size of a file that may be a run file [B]: a table may be a thousand times larger."""
 

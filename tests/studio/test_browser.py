@@ -67,6 +67,26 @@ def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., 
     assert tab.cells(1, "a") == ["-0.425"]
 
 
+def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+    """Of many letters that are typed at once few arms are made, and the last of them is that of all letters."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    tab.cell(1, "a").dblclick()
+    shown = page.evaluate("document.querySelector('.arm-view').shown")
+    page.evaluate(
+        """() => {
+            const input = document.querySelector('.dh-table .ag-cell-inline-editing input');
+            for (let i = 100; i < 200; i++) {
+                input.value = `-0.${i}`;
+                input.dispatchEvent(new Event('input', {bubbles: true}));
+            }
+        }"""
+    )
+    tab.wait_for_tool0(arm_of(edits.with_cell(gallery.exhibit("ur5.csv", catalog), 1, "a", "-0.199"), catalog))
+    assert page.evaluate("document.querySelector('.arm-view').shown") <= shown + 3
+
+
 def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """By key and by button, in the cells and in the scene."""
     tab = new_tab(studio_address)
@@ -86,6 +106,57 @@ def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog
         redo()
         tab.wait_for_tool0(after)
         tab.wait_for_cell(1, "a", "-0.9")
+
+
+def test_undo_from_a_button(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """Who has come to a button by Tab can undo from there: only text fields have an undo of their own."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    tab.type_into(1, "a", "-0.4x")
+    tab.wait_for_status("1 problem")
+    page.get_by_role("button", name="zero").focus()
+    page.keyboard.press("Control+z")
+    tab.wait_for_status("the arm is the table's")
+    tab.wait_for_cell(1, "a", "-0.425")
+
+
+def test_a_cell_is_shown_as_it_was_taken(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """The screen says what the table has, and not what was typed, where these differ."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    tab.type_into(1, "a", "-0.9   ")
+    page.wait_for_function("cell => cell.textContent === '-0.9'", arg=tab.cell(1, "a").element_handle())
+
+
+def test_a_row_that_is_gone(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """A cell that was typed while its row went away is no fault: the screen follows the table."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    page.evaluate(
+        """() => {
+            const {api} = getElement(Number(document.querySelector('.dh-table').id.slice(1)));
+            api.applyTransaction({add: [{id: 6, joint: 'late'}]});
+        }"""
+    )
+    tab.type_into(6, "a", "1")
+    tab.cell(6, "a").wait_for(state="detached")
+    assert page.get_by_text("The studio failed at this").count() == 0
+
+
+@pytest.mark.parametrize("typed", ["", "-3"])
+def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[..., Any], typed: str) -> None:
+    """An emptied field is no answer: the rows stay, and the field says again how many there are."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    axes = page.get_by_label("number of axes")
+    axes.fill(typed)
+    axes.press("Enter")
+    page.wait_for_function("axes => axes.value === '6'", arg=axes.element_handle())
+    assert tab.status == "6 axes; the arm is the table's"
 
 
 def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
@@ -242,14 +313,32 @@ def test_convention_and_units_are_converted_or_reinterpreted(
     assert tab.cells(2, "a", "alpha") == ["-425", "0"]
 
 
+def test_a_wrong_table_is_not_reinterpreted_unasked(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """Numbers that cannot be converted, as one of them is wrong, mean something else only when a person says so."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    tab.type_into(1, "alpha", "pi/x")
+    tab.wait_for_status("1 problem")
+    for button in ("mm", "modified"):
+        page.get_by_role("button", name=button, exact=True).click()
+        page.get_by_text("A table that is not right yet cannot be converted.").wait_for()
+        page.get_by_role("button", name="Cancel").click()
+        page.locator(".q-dialog").wait_for(state="detached")
+    page.locator("button.bg-primary", has_text="standard").wait_for()
+
+
 def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
     """A table of one's own is uploaded; one that cannot be read says why; of several robots one is chosen."""
     tab = new_tab(studio_address)
     page = tab.open()
     wrong, two = tmp_path / "wrong.csv", tmp_path / "two.csv"
+    (tmp_path / "notes.txt").write_text("no table")
     wrong.write_text("# convention: standard\na,alpha,d\n1,x,0\n")
     two.write_text("# convention: standard\nrobot,a,alpha,d\nfirst,1,0,0\nsecond,2,0,0\n")
     page.get_by_role("button", name="Open", exact=True).click()
+    page.locator("input[type=file]").set_input_files(tmp_path / "notes.txt")
+    page.get_by_text("this is not a file that can be opened").wait_for()
     page.locator("input[type=file]").set_input_files(wrong)
     page.get_by_text("wrong.csv:3:3: error: joint 'joint_1', field 'alpha': 'x' cannot be read").wait_for()
     page.locator("input[type=file]").set_input_files(two)

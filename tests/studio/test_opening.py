@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "inputs"
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
+
+NO_TEXTS = ("excel_eu_semicolon_decimal_comma.csv", "excel_eu_trailing.csv", "header_a_mm_d_m.csv")
+"""Tables whose texts no table of the studio can hold as they stand: decimal commas, and two units of length."""
 
 
 def accepted() -> list[str]:
@@ -33,9 +37,15 @@ def test_any_table_that_a_reader_takes_can_be_opened(name: str, catalog: Catalog
         arms = [item for item in reader.read(path, reader.options()) if isinstance(item, Manipulator)]
     except InputError:
         arms = []
-    if not arms:  # it needs an option, which opening does not give
-        with pytest.raises(InputError):
+    if not arms and name in NO_TEXTS:
+        with pytest.raises(InputError, match="does not say which Denavit-Hartenberg convention"):
             open_tables(path, catalog)
+        return
+    if not arms:  # it does not say its convention
+        ((table, _),) = open_tables(path, catalog)
+        assert not table.convention
+        (arm,) = reader.read(path, reader.options(convention="modified"))
+        assert read_whole(replace(table, convention="modified"), catalog).manipulator == arm
         return
     for arm, opened in zip(arms, open_tables(path, catalog), strict=True):
         assert read_whole(opened.table, catalog).manipulator == arm
@@ -74,3 +84,9 @@ def test_what_a_table_cannot_hold_is_told(catalog: Catalog, tmp_path: Path) -> N
     ((table, lost),) = open_tables(path, catalog)
     assert [row["a"] for row in table.rows] == ["1", "1"]
     assert lost == ("visuals", "collision of bare")
+
+
+def test_a_run_file_is_no_table(catalog: Catalog) -> None:
+    """It is told what it is, and where its robots are shown."""
+    with pytest.raises(InputError, match=r"ur5\.yaml: error: this is a run file, not a table\n.*`dh2urdf view`"):
+        open_tables(TABLES.parent / "ur5.yaml", catalog)

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from dh2urdf.kinematics import as_matrices, forward_kinematics
+from dh2urdf.kinematics import as_matrices, forward_kinematics, joint_variables
 from dh2urdf.manipulator import Convention
 from dh2urdf.robot import Joint, Link, Mesh, Robot, Visual
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.studio.reading import make
-from dh2urdf.studio.scene import Drawing, Figure, extent, numbers, poses_as_json, towards
+from dh2urdf.studio.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
 from dh2urdf.table_text import table_text
 
 if TYPE_CHECKING:
@@ -49,41 +49,32 @@ def test_flange_and_tool0_have_frames(reference_robots: list[ReferenceRobot], ca
 
 
 def test_strokes_are_the_parameters(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
-    """A segment is as long as its d or a, an arc turns by its angle, and they lead from frame to frame."""
+    """a and d lead from frame to frame along x and z; α turns z and θ turns x into that of the next frame, the right way."""
     arm = reference_robot.manipulator
     drawing = Drawing.of([figure(arm, catalog)])
     values = {row.joint: 0.1 * number + 0.2 for number, row in enumerate(arm.moving_rows)}
-    poses = dict(zip((node.name for node in drawing.nodes), drawing.poses(values), strict=True))
-    strokes = drawing.strokes(values)
-    for stroke in strokes:
-        row = arm.rows[stroke.row]
-        points = np.array(stroke.points)
-        if stroke.field == "a":
-            assert math.isclose(np.linalg.norm(points[1] - points[0]), abs(row.a), rel_tol=1e-9)
-        if stroke.field == "alpha":
-            turned = _turned(points)
-            assert math.isclose(turned, abs(math.remainder(row.alpha, 2 * math.pi)), abs_tol=1e-6)
-    for number in range(len(arm.rows)):
-        ends = {stroke.field: np.array(stroke.points) for stroke in strokes if stroke.row == number}
-        order = ("d", "a") if arm.convention is Convention.STANDARD else ("a", "d")
-        path = [ends[field] for field in order if field in ends]
-        if path:
-            assert np.allclose(path[0][0], poses[f"frame {number}"].translation, atol=1e-9)
-            assert np.allclose(path[-1][1], poses[f"frame {number + 1}"].translation, atol=1e-9)
-
-
-def _turned(points: np.ndarray) -> float:
-    """The angle of an arc of equal steps: chords of one circle."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    first, second = points[0], points[1]
-    middle = points[len(points) // 2]
-    if len(points) == 3:
-        middle = points[1]
-    a, b, c = (np.linalg.norm(x - y) for x, y in ((first, middle), (middle, points[-1]), (first, points[-1])))
-    assert np.allclose(steps, steps[0])
-    assert second is not None
-    cosine = (a * a + b * b - c * c) / (2 * a * b)
-    return 2 * (math.pi - math.acos(max(-1.0, min(1.0, cosine))))
+    poses = dict(zip((node.name for node in drawing.nodes), map(as_matrices, drawing.poses(values)), strict=True))
+    is_standard = arm.convention is Convention.STANDARD
+    for number, row in enumerate(arm.rows):
+        before, after = poses[f"frame {number}"], poses[f"frame {number + 1}"]
+        x, z = (after[:3, 0], before[:3, 2]) if is_standard else (before[:3, 0], after[:3, 2])
+        theta, d = joint_variables(row, values.get(row.joint, 0.0))
+        drawn = {stroke.field: np.array(stroke.points) for stroke in drawing.strokes(values) if stroke.row == number}
+        at = before[:3, 3]
+        for field, segment in (("d", d * z), ("a", row.a * x)) if is_standard else (("a", row.a * x), ("d", d * z)):
+            assert (field in drawn) == bool(np.any(segment))
+            if field in drawn:
+                assert np.allclose(drawn[field], [at, at + segment], atol=1e-9)
+            at = at + segment
+        assert np.allclose(at, after[:3, 3], atol=1e-9)
+        for field, angle, about, column in (("theta", theta, z, 0), ("alpha", row.alpha, x, 2)):
+            turn = math.remainder(angle, 2 * math.pi)
+            assert (field in drawn) == (abs(turn) >= 1e-6)
+            if field in drawn:
+                first, second, *_, last = drawn[field]
+                radius = 0.8 * FRAME_SIZE * drawing.reach
+                assert np.allclose(last - first, radius * (after[:3, column] - before[:3, column]), atol=1e-6)
+                assert np.dot(np.cross(about, before[:3, column]), second - first) * turn > 0
 
 
 def test_figures_stand_at_their_places(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +45,26 @@ def test_the_last_good_arm_stays(session: Session) -> None:
     assert not session.reading.errors
     assert session.arm is not None
     assert session.arm.manipulator.rows[1].a == -0.5
+
+
+def test_no_arm_is_left_of_another_table(session: Session) -> None:
+    """Rows in which nothing stands yet are nobody's arm: the last good one is not shown for them."""
+    for row in range(6):
+        for field in set(session.table.rows[row]) - set(edits.NOT_GEOMETRY):
+            session.edit(row, field, "")
+    assert session.arm is None
+    assert session.drawing.nodes == ()
+    session.undo()
+    assert session.table.rows[5].keys() - set(edits.NOT_GEOMETRY)
+
+
+def test_a_table_without_a_convention_is_opened_without_an_arm(session: Session) -> None:
+    """The arm of the table before is not the last good one of this one; the convention brings its own."""
+    session.open(replace(session.table, convention=""))
+    assert session.arm is None
+    assert [found.field for found in session.reading.errors] == ["convention"]
+    session.set_convention(Convention.STANDARD, convert=False)
+    assert session.arm is not None
 
 
 def test_undo_brings_back_table_and_arm(session: Session) -> None:

@@ -53,7 +53,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
         host=host,
         port=port,
         browser=not no_browser,
-        said=lambda address: answer(f"the studio is at {address} (Ctrl-C ends it)"),
+        say=answer,
         title="dh2urdf studio",
     )
     return 0

@@ -41,7 +41,7 @@ def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bo
         host=host,
         port=port,
         browser=not no_browser,
-        said=lambda address: answer(f"the view is at {address} (Ctrl-C ends it)"),
+        say=answer,
         title="dh2urdf view",
     )
     return 0

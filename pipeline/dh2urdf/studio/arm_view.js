@@ -7,10 +7,11 @@ const HIGHLIGHT = new THREE.Color(0x4dabf7);
 const MARGIN = 34; // of the picture, for labels [px]
 const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
 const ROWS = [-1, 0, -2, 1, -3, 2, -4, 3]; // of a label above and below its point, in its own heights
+const UP = new THREE.Vector3(0, 1, 0); // along which three.js lays cylinders and cones
 const AXES = [
-  [0xe03131, new THREE.Vector3(1, 0, 0)],
-  [0x2f9e44, new THREE.Vector3(0, 1, 0)],
-  [0x1c5fd6, new THREE.Vector3(0, 0, 1)],
+  [0xf01414, new THREE.Vector3(1, 0, 0)],
+  [0x0ca524, new THREE.Vector3(0, 1, 0)],
+  [0x1450ff, new THREE.Vector3(0, 0, 1)],
 ];
 
 function merged(pieces) {
@@ -30,17 +31,16 @@ function merged(pieces) {
 }
 
 function frameGeometry() {
-  const up = new THREE.Vector3(0, 1, 0);
-  const shaft = new THREE.CylinderGeometry(0.032, 0.032, 0.78, 8).translate(0, 0.39, 0);
-  const head = new THREE.ConeGeometry(0.085, 0.22, 12).translate(0, 0.89, 0);
-  return merged(
+  const arrow = (more) => [
+    new THREE.CylinderGeometry(0.035 + more, 0.035 + more, 0.78 + more, 8).translate(0, 0.39, 0),
+    new THREE.ConeGeometry(0.095 + 1.5 * more, 0.24 + 3.5 * more, 12).translate(0, 0.88 + 0.5 * more, 0),
+  ];
+  const arrows = (more, painted) =>
     AXES.flatMap(([colour, direction]) => {
-      const turn = new THREE.Matrix4().makeRotationFromQuaternion(
-        new THREE.Quaternion().setFromUnitVectors(up, direction),
-      );
-      return [shaft, head].map((geometry) => [geometry, turn, new THREE.Color(colour)]);
-    }),
-  );
+      const turn = new THREE.Matrix4().makeRotationFromQuaternion(new THREE.Quaternion().setFromUnitVectors(UP, direction));
+      return arrow(more).map((geometry) => [geometry, turn, new THREE.Color(painted ?? colour)]);
+    });
+  return merged([...arrows(0.018, 0xffffff), ...arrows(0)]); // a white rim under the colours, whatever is behind them
 }
 
 // Takes everything out of a group, and its labels from the page. What the graphics card holds is given to be disposed
@@ -158,23 +158,23 @@ export default {
     },
 
     part({ shape, size, pose, layer, colour, opacity }) {
-      const material = new THREE.MeshLambertMaterial({
+      const sign = layer === "frames" || layer === "axes"; // not a thing: not lit, and seen through the link that it is in
+      const material = new (sign ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial)({
         color: shape === "frame" ? 0xffffff : new THREE.Color(...colour).convertSRGBToLinear(),
         vertexColors: shape === "frame",
-        transparent: opacity < 1,
+        transparent: sign || opacity < 1,
         opacity,
         depthWrite: opacity === 1,
+        depthTest: !sign,
+        polygonOffset: layer === "collision", // nearer than the link's own face, which often is the same
+        polygonOffsetFactor: -1,
+        polygonOffsetUnits: -4,
       });
-      if (layer === "frames" || layer === "axes") {
-        material.emissive = new THREE.Color(0x333333); // a little light of its own: it is a sign, not a thing
-        material.depthTest = false; // and seen through the link that it is in
-        material.transparent = true;
-      }
       const mesh = new THREE.Mesh(this.geometries[shape], material);
       const [x, y, z] = shape === "box" ? size : shape === "cylinder" ? [size[0], size[0], size[1]] : Array(3).fill(size[0]);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(x, y, z));
-      mesh.renderOrder = { axes: 1, frames: 2 }[layer] ?? 0;
+      mesh.renderOrder = { axes: 1, frames: 3 }[layer] ?? 0; // strokes are between them
       mesh.userData = { layer, shared: true }; // its geometry is that of all parts of its shape
       mesh.visible = this.layers.has(layer);
       return mesh;
@@ -198,12 +198,16 @@ export default {
       const radius = 0.006 * this.reach;
       const material = new THREE.MeshBasicMaterial({ color: STROKES[field], depthTest: false, transparent: true });
       const tube = new THREE.Mesh(new THREE.TubeGeometry(path, Math.max(1, 2 * (vectors.length - 1)), radius, 6), material);
-      tube.renderOrder = 3;
+      const head = new THREE.Mesh(new THREE.ConeGeometry(2.2 * radius, 6 * radius, 12).translate(0, -2 * radius, 0), material);
+      const [last, end] = vectors.slice(-2); // it points where the parameter leads: an angle has a sign
+      head.quaternion.setFromUnitVectors(UP, end.clone().sub(last).normalize());
+      head.position.copy(end);
+      tube.renderOrder = head.renderOrder = 2;
       tube.userData.row = row;
       tube.name = `${field} ${row + 1}`;
       const text = this.label(label, "parameters", `arm-view-stroke arm-view-${field}`);
       text.position.copy(vectors.length > 2 ? vectors[Math.floor(vectors.length / 2)] : vectors[0].clone().lerp(vectors[1], 0.5));
-      tube.add(text);
+      tube.add(text, head);
       this.emphasise(tube);
       return tube;
     },

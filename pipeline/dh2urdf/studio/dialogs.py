@@ -83,17 +83,22 @@ async def ask_table(catalog: Catalog) -> TableText | None:
     with ui.dialog() as dialog, ui.card().classes("studio-card"):
         ui.html("<h2>Open a table</h2>", sanitize=False)
 
+        def refuse(told: str) -> None:
+            problem.set_text(told)
+            problem.set_visibility(True)
+
         async def take(event: object) -> None:
             name, content = event.file.name, await event.file.read()  # type: ignore[attr-defined]  # NiceGUI's
             tables = await run.io_bound(_tables, name, content, catalog)
             if isinstance(tables, str):
-                problem.set_text(tables)
-                problem.set_visibility(True)
+                refuse(tables)
             else:
                 dialog.submit(tables)
 
         label = "a file of yours: choose it, or drop it here"
         upload = ui.upload(label=label, auto_upload=True, max_file_size=LARGEST_FILE, on_upload=take)
+        accepted = f"one of {', '.join(suffixes)}, of at most {LARGEST_FILE // 2**20} MB"
+        upload.on_rejected(lambda: refuse(f"this is not a file that can be opened\naccepted: {accepted}"))
         upload.props(f'accept="{",".join(suffixes)}" flat bordered').style("width: 100%")
         problem = ui.label().classes("studio-problem error")
         problem.set_visibility(False)

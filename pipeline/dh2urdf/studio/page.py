@@ -38,7 +38,7 @@ class StudioPage:
         self.session = session
         self._filling = False
         ui.on_exception(dialogs.show_fault)
-        ui.keyboard(on_key=self._undo_key)  # not in text fields, which have an undo of their own
+        ui.keyboard(on_key=self._undo_key, ignore=["input", "textarea"])  # text fields have an undo of their own
         ui.keyboard(on_key=self._key, ignore=[])
         with ui.element("div").classes("studio"):
             with ui.element("header").classes("studio-head"):
@@ -238,14 +238,21 @@ class StudioPage:
         self.show()
 
     def _edited(self, row: int, field: str, text: str) -> None:
-        self.session.edit(row, field, text)
+        try:
+            self.session.edit(row, field, text)
+        except LookupError:  # The row went away meanwhile.
+            self.show(all_cells=True)
+            return
         self._show_arm()
-        self._table.typed(self.session)
+        self._table.typed(self.session, row, field)
         self._show_words()
 
     def _typing(self, row: int, field: str, text: str) -> None:
-        if self.session.preview(row, field, text):
-            self._show_arm()
+        try:
+            if self.session.preview(row, field, text):
+                self._show_arm()
+        finally:
+            self._table.answer()
 
     def _typing_ended(self) -> None:
         if self.session.previews:
@@ -257,10 +264,13 @@ class StudioPage:
             self._put(edits.pasted(self.session.table, row, field, text, self.session.columns), all_cells=True)
 
     def _resize(self) -> None:
-        count = int(self._axes.value or 0)
-        if count == len(self.session.table.rows) or self._filling:
+        count = self._axes.value
+        if count is None or count < 0:  # an emptied field is no answer, and takes no rows away
+            self._show_words()
             return
-        self._put(edits.resized(self.session.table, count))
+        if int(count) == len(self.session.table.rows) or self._filling:
+            return
+        self._put(edits.resized(self.session.table, int(count)))
         self._invite()
 
     def _invite(self) -> None:
@@ -327,7 +337,7 @@ class StudioPage:
             return
         convention = Convention(event.value)
         convert: bool | None = False
-        if session.table.convention and session.reading.manipulator is not None:
+        if session.table.convention and edits.begun(session.table):
             convert = await dialogs.ask_convention(convention, possible=session.convertible is not None)
         if convert is not None:
             session.set_convention(convention, convert=convert)
@@ -340,7 +350,7 @@ class StudioPage:
         if self._filling or units == (session.table.length_unit, session.table.angle_unit):
             return
         convert: bool | None = False
-        if session.reading.manipulator is not None:
+        if edits.begun(session.table):
             convert = await dialogs.ask_units(*units, possible=session.convertible is not None)
         if convert is not None:
             session.set_units(*units, convert=convert)

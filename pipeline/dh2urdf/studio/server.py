@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import ipaddress
 import socket
 import threading
 import webbrowser
@@ -69,8 +70,13 @@ def listen(host: str, port: int | None) -> socket.socket:
     return listening
 
 
+def is_open(address: str) -> bool:
+    """Whether other machines may reach what listens at an address."""
+    return not ipaddress.ip_address(address).is_loopback
+
+
 def serve(
-    build: Callable[[], None], *, host: str, port: int | None, browser: bool, said: Callable[[str], None], title: str
+    build: Callable[[], None], *, host: str, port: int | None, browser: bool, say: Callable[[str], None], title: str
 ) -> None:
     """Serves pages until it is interrupted.
 
@@ -79,7 +85,7 @@ def serve(
         host: the address to listen at.
         port: see `listen`.
         browser: whether to open the page in the person's browser.
-        said: is told the address of the page.
+        say: is told the address of the page, and who else may come.
         title: the title of the pages.
 
     Raises:
@@ -98,7 +104,9 @@ def serve(
     server = uvicorn.Server(uvicorn.Config(guarded, log_level="warning", ws_max_size=64 * 2**20))
     place = f"[{name}]" if ":" in name else name
     address = f"http://{LOOPBACK if name in ('0.0.0.0', '::') else place}:{port}/"  # noqa: S104 - a comparison
-    said(address)
+    say(f"{title} is at {address} (Ctrl-C ends it)")
+    if is_open(name):
+        say("everybody who reaches this port of the machine can use it: there is no password")
     if browser:
         threading.Timer(0.5, webbrowser.open, [address]).start()
     try:

@@ -110,8 +110,10 @@ class Session:
         self.look()
 
     def open(self, table: TableText) -> None:
-        """A table that was opened takes the place of this one, with every joint at 0."""
+        """A table that was opened takes the place of this one, and of its arm, with every joint at 0."""
         self.q = {}
+        self.arm = None
+        self._draw()
         self.put(table)
 
     def edit(self, row: int, field: str, text: str) -> None:
@@ -222,7 +224,7 @@ class Session:
             self._draw()
         self.reading = read(self.table, self.catalog)
         self.problems_of_making = ()
-        if not self.table.rows:
+        if self.reading.waiting == len(self.table.rows):  # Nothing has been begun: no arm was ever this table's.
             self.arm = None
             self._draw()
         else:

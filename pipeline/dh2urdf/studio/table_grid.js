@@ -36,6 +36,8 @@
 
   const problem = ({ data, colDef }) => data?.problems?.[colDef.field];
 
+  let asked = false; // whether the arm of what is being typed has been asked for, and is not on the screen yet
+  let typed = null; // what has been typed since; of several letters the last one counts
   let home = null; // the column where the row that is being typed began
 
   window.dhGrid = {
@@ -67,10 +69,15 @@
       return true;
     },
 
-
     clicked({ rowIndex }) {
       home = null;
       emitEvent("dh-focus", rowIndex);
+    },
+
+    // A cell as the table has it: what was sent before it was typed may have overtaken it.
+    put(api, row, field, text) {
+      const node = api.getRowNode(String(row));
+      if (node) node.data[field] = text;
     },
 
     // Problems by row and field, and which row is picked. What is being typed is left alone.
@@ -100,6 +107,7 @@
 
     // The letter that opens an editor is in it already: it is told like those that follow.
     started({ event }) {
+      asked = false; // an answer may have been lost with the connection
       if (event?.key?.length !== 1) return;
       const tell = (input) => input?.dispatchEvent(new Event("input", { bubbles: true }));
       setTimeout(() => tell(document.querySelector(".dh-table .ag-cell-inline-editing input")));
@@ -108,7 +116,18 @@
     typing(event) {
       const cell = event.target.closest?.(".ag-cell");
       const row = cell?.closest(".ag-row");
-      return cell && row && typeof event.target.value === "string" ? [Number(row.getAttribute("row-id")), cell.getAttribute("col-id"), event.target.value] : null;
+      if (!row || typeof event.target.value !== "string") return;
+      typed = [Number(row.getAttribute("row-id")), cell.getAttribute("col-id"), event.target.value];
+      if (!asked) this.ask();
     },
+
+    // The next letters are sent when the arm of those before is there, so that a slow machine does not fall behind.
+    ask() {
+      asked = typed !== null;
+      if (asked) emitEvent("dh-typing", typed);
+      typed = null;
+    },
+
+    stopped: () => (typed = null), // what was typed is sent as a whole
   };
 })();

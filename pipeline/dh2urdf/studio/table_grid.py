@@ -89,6 +89,7 @@ class TableGrid:
                 },
                 "enableBrowserTooltips": True,
                 ":onCellEditingStarted": "e => dhGrid.started(e)",
+                ":onCellEditingStopped": "() => dhGrid.stopped()",
                 ":onCellMouseDown": "e => dhGrid.clicked(e)",
                 "stopEditingWhenCellsLoseFocus": True,
                 "rowDragManaged": True,
@@ -109,11 +110,8 @@ class TableGrid:
         )
         grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
         ui.on("dh-focus", lambda event: on_pick(event.args))
-        grid.on(
-            "input",
-            lambda event: on_typing(*event.args),
-            js_handler="e => { const typed = dhGrid.typing(e); if (typed) emit(typed); }",
-        )
+        grid.on("input", js_handler="e => dhGrid.typing(e)")
+        ui.on("dh-typing", lambda event: on_typing(*event.args))
         grid.on(
             "paste",
             lambda event: on_paste(*event.args),
@@ -133,21 +131,26 @@ class TableGrid:
         if header != self._header:
             self._header = header
             self._grid.run_grid_method("setGridOption", "columnDefs", _columns(session))
-        rows = [{"id": number, **row} for number, row in enumerate(session.table.rows)]
-        if rows != self._rows:
+        if (rows := _rows(session)) != self._rows:
             self._rows = rows
             self._grid.run_grid_method("setGridOption", "rowData", rows)
         self.mark(session)
 
-    def typed(self, session: Session) -> None:
-        """Shows what is wrong after a cell was typed; the cells themselves are as they were typed, unless cleaned."""
-        row_count = len(self._rows)
-        rows = [{"id": number, **row} for number, row in enumerate(session.table.rows)]
-        if session.columns != self._header[0] or len(rows) != row_count:
+    def typed(self, session: Session, row: int, field: str) -> None:
+        """Shows what is wrong after a cell was typed, and the cell as it was taken.
+
+        Other cells stay as they are on the screen, where a person may have gone on typing.
+        """
+        if session.columns != self._header[0]:
             self.show(session)
             return
-        self._rows = rows
+        self._rows = _rows(session)
+        self._run("put", row, field, session.table.rows[row].get(field, ""))
         self.mark(session)
+
+    def answer(self) -> None:
+        """What is being typed is on the screen, as far as it was asked for."""
+        self._run("ask")
 
     def refresh(self, session: Session) -> None:
         """Sends all cells again: the grid shows something else than the table."""
@@ -178,6 +181,10 @@ class TableGrid:
 def all_problems(session: Session) -> Sequence[CellProblem]:
     """What is wrong with a table, whoever says it."""
     return (*session.reading.problems, *session.problems_of_making)
+
+
+def _rows(session: Session) -> list[dict[str, Any]]:
+    return [{"id": number, **row} for number, row in enumerate(session.table.rows)]
 
 
 def _problems(session: Session) -> dict[int, dict[str, dict[str, str]]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from dh2urdf.studio import dialogs, joints, viewing
+from dh2urdf.studio import dialogs, joints, viewing, words
 from dh2urdf.studio.scene import LAYERS
 from dh2urdf.studio.widgets import ArmView, JointSliders
 
@@ -55,8 +55,8 @@ class ViewPage:
             button = ui.button(icon="center_focus_strong", on_click=self._see_all)
             button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
         if unseen := self.view.drawing.unseen:
-            told = f"{len(unseen)} mesh files are not drawn: frames, axes and other shapes are."
-            ui.label(told).classes("studio-bar studio-remark")
+            told = words.count(len(unseen), "mesh file is", "mesh files are")
+            ui.label(f"{told} not drawn: frames, axes and other shapes are.").classes("studio-bar studio-remark")
         self._scene = ArmView(on_pick=self._highlight)
 
     def _highlight(self, row: int | None) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.attribution import Call, a_record, blaming, default_call
 from dh2urdf.cells import with_tables
-from dh2urdf.config import is_run_file, load_config
+from dh2urdf.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.conversion import make_cell, make_robot, read_items
 from dh2urdf.errors import ConfigError, InputError, ManipulatorError
 from dh2urdf.gathering import Gathering
@@ -34,7 +34,6 @@ MOST_FIGURES = 50
 """Robots that one scene shows [1]."""
 TOLD_NAMES = 6
 """Names of robots that the page's head has room for [1]."""
-_RUN_SUFFIXES = (".yaml", ".yml", ".json")
 
 
 def load_figures(paths: Sequence[Path], catalog: Catalog) -> tuple[Figure, ...]:
@@ -69,7 +68,7 @@ def _figures(path: Path, catalog: Catalog) -> Iterator[Figure]:
         ManipulatorError: it is no robot, or no robot can be made of it.
     """
     check_file(path, InputError)
-    if path.suffix.lower() in _RUN_SUFFIXES and is_run_file(path):
+    if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
         yield from _of_run(path, catalog)
         return
     suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]

@@ -24,7 +24,7 @@ def status(session: Session, errors: int) -> tuple[str, str]:
     """What is to be said of the table in a line, and whether it is good or bad."""
     rows, waiting = len(session.table.rows), session.reading.waiting
     if errors:
-        told = _count(errors, "problem", "problems")
+        told = count(errors, "problem", "problems")
         return (f"{told}; the last good arm is shown" if session.arm else told), "bad"
     if not rows:
         return "choose the number of axes", ""
@@ -36,11 +36,12 @@ def status(session: Session, errors: int) -> tuple[str, str]:
         shown = f"; the arm of the {'first row' if done == 1 else f'first {done} rows'} is shown" if done else ""
         return f"{which} still empty{shown}", ""
     moving = len(session.arm.manipulator.moving_rows) if session.arm else rows
-    fixed = f" and {_count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
-    return f"{_count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
+    fixed = f" and {count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
+    return f"{count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
 
 
-def _count(number: int, one: str, many: str) -> str:
+def count(number: int, one: str, many: str) -> str:
+    """A number of things."""
     return f"{number} {one if number == 1 else many}"
 
 

@@ -114,7 +114,7 @@ class ReaderContract(StageContract):
         """The file is as it was, nothing else is written, and no process is left."""
         clause, path = self.test_keeps_its_input, self._file(tmp_path, self.example)
         seen = self.in_child(clause, _read_all, self.stage.read, path, self.given())
-        deeds = [*seen.deeds, *(f"left {what}" for what in seen.left)]
+        deeds = [*seen.traces]
         if path.read_bytes() != _bytes(self.example):
             deeds.append(f"changed {path.name}")
         if deeds:

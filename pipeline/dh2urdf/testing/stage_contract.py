@@ -24,7 +24,7 @@ from dh2urdf.testing.comparing import difference
 from dh2urdf.testing.witness import witnessed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.stages import Kind
 
@@ -304,6 +304,16 @@ class StageContract:
             accepted=f"a distribution with an entry point of the group {PROJECT!r}",
             remedy="`pip install -e .` the plugin, or set `plugin = 'its_module'` in the test",
         )
+
+
+def each(function: Callable[..., Any], items: Sequence[Any], *args: Any) -> list[Any]:  # noqa: ANN401 - any function
+    """What a function returns of each item: in a child process, all in one."""
+    return [function(item, *args) for item in items]
+
+
+def each_outcome(function: Callable[..., Any], items: Sequence[Any], *args: Any) -> list[Any]:  # noqa: ANN401 - any function
+    """What comes of each item."""
+    return [outcome(function, item, *args) for item in items]
 
 
 def outcome(function: Callable[..., Any], *args: Any) -> Any:  # noqa: ANN401 - any function

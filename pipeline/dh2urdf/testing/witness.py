@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,6 +39,8 @@ _CHANGES = frozenset(
     {"os.chdir", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.link", "os.symlink", "os.truncate", "os.chmod"}
 )
 _STARTS = frozenset({"subprocess.Popen", "os.system", "os.fork", "os.forkpty", "os.exec", "os.posix_spawn", "os.spawn"})
+_GLANCES = 100
+"""How often a process without a command line is looked at again [1]."""
 _MARK = "DH2URDF_CONTRACT"
 """Environment variable by which a process, and whatever it starts, is known."""
 _HELPERS = re.compile(r"from multiprocessing\.(resource_tracker|forkserver) import main")
@@ -57,6 +60,11 @@ class Testimony(Generic[T]):
     value: T
     deeds: tuple[str, ...]
     left: tuple[str, ...]
+
+    @property
+    def traces(self) -> tuple[str, ...]:
+        """What it did to the world, and what it left there."""
+        return (*self.deeds, *(f"left {what}" for what in self.left))
 
 
 def witnessed(function: Callable[..., T], *args: Any, seed: int = 0) -> Testimony[T]:  # noqa: ANN401 - any arguments
@@ -98,10 +106,16 @@ def processes(mark: str) -> dict[int, str]:
 
 def _descendants(mark: str) -> dict[int, str]:
     """The processes that this one has started, and those that they have, with a mark or without: `env` is anything."""
-    running, own = _running(mark), {os.getpid()}
-    while more := {number for number, process in running.items() if process.parent in own} - own:
-        own |= more
-    return _without_helpers({number: process for number, process in running.items() if number in own or process.marked})
+    found: dict[int, str] = {}
+    for _ in range(_GLANCES):
+        running, own = _running(mark), {os.getpid()}
+        while more := {number for number, process in running.items() if process.parent in own} - own:
+            own |= more
+        found = _without_helpers({number: it for number, it in running.items() if number in own or it.marked})
+        if all(found.values()):
+            break
+        time.sleep(0.01)  # One that is just being started has no command line, nor an environment, yet.
+    return found
 
 
 def _without_helpers(running: dict[int, _Process]) -> dict[int, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import site
 import subprocess
 import sys
@@ -87,6 +88,18 @@ def author(environment: Path, folder: Path) -> Callable[..., str]:
     return types
 
 
+def leaves_ruff_nothing_to_say(folder: Path) -> None:
+    for words in (("check",), ("format", "--check")):
+        checked = subprocess.run(
+            [sys.executable, "-m", "ruff", *words, "--no-cache", "."],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert checked.returncode == 0, checked.stdout
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_an_author_types(dh2urdf: Callable[..., object], environment: Path, tmp_path: Path, kind: Kind) -> None:
     """new-plugin, pip install, pytest, ruff, mypy --strict, plugins, and a run: each works at once."""
@@ -113,6 +126,18 @@ def test_what_an_author_types(dh2urdf: Callable[..., object], environment: Path,
     assert set(trial.written) <= {path.name for path in (folder / "build").iterdir()}
 
 
+def test_the_tutorial_writes_what_the_checks_of_the_plugin_take(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """The code of docs/first-plugin.md, put where it says, leaves the new plugin's ruff nothing to say."""
+    pytest.importorskip("ruff")
+    cli("new-plugin", "wall-sheet", "--kind", "emitter")
+    page = Path(__file__).parents[1] / "docs" / "first-plugin.md"
+    written = re.findall(r'^```python title="([^"]+)"\n(.*?)^```$', page.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+    assert len(written) == 2
+    for name, code in written:
+        (tmp_path / name).write_text(code, "utf-8")
+    leaves_ruff_nothing_to_say(tmp_path / "wall-sheet")
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_written_does_not_depend_on_the_length_of_the_name(
     cli: Callable[..., Answer], tmp_path: Path, kind: Kind
@@ -121,12 +146,4 @@ def test_what_is_written_does_not_depend_on_the_length_of_the_name(
     pytest.importorskip("ruff")
     for name in ("q", "q" * LONGEST):
         cli("new-plugin", name, "--kind", kind)
-        for words in (("check",), ("format", "--check")):
-            checked = subprocess.run(
-                [sys.executable, "-m", "ruff", *words, "--no-cache", "."],
-                cwd=tmp_path / name,
-                capture_output=True,
-                text=True,
-                check=False,
-            )
-            assert checked.returncode == 0, checked.stdout
+        leaves_ruff_nothing_to_say(tmp_path / name)

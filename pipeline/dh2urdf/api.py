@@ -8,12 +8,13 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.conversion import read_items
 from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.registry import load
 from dh2urdf.single_table import (
     DEFAULT_TRANSFORM,
@@ -25,7 +26,7 @@ from dh2urdf.single_table import (
     read_manipulator,
     stage_calls,
 )
-from dh2urdf.source import Mark
+from dh2urdf.source import Mark, Problem
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
@@ -129,6 +130,8 @@ def convert(
         PluginError: a plugin that is needed is broken, or something it needs is not installed.
     """
     asker = _asker("convert")
+    if isinstance(table, Manipulator) and (problems := list(_strange(table))):
+        raise ConfigError(problem.about(robot=table.name, mark=asker.mark) for problem in problems)
     return convert_table(
         table if isinstance(table, Manipulator) else Path(table),
         None if out is None else Path(out),
@@ -217,6 +220,21 @@ def _reading(table: Path, reader: str | None, asker: Asker, options: Mapping[str
     given = {"reader": {name: _word(value) for name, value in options.items()}}
     (call,) = stage_calls(catalog, {"reader": [chosen_reader(catalog, table, reader, asker)]}, asker, given)["reader"]
     return call
+
+
+def _strange(table: Manipulator) -> Iterator[Problem]:
+    """The values of a manipulator made in Python that are not of the types of its fields: readers see to theirs."""
+    values: list[tuple[str | None, str, object, type, str]] = [
+        (None, "convention", table.convention, Convention, "a dh2urdf.Convention, such as Convention.STANDARD")
+    ]
+    for row in table.rows:
+        values.append((row.joint, "type", row.type, JointType, "a dh2urdf.JointType, such as JointType.REVOLUTE"))
+        numbers = {"a": row.a, "alpha": row.alpha, "d": row.d, "theta": row.theta, "offset": row.offset}
+        values += [(row.joint, name, value, Real, "a number, in m or rad") for name, value in numbers.items()]
+    for joint, name, value, kind, accepted in values:
+        if not isinstance(value, kind):
+            message = f"{value!r} is a {type(value).__name__}"
+            yield Problem(message=message, joint=joint, field=name, found=str(value), accepted=accepted)
 
 
 def _names(names: str | Iterable[str]) -> tuple[str, ...]:

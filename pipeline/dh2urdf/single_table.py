@@ -110,6 +110,10 @@ class Conversion:
         """What a careful person would want to know of the table and of the robot."""
         return (*self.manipulator.notices, *self.robot.notices)
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the robot."""
+        return self.robot._repr_html_()
+
 
 def convert_table(
     table: Path | Manipulator,

@@ -53,6 +53,13 @@ def test_it_goes_where_it_is_told(cli: Callable[..., Answer], tmp_path: Path) ->
     assert (tmp_path / "inner" / "lab" / "pyproject.toml").is_file()
 
 
+def test_what_comes_next_can_be_typed(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """A folder with a space in its name is quoted, as a shell takes it."""
+    (tmp_path / "our plugins").mkdir()
+    said = cli("new-plugin", "lab", "--kind", "reader", "--dir", "our plugins").stdout
+    assert "    cd 'our plugins/lab'\n" in said
+
+
 def test_the_stage_goes_without_the_prefix() -> None:
     """Distributions of plugins are called dh2urdf-something; nobody wants to type that in a run file."""
     assert stage_name("dh2urdf-lab-7") == "lab-7"
@@ -69,6 +76,8 @@ def test_the_stage_goes_without_the_prefix() -> None:
         ("-lab", None),
         ("", None),
         ("łab", "ab"),
+        ("Gelenkwärter", "gelenkwarter"),
+        ("ｌａｂ", "lab"),
         ("../lab", "lab"),
         ("a" * (LONGEST + 1), "a" * LONGEST),
     ],
@@ -91,6 +100,8 @@ def test_a_name_that_is_none_is_refused(
         ("json", "'json' is a module of Python's standard library"),
         ("numpy", "'numpy' is a package that is installed here"),
         ("dh2urdf", "'dh2urdf' is a package that is installed here"),
+        ("nul", "'nul' is a device of Windows, which no folder there can be called"),
+        ("com1", "'com1' is a device of Windows, which no folder there can be called"),
     ],
 )
 def test_a_name_that_a_package_cannot_have_is_refused(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -35,5 +36,6 @@ def command(name: str, kind: str, folder: Path) -> int:
     """
     place, files = write_plugin(name, cast("Kind", kind), folder, catalog())
     click.echo("\n".join(f"{place / file}" for file in files))
-    click.echo(f"\nnext:\n    cd {place}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")
+    there = shlex.quote(str(place))
+    click.echo(f"\nnext:\n    cd {there}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")
     return 0

@@ -174,7 +174,7 @@ def _drawing(what: Manipulator | Robot) -> str:
             bones, frames = robot_skeleton(what), "link frames"
         else:
             bones, frames = arm_skeleton(Truth.of(what).tips[0]), "DH frames"
-    except ValueError:  # no tree
+    except (ValueError, OverflowError):  # no tree, or an angle that is no number or endless
         return ""
     places = [*bones.tips, *(frame.translation for frame in bones.frames)]
     if not all(abs(number) < LARGEST for place in places for number in place):

@@ -11,6 +11,7 @@ import re
 import shutil
 import sys
 import tempfile
+import unicodedata
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf import __version__
 from dh2urdf.errors import ConfigError
-from dh2urdf.output import reporting_os_errors
+from dh2urdf.output import reporting_os_errors, safe_stem
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
@@ -110,6 +111,11 @@ def stage_name(name: str) -> str:
     return name.removeprefix("dh2urdf-")
 
 
+def _package(name: str) -> str:
+    """The name of the import package of a distribution of this name."""
+    return name.replace("-", "_")
+
+
 def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[Problem]:
     """All that keeps a name from being given."""
     if not _NAME.fullmatch(name) or len(name) > LONGEST:
@@ -122,17 +128,9 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
             suggestion=_proposal(name),
         )
         return
-    package = name.replace("-", "_")
-    reason = None
-    if keyword.iskeyword(package):
-        reason = "is a keyword of Python, which no package can be called"
-    elif package in sys.stdlib_module_names:
-        reason = "is a module of Python's standard library"
-    elif find_spec(package):
-        reason = "is a package that is installed here"
-    if reason:
+    if reason := _taken(_package(name)):
         yield Problem(
-            message=f"{package!r} {reason}",
+            message=f"{_package(name)!r} {reason}",
             mark=_MARK,
             field="NAME",
             found=name,
@@ -166,9 +164,21 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
         )
 
 
+def _taken(package: str) -> str | None:
+    """Why no package can have a name; None where one can."""
+    if keyword.iskeyword(package):
+        return "is a keyword of Python, which no package can be called"
+    if package in sys.stdlib_module_names:
+        return "is a module of Python's standard library"
+    if safe_stem(package) != package:
+        return "is a device of Windows, which no folder there can be called"
+    return "is a package that is installed here" if find_spec(package) else None
+
+
 def _proposal(name: str) -> str | None:
     """The sentence that names an acceptable name near to one that is not."""
-    words = "-".join(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).lower()))[:LONGEST]
+    plain = re.sub(r"[\u0300-\u036f]", "", unicodedata.normalize("NFKD", name))  # letters without their accents
+    words = "-".join(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", plain).lower()))[:LONGEST]
     near = words.lstrip("0123456789-").rstrip("-")
     return f"did you mean {near!r}?" if near else None
 
@@ -195,7 +205,7 @@ def _values(name: str, kind: Kind) -> dict[str, str]:
     suffix = {"reader": f".{stage}.jsonl", "emitter": f".{stage}.csv"}.get(kind, "")
     return {
         "name": name,
-        "package": name.replace("-", "_"),
+        "package": _package(name),
         "stage": stage,
         "kind": kind,
         "record": kind.capitalize(),

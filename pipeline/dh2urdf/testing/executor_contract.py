@@ -13,11 +13,11 @@ import pytest
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.testing.stage_contract import StageContract
-from dh2urdf.testing.tasks import doubled, doubled_or_killed, process_of, reciprocal
+from dh2urdf.testing.tasks import doubled, doubled_at_leisure, doubled_or_killed, process_of, reciprocal
 from dh2urdf.testing.witness import marked, processes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Generator, Iterable, Iterator
 
 TASKS = 40
 AHEAD = 1000
@@ -38,7 +38,7 @@ class ExecutorContract(StageContract):
         """Every task has its result, in the order of the tasks."""
         clause = self.test_results_come_in_order
         for tasks in (range(TASKS), range(1), range(0)):
-            found = self._all(clause, doubled, tasks)
+            found = self._all(clause, doubled_at_leisure, tasks)
             if found != [2 * task for task in tasks]:
                 self.breach(
                     clause,
@@ -60,7 +60,7 @@ class ExecutorContract(StageContract):
 
         results = self._map(doubled, endless())
         first = list(islice(results, TASKS))
-        _close(results)
+        results.close()
         if first != [2 * task for task in range(1, TASKS + 1)] or taken > AHEAD + TASKS:
             self.breach(
                 self.test_takes_tasks_as_they_are_needed,
@@ -83,7 +83,7 @@ class ExecutorContract(StageContract):
         except Exception as error:  # noqa: BLE001 - whatever an author's code raises
             what = f"{type(error).__name__} was raised: {error}"
         finally:
-            _close(results)
+            results.close()
         if what or found != [1.0, 0.5]:
             self.breach(
                 clause,
@@ -107,7 +107,7 @@ class ExecutorContract(StageContract):
         except LookupError:
             raised = True
         finally:
-            _close(results)
+            results.close()
         if not raised or found != [0, 2, 4, 6, 8]:
             self.breach(
                 clause,
@@ -155,7 +155,7 @@ class ExecutorContract(StageContract):
             with marked() as mark:
                 results = self._map(doubled, range(TASKS))
                 list(islice(results, wanted))
-                _close(results)
+                results.close()
                 left = _left(mark, threads)
             if left:
                 self.breach(
@@ -168,10 +168,11 @@ class ExecutorContract(StageContract):
 
     # --- What the clauses use
 
-    def _map(self, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[Any]:
+    def _map(self, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Generator[Any, None, None]:
+        """The results; whatever goes wrong is raised where the first of them is asked for."""
         try:
             self.stage.require(self.given())
-            return iter(self.stage.map(function, tasks, self.given()))
+            yield from self.stage.map(function, tasks, self.given())
         except PluginError as error:
             pytest.skip(str(error))
 
@@ -189,7 +190,7 @@ class ExecutorContract(StageContract):
                 remedy="raise ExecutorError with a Problem that says who cannot be reached and what to do",
             )
         finally:
-            _close(results)
+            results.close()
 
 
 class _Scaled:
@@ -200,12 +201,6 @@ class _Scaled:
 
     def __call__(self, number: int) -> int:
         return self.factor * number
-
-
-def _close(results: Iterator[Any]) -> None:
-    """Say that no more results are wanted, as a run does."""
-    if close := getattr(results, "close", None):
-        close()
 
 
 def _left(mark: str, threads: set[threading.Thread]) -> list[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.errors import InputError, PluginError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Reader, Rejected
-from dh2urdf.testing.stage_contract import StageContract
+from dh2urdf.testing.stage_contract import StageContract, outcome
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -102,17 +102,19 @@ class ReaderContract(StageContract):
             self._notices_what_changes(clause, path, count)
 
     def test_is_deterministic(self, tmp_path: Path) -> None:
-        """The same file gives the same tables, in every process."""
-        clause, path = self.test_is_deterministic, self._file(tmp_path, self.example)
-        runs = [self.in_child(clause, _read_all, self.stage.read, path, self.given(), seed=seed) for seed in (1, 2)]
-        self.same(clause, runs[0].value, runs[1].value)
-        self.same(clause, runs[0].value, self._read(path))
+        """The same file gives the same tables, or the same refusal, in every process."""
+        contents = {"whole": _bytes(self.example), **self._broken()}
+        folders = [tmp_path / str(number) for number in range(len(contents))]
+        for folder in folders:
+            folder.mkdir()
+        paths = [self._file(folder, content) for folder, content in zip(folders, contents.values(), strict=True)]
+        self.same_in_every_process(self.test_is_deterministic, _outcomes, self.stage.read, paths, self.given())
 
     def test_keeps_its_input(self, tmp_path: Path) -> None:
         """The file is as it was, nothing else is written, and no process is left."""
         clause, path = self.test_keeps_its_input, self._file(tmp_path, self.example)
         seen = self.in_child(clause, _read_all, self.stage.read, path, self.given())
-        deeds = [*seen.deeds, *(f"left {what}" for what in seen.left)]
+        deeds = [*seen.traces]
         if path.read_bytes() != _bytes(self.example):
             deeds.append(f"changed {path.name}")
         if deeds:
@@ -125,6 +127,17 @@ class ReaderContract(StageContract):
 
     def test_raises_documented_errors_only(self, tmp_path: Path) -> None:
         """A file that cannot be read is a TableError, whatever is wrong with it."""
+        for name, content in self._broken().items():
+            self._only_documented(name, self._file(tmp_path, content))
+        self._only_documented("no file at all", tmp_path / f"missing{self._suffix()}")
+        folder = tmp_path / f"folder{self._suffix()}"
+        folder.mkdir()
+        self._only_documented("a folder", folder)
+
+    # --- What the clauses use
+
+    def _broken(self) -> dict[str, bytes]:
+        """Files that are not, or not quite, what the reader reads; the name says what they are."""
         whole = _bytes(self.example)
         broken = {
             "an empty file": b"",
@@ -136,15 +149,8 @@ class ReaderContract(StageContract):
             "an example with numbers that are too large": whole.replace(b"0", b"9" * 400),
             "an example without digits": bytes(byte for byte in whole if not chr(byte).isdigit()),
         }
-        broken |= {f"an example cut after {part} of 7 parts": whole[: len(whole) * part // 7] for part in range(1, 7)}
-        for name, content in broken.items():
-            self._only_documented(name, self._file(tmp_path, content))
-        self._only_documented("no file at all", tmp_path / f"missing{self._suffix()}")
-        folder = tmp_path / f"folder{self._suffix()}"
-        folder.mkdir()
-        self._only_documented("a folder", folder)
-
-    # --- What the clauses use
+        cut = {f"an example cut after {part} of 7 parts": whole[: len(whole) * part // 7] for part in range(1, 7)}
+        return broken | cut
 
     def _suffix(self) -> str:
         return (*self.stage.suffixes, "")[0]
@@ -222,6 +228,10 @@ def _bytes(content: str | bytes) -> bytes:
 
 def _read_all(read: Callable[[Path, Any], Iterator[Any]], path: Path, options: Any) -> list[Any]:  # noqa: ANN401 - the stage's own
     return list(read(path, options))
+
+
+def _outcomes(read: Callable[[Path, Any], Iterator[Any]], paths: list[Path], options: Any) -> list[Any]:  # noqa: ANN401 - the stage's own
+    return [outcome(_read_all, read, path, options) for path in paths]
 
 
 def _unfit(value: Any, place: str = "the manipulator") -> Iterator[str]:  # noqa: ANN401 - a record, or what is in it

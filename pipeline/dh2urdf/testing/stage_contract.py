@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 from dh2urdf.errors import CrashError, Dh2UrdfError, PluginError
 from dh2urdf.hookspecs import PROJECT
+from dh2urdf.isolation import ChildFailure
 from dh2urdf.option_types import describe_options
 from dh2urdf.options import make_options
 from dh2urdf.registry import RECORDS, Catalog, Plugin, load
@@ -23,7 +24,7 @@ from dh2urdf.testing.comparing import difference
 from dh2urdf.testing.witness import witnessed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.stages import Kind
 
@@ -38,6 +39,10 @@ WORK: dict[Kind, str] = {
 }
 """The field of a record with the function that does the work, by kind."""
 _NAME = re.compile(r"[a-z0-9]+([-_.][a-z0-9]+)*")
+_FRAMES = 7
+"""Lines of a traceback that are repeated: the last frames and the error [1]."""
+_SEEDS = (1, 2, 3, 4)
+"""Seeds for the hashes of texts: two texts in a set have one order with all of them in one of eight cases."""
 
 
 class StageContract:
@@ -186,8 +191,9 @@ class StageContract:
         """Registering the plugin imports nothing heavy, nor does asking whether the stage can work."""
         place = self.plugin or self._installed_as()
         try:
-            loaded = witnessed(_registered, place, self.kind, self.stage.name, self._require_call()).value
-        except (CrashError, Dh2UrdfError, ImportError, LookupError) as error:
+            options = pickle.dumps(self.given())  # Pickled here: the child is to see what their module imports.
+            loaded = witnessed(_registered, place, self.kind, self.stage.name, options).value
+        except Exception as error:  # noqa: BLE001 - whatever an author's module raises
             self.breach(
                 self.test_registering_imports_nothing_heavy,
                 found=f"{place} cannot be registered: {error}",
@@ -251,19 +257,30 @@ class StageContract:
 
     def in_child(self, clause: Callable[..., Any], function: Callable[..., Any], *args: Any, seed: int = 0) -> Any:  # noqa: ANN401
         """What was seen of a call in a child process; where it cannot be made there, the clause is broken."""
+        accepted = "a result: what the contract gives it is good"
+        remedy = "mend what raises this"
         try:
             return witnessed(function, *args, seed=seed)
         except PluginError:
             raise
+        except CrashError as error:
+            found = str(error)
+            accepted = "functions that a worker can import by their names, and results that can be pickled"
+            remedy = (
+                "let the stage's functions stand at the top level of an importable module, and end no process; "
+                "a record that a stage makes holds plain values"
+            )
         except Exception as error:  # noqa: BLE001 - whatever an author's code raises
-            found = str(error) if isinstance(error, CrashError) else f"{type(error).__name__}: {error}"
-        return self.breach(
-            clause,
-            found=found,
-            accepted="functions that a worker can import by their names, and results that can be pickled",
-            remedy="let the stage's functions stand at the top level of an importable module; "
-            "a record that a stage makes holds plain values",
-        )
+            told = error.__cause__.traceback if isinstance(error.__cause__, ChildFailure) else ""
+            found = "\n".join([f"{type(error).__name__}: {error}", *told.splitlines()[-_FRAMES:]])
+        return self.breach(clause, found=found, accepted=accepted, remedy=remedy)
+
+    def same_in_every_process(self, clause: Callable[..., Any], function: Callable[..., Any], *args: Any) -> None:  # noqa: ANN401 - any arguments
+        """Fail where a call has another result in another process, with another seed for the hashes of texts."""
+        here = function(*args)
+        first, *others = [self.in_child(clause, function, *args, seed=seed).value for seed in _SEEDS]
+        for other in (*others, here):
+            self.same(clause, first, other)
 
     def _require_dataclass(self, clause: Callable[..., Any]) -> None:
         kind = self.stage.options
@@ -274,10 +291,6 @@ class StageContract:
                 accepted="a dataclass; dh2urdf.stages.NoOptions for a stage without options",
                 remedy="put @dataclass(frozen=True, slots=True, kw_only=True) above the class",
             )
-
-    def _require_call(self) -> tuple[Callable[[Any], None], Any] | None:
-        require = getattr(self.stage, "require", None)
-        return (require, self.given()) if require else None
 
     def _installed_as(self) -> str:
         """The entry point of the installed plugin that provides the stage."""
@@ -291,6 +304,26 @@ class StageContract:
             accepted=f"a distribution with an entry point of the group {PROJECT!r}",
             remedy="`pip install -e .` the plugin, or set `plugin = 'its_module'` in the test",
         )
+
+
+def each(function: Callable[..., Any], items: Sequence[Any], *args: Any) -> list[Any]:  # noqa: ANN401 - any function
+    """What a function returns of each item: in a child process, all in one."""
+    return [function(item, *args) for item in items]
+
+
+def each_outcome(function: Callable[..., Any], items: Sequence[Any], *args: Any) -> list[Any]:  # noqa: ANN401 - any function
+    """What comes of each item."""
+    return [outcome(function, item, *args) for item in items]
+
+
+def outcome(function: Callable[..., Any], *args: Any) -> Any:  # noqa: ANN401 - any function
+    """What a function returns, or the text of the error by which it refuses; of a foreign error its kind."""
+    try:
+        return function(*args)
+    except Dh2UrdfError as error:
+        return str(error)
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - another clause is about them
+        return type(error).__name__
 
 
 def _home(kind: Kind, stage: Any) -> str:  # noqa: ANN401 - a record of the kind
@@ -307,14 +340,13 @@ def _installed(kind: Kind) -> tuple[tuple[str, tuple[Any, ...]], ...]:
     return tuple((place, tuple(stages)) for place, stages in found.items())
 
 
-def _registered(place: str, kind: Kind, name: str, require: tuple[Callable[[Any], None], Any] | None) -> set[str]:
+def _registered(place: str, kind: Kind, name: str, options: bytes) -> set[str]:
     """In a fresh process: the packages that registering a plugin, and asking whether its stage can work, import."""
     before = set(sys.modules)
     plugin = Plugin(name=place, module=EntryPoint("contract", place, PROJECT).load(), distribution="a test")
-    Catalog([plugin]).get(kind, name)
-    if require:
-        function, options = require
+    stage = Catalog([plugin]).get(kind, name)
+    if require := getattr(stage, "require", None):
         with suppress(PluginError):  # It is not installed: then it was not imported either.
-            function(options)
+            require(pickle.loads(options))  # noqa: S301 - our own parent made them
     loaded = {name: sys.modules[name] for name in set(sys.modules) - before}
     return {name.partition(".")[0] for name, module in loaded.items() if getattr(module, "__spec__", None)}

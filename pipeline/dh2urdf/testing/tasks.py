@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from typing import Any
 
 
 def doubled(number: int) -> int:
     """Twice a number."""
+    return 2 * number
+
+
+def doubled_at_leisure(number: int) -> int:
+    """Twice a number; every fourth takes longer than those after it."""
+    time.sleep(0.0 if number % 4 else 0.03)
     return 2 * number
 
 

@@ -15,11 +15,11 @@ from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.testing.oracle import difference, robot_pose, table_pose
 from dh2urdf.testing.reference import reference_manipulators
-from dh2urdf.testing.stage_contract import StageContract
+from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
 from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.stages import Transform
 
@@ -94,20 +94,18 @@ class TransformContract(StageContract):
                     )
 
     def test_is_deterministic(self) -> None:
-        """The same arm gives the same robot, in every process."""
-        clause, arms = self.test_is_deterministic, self._manipulators()
-        runs = [self.in_child(clause, _make_all, self.stage.transform, arms, self.given(), seed=i) for i in (1, 2)]
-        self.same(clause, runs[0].value, runs[1].value)
-        self.same(clause, runs[0].value, [self._transform(arm) for arm in arms])
+        """The same arm gives the same robot, or the same refusal, in every process."""
+        arms = (*self._manipulators(), *_impossible())
+        self.same_in_every_process(self.test_is_deterministic, each_outcome, self.stage.transform, arms, self.given())
 
     def test_does_nothing_else(self) -> None:
         """It writes no file, starts no process and leaves nothing running."""
         clause = self.test_does_nothing_else
-        seen = self.in_child(clause, _make_all, self.stage.transform, self._manipulators(), self.given())
-        if seen.deeds or seen.left:
+        seen = self.in_child(clause, each, self.stage.transform, self._manipulators(), self.given())
+        if seen.traces:
             self.breach(
                 clause,
-                found="; ".join((*seen.deeds, *(f"left {what}" for what in seen.left))),
+                found="; ".join(seen.traces),
                 accepted="a transform that only returns its robot",
                 remedy="compute without files; say what a person should know in the robot's `notices`",
             )
@@ -152,18 +150,11 @@ class TransformContract(StageContract):
 
     @classmethod
     def _manipulators(cls) -> tuple[Manipulator, ...]:
-        return tuple(cls.manipulators if cls.manipulators is not None else reference_manipulators())
+        # Copies: a transform that changes its input would be given what it has changed before.
+        return tuple(deepcopy(cls.manipulators) if cls.manipulators is not None else reference_manipulators())
 
     def _transform(self, manipulator: Manipulator) -> Robot:
         return self.stage.transform(manipulator, self.given())
-
-
-def _make_all(
-    transform: Callable[[Manipulator, Any], Robot],
-    manipulators: tuple[Manipulator, ...],
-    options: Any,  # noqa: ANN401 - the stage's own
-) -> list[Robot]:
-    return [transform(manipulator, options) for manipulator in manipulators]
 
 
 def _stretched(manipulator: Manipulator, factor: float) -> Manipulator:

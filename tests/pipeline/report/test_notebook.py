@@ -76,6 +76,11 @@ class TestTables:
         assert sum(float(row[-1] or 0) for row in rows[1:]) == pytest.approx(robot.mass, abs=1e-4)
         assert f"10 links · 6 moving joints · {robot.mass:.6g} kg · root base_link" in shown
 
+    def test_that_of_a_conversion(self) -> None:
+        """What `convert` gives is shown as its robot, not as all that it holds."""
+        made = dh2urdf.convert(chain(2))
+        assert made._repr_html_() == made.robot._repr_html_()
+
     def test_a_long_one_is_cut(self) -> None:
         """A table of hundreds of rows scrolls; beyond a number that nobody reads, it says how many more there are."""
         assert len(cells(chain(100)._repr_html_())) == 101
@@ -132,9 +137,11 @@ class TestDrawings:
         assert not names[0] & names[1]
 
     def test_what_cannot_be_drawn_is_told(self) -> None:
-        """An arm of astronomical length and joints that make no tree have their table, and nothing fails."""
-        arm = replace(chain(2), rows=(replace(chain(1).rows[0], a=1e200),))
-        assert "<svg" not in arm._repr_html_()
+        """An arm of astronomical length, of no numbers, and joints that make no tree have their table; nothing fails."""
+        for field, value in (("a", 1e200), ("alpha", math.inf), ("alpha", math.nan), ("d", -math.inf)):
+            shown = replace(chain(2), rows=(replace(chain(1).rows[0], **{field: value}),))._repr_html_()
+            assert "<svg" not in shown
+            assert "joint_1" in shown
         robot = robot_of(chain(3))
         circle = replace(robot, joints=tuple(reversed(robot.joints)))
         assert "<svg" not in circle._repr_html_()

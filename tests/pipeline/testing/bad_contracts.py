@@ -6,8 +6,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import bad_lab
+import subtle_lab
 
-from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract
+from dh2urdf.testing import (
+    EmitterContract,
+    ExecutorContract,
+    LoaderContract,
+    ReaderContract,
+    TransformContract,
+    plain_robot,
+    reference_manipulators,
+)
 
 if TYPE_CHECKING:
     from dh2urdf.testing.stage_contract import StageContract
@@ -45,7 +54,13 @@ class TestHeavy(EmitterContract):
     plugin = "bad_lab"
 
 
+class TestHeavyInside(LoaderContract):
+    stage = subtle_lab.HEAVY
+    plugin = "subtle_lab"
+
+
 # Readers
+TestRejecting = of(Lines, bad_lab.READER, read=subtle_lab.read_and_reject)
 TestUnmarked = of(Lines, bad_lab.READER, read=bad_lab.read_without_marks)
 TestGreedy = of(Lines, bad_lab.READER, read=bad_lab.read_all_first)
 TestReaderByHash = of(Lines, bad_lab.READER, read=bad_lab.read_by_hash)
@@ -64,6 +79,8 @@ class TestUntold(ReaderContract):
 
 
 # Transforms
+TestRefusing = of(TransformContract, bad_lab.TRANSFORM, transform=subtle_lab.refuse)
+TestRaising = of(TransformContract, bad_lab.TRANSFORM, transform=subtle_lab.raise_at_a_good_arm)
 TestMassless = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_without_masses)
 TestOtherArm = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_without_tool)
 TestTransformByHash = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_by_hash)
@@ -73,6 +90,19 @@ TestCarelessTransform = of(TransformContract, bad_lab.TRANSFORM, transform=bad_l
 TestOneForAll = of(TransformContract, bad_lab.TRANSFORM, transform_columns=bad_lab.transform_columns)
 
 # Emitters
+TestThroughC = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_through_c)
+TestMoving = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_and_move)
+TestWatching = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_and_watch)
+TestOneByOne = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_one_by_one)
+TestRefusingEmitter = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_or_refuse)
+TestLambdas = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_lambdas)
+
+
+class TestSorting(EmitterContract):
+    stage = replace(bad_lab.EMITTER, emit=subtle_lab.emit_sorted)
+    robots = tuple(map(plain_robot, reference_manipulators()))
+
+
 TestElsewhere = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_elsewhere)
 TestUnescaped = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_unescaped)
 TestToDisk = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_to_disk)
@@ -84,6 +114,8 @@ TestAgainstItself = of(EmitterContract, bad_lab.EMITTER, check=bad_lab.check)
 TestSameForAll = of(EmitterContract, bad_lab.EMITTER, emit_columns=bad_lab.emit_columns)
 
 # Loaders
+TestForgetting = of(LoaderContract, bad_lab.LOADER, load=subtle_lab.load_and_forget)
+TestLogKeeping = of(LoaderContract, bad_lab.LOADER, load=subtle_lab.load_and_log)
 TestHalf = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_some)
 TestCredulous = of(LoaderContract, bad_lab.LOADER)
 TestClock = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_at_some_time)
@@ -93,6 +125,9 @@ TestCarelessLoader = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_carele
 TestNoTime = of(LoaderContract, bad_lab.LOADER, time_limit=bad_lab.never)
 
 # Executors
+TestSpawning = of(ExecutorContract, subtle_lab.SPAWNING)
+TestUnordered = of(ExecutorContract, bad_lab.EXECUTOR, map=subtle_lab.whoever_is_done)
+TestAtOnce = of(ExecutorContract, bad_lab.EXECUTOR, map=subtle_lab.at_once)
 TestBackwards = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.as_they_come)
 TestAllAtOnce = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.all_at_once)
 TestOtherErrors = of(ExecutorContract, bad_lab.EXECUTOR, map=bad_lab.with_other_errors)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
+from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.registry import KINDS
 from dh2urdf.scaffold import write_plugin
@@ -35,7 +36,7 @@ def command(name: str, kind: str, folder: Path) -> int:
     pip install -e '.[test]' && pytest
     """
     place, files = write_plugin(name, cast("Kind", kind), folder, catalog())
-    click.echo("\n".join(f"{place / file}" for file in files))
+    answer("\n".join(f"{place / file}" for file in files))
     there = shlex.quote(str(place))
-    click.echo(f"\nnext:\n    cd {there}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")
+    answer(f"\nnext:\n    cd {there}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")
     return 0

@@ -1,0 +1,186 @@
+"""Expands a stranger's xacro in a child process, by the real xacro whose ways out are closed."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import types
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import CrashError, ProofError, TimeLimitError
+from dh2urdf.fence import enter
+from dh2urdf.isolation import run_in_child
+from dh2urdf.source import Mark, Problem
+from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
+from dh2urdf_plugins.xacro_fence.files import Files
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+    from xml.dom.minidom import Document
+
+EXPANSION = 30.0
+"""How long an expansion may take [s]: it computes whatever the file asks for."""
+MAX_OUTPUT = 2**26
+"""Size of what comes out [B]."""
+MAX_MACROS = 50_000
+"""How often macros are expanded in all."""
+
+
+def expand_foreign(
+    path: Path,
+    arguments: Mapping[str, str] | None = None,
+    packages: Mapping[str, Path] | None = None,
+    *,
+    timeout: float | None = None,
+) -> bytes:
+    """The text that xacro makes of a file of unknown origin, which can do nothing but be read.
+
+    It is expanded in a child process behind `dh2urdf.fence`. Expressions are checked before they are evaluated, and
+    files are read from the folder of the file, or of its ROS package, and from those of the packages that are named.
+    Variables of the environment are not given.
+
+    Args:
+        path: the file.
+        arguments: values of its ``xacro:arg`` elements.
+        packages: folders of further packages, by name.
+        timeout: how long it may take [s]; `EXPANSION` by default.
+
+    Raises:
+        ProofError: xacro cannot expand the file, or something in it is refused.
+    """
+    limit = EXPANSION if timeout is None else timeout
+    try:
+        return run_in_child(
+            _expanded, path, dict(arguments or {}), dict(packages or {}), limit, timeout=limit, who="xacro"
+        ).value
+    except TimeLimitError:
+        raise _failure(path, f"it did not finish within {limit:g} s") from None
+    except CrashError as error:
+        raise _failure(path, f"it ended without a result: {error.problems[0].message}") from error
+
+
+def _failure(path: Path, reason: str) -> ProofError:
+    return ProofError(Problem(message=f"xacro cannot expand it: {reason}", mark=Mark(file=str(path))))
+
+
+def _expanded(path: Path, arguments: dict[str, str], packages: dict[str, Path], seconds: float) -> bytes:
+    """Expands a file in the child; its process is good for nothing else afterwards.
+
+    Raises:
+        ProofError: xacro cannot expand it.
+    """
+    import xacro
+
+    files = Files(path, packages)
+    _close(files)
+    _warm_up()
+    os.chdir(path.absolute().parent)  # where names relative to the file are looked for, those of YAML too
+    enter(files.roots, seconds)
+    try:
+        document: Document = xacro.process_file(path.name, mappings=arguments)
+        text: bytes = document.documentElement.toprettyxml(indent="  ", encoding="utf-8")  # type: ignore[union-attr]
+    except Exception as error:  # noqa: BLE001 - it evaluates what a stranger wrote: anything may come out
+        raise _failure(path, _reason(error)) from None
+    if len(text) > MAX_OUTPUT:
+        raise _failure(path, f"it becomes a text of {len(text)} bytes, more than {MAX_OUTPUT}")
+    return text
+
+
+def _reason(error: Exception) -> str:
+    """What was wrong, and with which expression."""
+    suffix = ""
+    while (inner := getattr(error, "exc", None)) is not None:  # xacro wraps what it catches, at every level
+        suffix = suffix or " ".join((getattr(error, "suffix", None) or "").split())
+        error = inner
+    if isinstance(error, MemoryError):
+        reason = "it needs too much memory"
+    elif isinstance(error, RecursionError):
+        reason = "a macro, a file or an expression goes into itself without end (recursion)"
+    else:
+        reason = " ".join(str(error).split()) or repr(error)
+    return f"{reason} {suffix}".strip()
+
+
+def _close(files: Files) -> None:
+    """Has xacro evaluate, open and look up by functions of ours alone; in this process, for good."""
+    import xacro
+    from xacro import substitution_args
+
+    symbols = xacro._global_symbols = xacro.create_global_symbols()  # noqa: SLF001
+    spaces = [symbols, *(space for space in symbols.values() if isinstance(space, dict))]
+    for space in spaces:
+        for name in REFUSED:
+            dict.pop(space, name, None)
+        for name, function in BOUNDED.items():
+            if dict.__contains__(space, name):
+                dict.__setitem__(space, name, function)
+    calls = {id(value): value for space in spaces for value in dict.values(space) if callable(value)}
+
+    def safe_eval(text: str, names: dict[str, Any], local: Mapping[str, object] | None = None) -> Any:  # noqa: ANN401
+        return evaluate(text, names, local, calls)
+
+    def no_environment(name: str) -> str:
+        raise ExpressionError(f"$(env {name}): a file of unknown origin is not given the environment")
+
+    def nothing_from_environment(name: str, default: str = "") -> str:  # noqa: ARG001 - as xacro calls it
+        return default
+
+    def counted(*args: Any) -> Any:  # noqa: ANN401
+        if next(expanded) > MAX_MACROS:
+            raise ExpressionError(f"macros are expanded more than {MAX_MACROS} times")
+        return expand_macro(*args)
+
+    expanded, expand_macro = itertools.count(1), xacro.resolve_macro
+    xacro.resolve_macro = counted
+    xacro.safe_eval = safe_eval
+    xacro.open = files.open  # comes before the built-in one in that module
+    xacro.glob = types.SimpleNamespace(glob=files.glob)
+    substitution_args._eval_env = no_environment  # noqa: SLF001
+    substitution_args._eval_optenv = nothing_from_environment  # noqa: SLF001
+    substitution_args._eval_find = files.package  # noqa: SLF001
+    substitution_args._eval = _evaluation(calls, files, no_environment, nothing_from_environment)  # noqa: SLF001
+
+
+def _evaluation(
+    calls: Mapping[int, Callable[..., Any]], files: Files, *environment: Callable[..., str]
+) -> Callable[[str, dict[str, Any]], str]:
+    """What takes the place of xacro's ``$(eval …)``."""
+    import math
+
+    from xacro import substitution_args
+
+    env, optenv = environment
+    plain = {name: value for name, value in vars(math).items() if not name.startswith("_") and name not in BOUNDED}
+    kinds = {kind.__name__: kind for kind in (list, dict, map, str, float, int)}
+    words = {"true": True, "false": False, "True": True, "False": False}
+
+    def evaluated(text: str, context: dict[str, Any]) -> str:
+        given = context.setdefault("arg", {})
+
+        def argument(name: str) -> Any:  # noqa: ANN401 - of the type that its text has
+            return substitution_args.convert_value(given[name], "auto")
+
+        own = {"arg": argument, "env": env, "optenv": optenv, "find": files.package}
+        functions = {**plain, **kinds, **own}
+        values = {name: argument(name) for name in given}
+        allowed = {**calls, **{id(value): value for value in functions.values() if callable(value)}}
+        return str(evaluate(text, {**values, **words, **functions}, None, allowed))
+
+    return evaluated
+
+
+def _warm_up() -> None:
+    """Imports what would be imported on the way: behind the fence, no module can be read."""
+    import codecs
+    import pyexpat  # noqa: F401
+    import traceback  # noqa: F401
+    import xml.dom.expatbuilder
+    import xml.dom.minidom
+
+    import yaml
+
+    for encoding in ("ascii", "latin-1", "iso8859-15", "cp1252", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"):
+        codecs.lookup(encoding)
+    xml.dom.minidom.parseString("<a/>").toprettyxml(encoding="utf-8")  # noqa: S318 - our own text
+    yaml.safe_load("{a: [1, 2.5, true, text]}")

@@ -1,0 +1,281 @@
+"""Hostile files: each ends within its limit, runs nothing, reads nothing outside, and is refused by name.
+
+What makers write goes on working: the same constructs expand as in the real xacro, byte by byte.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import CrashError, ProofError
+from dh2urdf.isolation import run_in_child
+from dh2urdf_plugins.lint.inspection import inspect_xacro
+from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+from dh2urdf_plugins.xacro_reader import read_foreign_xacro
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+
+ROBOT = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">{}</robot>'
+SECRET = "a-secret-of-the-user"  # noqa: S105 - a canary
+LIMIT = 20.0
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a file of a stranger, beside a folder with a secret."""
+    (tmp_path / "home").mkdir()
+    (tmp_path / "home" / "secret.yaml").write_text(f"word: {SECRET}\n")
+    (tmp_path / "home" / "secret.xacro").write_text(ROBOT.format(f'<link name="{SECRET}"/>'))
+    monkeypatch.setenv("SECRET", SECRET)
+    folder = tmp_path / "arm"
+    folder.mkdir()
+    return folder
+
+
+def bomb(depth: int, width: int) -> str:
+    macros = "".join(
+        f'<xacro:macro name="m{level}">{f"<xacro:m{level + 1}/>" * width}</xacro:macro>' for level in range(depth)
+    )
+    return f'{macros}<xacro:macro name="m{depth}"><link name="l"/></xacro:macro><xacro:m0/>'
+
+
+ATTACKS = {
+    "lambda": ('<link name="${(lambda: ().__class__.__base__.__subclasses__())()}"/>', "is refused"),
+    "format": ("<link name=\"${str.format('%s', 1)}\"/>", "'format' of a type is refused"),
+    "yaml": ("<link name=\"${xacro.load_yaml('../home/secret.yaml')['word']}\"/>", "outside the folders"),
+    "yaml, old name": ("<link name=\"${load_yaml('../home/secret.yaml')['word']}\"/>", "outside the folders"),
+    "include": ('<xacro:include filename="../home/secret.xacro"/>', "outside the folders"),
+    "optional include": ('<xacro:include filename="../home/secret.xacro" optional="true"/>', "outside the folders"),
+    "pattern": ('<xacro:include filename="../home/*.xacro"/>', "outside the folders"),
+    "pattern of folders": ('<xacro:include filename="../*/secret.xacro"/>', "outside the folders"),
+    "link": ('<xacro:include filename="link.xacro"/>', "outside the folders"),
+    "absolute": ('<xacro:include filename="/etc/passwd"/>', "outside the folders"),
+    "process": ('<xacro:include filename="/proc/self/environ"/>', "outside the folders"),
+    "device": ('<xacro:include filename="/dev/zero"/>', "outside the folders"),
+    "pipe": ('<xacro:include filename="pipe"/>', "no ordinary file"),
+    "environment": ('<link name="$(env SECRET)"/>', "is not given the environment"),
+    "environment in eval": ('<link name="$(eval env.__self__)"/>', "'__self__' is refused"),
+    "package": ('<xacro:include filename="$(find home)/secret.xacro"/>', "the package 'home' is not known"),
+    "eval": ('<link name="$(eval 9**9**9)"/>', "bits"),
+    "eval behind a value": ('<link name="$(eval [].__class__)"/>', "'__class__' is refused"),
+    "power": ('<link name="${9**9**9}"/>', "bits"),
+    "memory": ('<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>', "memory"),
+    "entities": ("", "declares entities"),
+    "into itself": ('<xacro:include filename="r.xacro"/>', "recursion"),
+    "macro into itself": ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion"),
+    "yaml's own tags": ("<link name=\"${xacro.load_yaml('object.yaml')}\"/>", "python/object|constructor"),
+    "yaml of units": ("<link name=\"${xacro.load_yaml('units.yaml').a}\"/>", "'__class__' is refused"),
+    "a macro's parameter": (
+        '<xacro:macro name="a" params="__call:=1 __builtins__:=2"><link name="${().__class__}"/></xacro:macro><xacro:a/>',
+        "'__class__' is refused",
+    ),
+    "macros": (bomb(11, 8), "expanded more than|did not finish|memory"),
+    "loops": ('<link name="${[1 for x in range(10**6) for y in range(10**6)]}"/>', "did not finish|memory|ended"),
+}
+
+
+def attack(folder: Path, name: str) -> Path:
+    path = folder / "r.xacro"
+    path.write_text(ROBOT.format(ATTACKS[name][0]))
+    if name == "entities":
+        path.write_text('<!DOCTYPE robot [<!ENTITY e SYSTEM "../home/secret.yaml">]><robot name="r">&e;</robot>')
+    (folder / "link.xacro").symlink_to("../home/secret.xacro")
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(folder / "pipe")
+    (folder / "object.yaml").write_text("!!python/object/apply:os.system ['touch ran']\n")
+    (folder / "units.yaml").write_text("a: !degrees '().__class__'\n")
+    return path
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_a_hostile_file_is_refused_by_name(package: Path, name: str) -> None:
+    """Within the limit, with nothing of the secret in what is said, and nothing left behind."""
+    import re
+
+    path = attack(package, name)
+    before = sorted(package.iterdir())
+    started = time.monotonic()
+    with pytest.raises(ProofError) as caught:
+        expand_foreign(path, timeout=3.0 if name in ("macros", "loops") else LIMIT)
+    assert time.monotonic() - started < LIMIT + 5
+    said = str(caught.value)
+    assert re.search(ATTACKS[name][1], said), said
+    assert SECRET not in said
+    assert sorted(package.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", ["lambda", "yaml", "environment"])
+def test_check_and_view_read_foreign_files_behind_the_fence(package: Path, name: str) -> None:
+    path = attack(package, name)
+    (finding,) = inspect_xacro(path).findings
+    assert finding.rule == "xacro-fails"
+    assert SECRET not in finding.message
+    with pytest.raises(ProofError, match="xacro cannot expand it"):
+        read_foreign_xacro(path)
+
+
+# --- The layers below, each by itself ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def functions(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """Functions of a module that a child process can import."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    return importlib.import_module("fenced_functions")
+
+
+@pytest.mark.parametrize(
+    ("deed", "found"),
+    [
+        ("read inside", "kept"),
+        ("read outside", "FenceError"),
+        ("read by descriptor", "FenceError"),
+        ("write inside", "FenceError"),
+        ("append inside", "FenceError"),
+        ("remove", "FenceError"),
+        ("run", "FenceError"),
+        ("shell", "FenceError"),
+        ("fork", "FenceError"),
+        ("connect", "FenceError"),
+        ("library", "FenceError"),
+        ("memory", "MemoryError"),
+    ],
+)
+@pytest.mark.skipif(sys.platform == "win32", reason="the limits are those of POSIX")
+def test_a_fenced_process_can_only_read_inside(functions: ModuleType, package: Path, deed: str, found: str) -> None:
+    (package / "inside.txt").write_text("kept")
+    value = run_in_child(functions.fenced, package, deed, timeout=LIMIT).value
+    assert value == found
+    assert (package / "inside.txt").read_text() == "kept"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the limits are those of POSIX")
+def test_a_fenced_process_ends_when_its_time_is_over(functions: ModuleType, package: Path) -> None:
+    with pytest.raises(CrashError, match=r"crashed \((CPU time limit exceeded|cputime limit exceeded|killed)"):
+        run_in_child(functions.fenced, package, "time", timeout=60.0)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Landlock is Linux's")
+def test_the_kernel_refuses_too_where_it_can(functions: ModuleType, package: Path) -> None:
+    from landlock import landlock_abi_version
+
+    try:
+        landlock_abi_version()
+    except Exception as error:  # noqa: BLE001 - the library's own error for a kernel without it
+        pytest.skip(f"this kernel has no Landlock: {error}")
+    assert run_in_child(functions.landlocked, package, timeout=LIMIT).value == "refused by the kernel"
+
+
+PARENT = """
+import sys
+from pathlib import Path
+from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+print("started", flush=True)
+expand_foreign(Path(sys.argv[1]), timeout=600)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are looked for in /proc")
+def test_a_child_ends_with_the_command_that_was_killed(package: Path) -> None:
+    path = attack(package, "loops")
+    with subprocess.Popen([sys.executable, "-c", PARENT, str(path)], stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        parent.stdout.readline()
+        children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children")
+        deadline = time.monotonic() + LIMIT
+        while not (found := children.read_text().split()):
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        time.sleep(0.5)
+        parent.kill()
+    while any(alive(int(child)) for child in found):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def alive(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+# --- What makers write --------------------------------------------------------------------------------------------------
+
+MAKERS = """
+<xacro:arg name="kind" default="six"/>
+<xacro:property name="kind" value="$(arg kind)"/>
+<xacro:include filename="$(find arm_description)/urdf/part.xacro" ns="part"/>
+<xacro:property name="config" value="${xacro.load_yaml('$(find arm_description)/config/' + kind + '.yaml')}"/>
+<xacro:property name="limits" value="${config['limits']}" scope="global"/>
+<xacro:property name="mass" value="${dict([(name, config.inertia[name].mass) for name in config.inertia])}"/>
+<xacro:macro name="joint" params="name parent:=base *origin lower:=${limits['a']['lower']} upper:=^|${pi}">
+  <joint name="${name}" type="revolute"><xacro:insert_block name="origin"/>
+    <parent link="${parent}"/><child link="${name}_link"/><axis xyz="0 0 1"/>
+    <limit lower="${lower}" upper="${radians(upper) if upper > 7 else upper}" effort="1" velocity="${2.5 * 1}"/></joint>
+  <link name="${name}_link"><inertial><mass value="${mass[name]}"/></inertial></link>
+</xacro:macro>
+<link name="base"/>
+<xacro:if value="${kind == 'six' and not False}"><xacro:joint name="a" upper="170"><origin xyz="0 0 ${-0.1 + 1/3}"/></xacro:joint></xacro:if>
+<xacro:unless value="${'x' in kind}"><link name="never"/></xacro:unless>
+<xacro:part.tool name="${'_'.join([kind, 'tool'])}" size="${[0.1 * k for k in range(3)]}"/>
+<link name="$(eval 'v' + kind)"/><link name="$(optenv NO_SUCH_VARIABLE none)"/>
+<link name="${xacro.tokenize('a b')[1]}${len(config.inertia)}${round(math.sin(pi / 6), 3)}${python.abs(-2)}"/>
+"""
+PART = '<xacro:macro name="tool" params="name size"><link name="${name}${size[-1]}"/></xacro:macro>'
+CONFIG = "limits: {a: {lower: !degrees -170, upper: 2}}\ninertia: {a: {mass: 1.5}}\n"
+
+REAL = """
+import sys
+import xacro
+from xacro import substitution_args
+substitution_args._eval_find = substitution_args._eval_dict["find"] = lambda name: sys.argv[2]
+document = xacro.process_file(sys.argv[1], mappings={})
+sys.stdout.buffer.write(document.documentElement.toprettyxml(indent="  ", encoding="utf-8"))
+"""
+
+
+def test_what_makers_write_expands_as_in_the_real_xacro(tmp_path: Path) -> None:
+    """Packages, YAML with units, namespaces, blocks, comprehensions, conditions: byte by byte."""
+    folder = tmp_path / "arm_description"
+    for name, text in {
+        "package.xml": "<package/>",
+        "urdf/arm.urdf.xacro": ROBOT.format(MAKERS),
+        "urdf/part.xacro": ROBOT.format(PART),
+        "config/six.yaml": CONFIG,
+    }.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    path = folder / "urdf" / "arm.urdf.xacro"
+    real = subprocess.run([sys.executable, "-c", REAL, path, folder], capture_output=True, check=True).stdout
+    assert expand_foreign(path) == real
+    assert b"2.96705972839" in real
+
+
+def test_a_package_is_read_where_it_is_named(tmp_path: Path) -> None:
+    """And nowhere else; the message says which are known."""
+    other = tmp_path / "elsewhere" / "grippers"
+    other.mkdir(parents=True)
+    (other / "hand.xacro").write_text(ROBOT.format('<link name="hand"/>'))
+    path = tmp_path / "arm" / "r.xacro"
+    path.parent.mkdir()
+    path.write_text(ROBOT.format('<xacro:include filename="$(find grippers)/hand.xacro"/>'))
+    assert b'name="hand"' in expand_foreign(path, packages={"grippers": other})
+    with pytest.raises(ProofError, match=r"the package 'grippers' is not known \(known: none\)"):
+        expand_foreign(path)
+
+
+def test_arguments_have_the_values_that_are_given(tmp_path: Path) -> None:
+    path = tmp_path / "r.xacro"
+    path.write_text(ROBOT.format('<xacro:arg name="side" default="left"/><link name="$(arg side)"/>'))
+    assert b'"right"' in expand_foreign(path, {"side": "right"})

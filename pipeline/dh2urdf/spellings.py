@@ -1,0 +1,89 @@
+"""Texts that look like numbers and are none, or that two people would read in two ways: what to write in their place.
+
+Spreadsheets turn numbers into dates and put negative ones into brackets; people write percentages, prices and mixed
+fractions. None of these is read. `misreading` names those that the grammar of expressions would otherwise accept with
+another meaning, and `advice` says what to write where the grammar refuses a text anyhow.
+"""
+
+from __future__ import annotations
+
+import re
+
+from dh2urdf.patterns import late_pattern
+
+# What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
+SIGNS = str.maketrans({"−": "-", "–": "-", "‐": "-", "‑": "-", "×": "*", "∗": "*", "÷": "/", "⁄": "/", "∕": "/"})
+"""The signs of arithmetic, by the characters that are written in their place."""
+
+_MONTHS = (
+    r"jan|jän|janv|ene|gen|feb|fév|févr|mar|mär|mrz|mars|apr|avr|abr|may|mai|mag|jun|juin|giu|jul|juil|lug|aug|août|aou|"
+    r"ago|sep|sept|set|oct|okt|ott|nov|dec|dez|déc|dic"
+)
+_TIME = r"(?:[T ]+\d{1,2}:\d{2}(?::\d{2}(?:\.\d+)?)?Z?)?"
+_DATES = tuple(
+    late_pattern(rf"\s*(?:{pattern})\s*", re.IGNORECASE | re.ASCII)
+    for pattern in (
+        rf"\d{{4}}([-/.])\d{{1,2}}\1\d{{1,2}}{_TIME}",
+        rf"\d{{1,2}}([-/])\d{{1,2}}\1(?:\d{{4}}|\d{{1,2}}){_TIME}",
+        rf"\d{{1,2}}\.\d{{1,2}}\.(?:\d{{4}}|\d{{2}}){_TIME}",
+        r"\d{1,2}-\d{1,2}|\d{1,2}-\d{4}|\d{4}-\d{1,2}",
+        r"\d{1,2}\.\d{1,2}\.",
+        r"\d{1,2}:\d{2}(?::\d{2}(?:\.\d+)?)?(?: *[ap]m)?",
+        rf"\d{{1,4}}[-/. ]*(?:{_MONTHS})[a-zé]*\.?(?:[-/., ]*\d{{1,4}})?",
+        rf"(?:{_MONTHS})[a-zé]*\.?[-/., ]*\d{{1,4}}(?:[-/., ]+\d{{1,4}})?",
+    )
+)
+_FIRST_OF_DATES = frozenset("0123456789").union(month[0] for month in _MONTHS.split("|"))
+_DATE_ADVICE = (
+    "a spreadsheet makes dates of fractions: format the column as text; for a difference or a quotient, put spaces "
+    "around its signs"
+)
+_WORD = r"[^\W\d_]{1,3}|[°º˚]"
+_IN_BRACKETS = late_pattern(rf"\s*\(\s*([0-9.,]+(?:e[+-]?[0-9]+)?)\s*({_WORD})?\s*\)\s*({_WORD})?\s*", re.IGNORECASE)
+_NO_DIGIT_BUT_0 = late_pattern(r"[0.,]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
+
+_SPACES = "'’ʼ \u00a0\u2007\u2009\u202f"
+_ADVICE = (
+    (late_pattern(r"\s*[+-]?(nan|inf|infinity)\s*", re.IGNORECASE), "write a finite number"),
+    (
+        late_pattern(r"\s*[+-]?[0-9]*,[0-9]+\s*$"),
+        "write a decimal point, and no separators of thousands: 0.425, 1234.5",
+    ),
+    (late_pattern(r".*[½⅓⅔¼¾⅕⅖⅗⅘⅙⅚⅐⅛⅜⅝⅞⅑⅒]"), "write the fraction with its signs: 1/2, 1 + 1/2"),
+    (late_pattern(r"\s*[+-]?[0-9]+\s+[0-9]+\s*/\s*[0-9]+"), "write a mixed number as a sum: 1 + 1/2"),
+    (
+        late_pattern(rf"\s*[+-]?[0-9]{{1,3}}(?:[.,{_SPACES}][0-9]{{3}})+"),
+        "write the number without separators of thousands: 1234.5",
+    ),
+    (late_pattern(r".*[0-9]_[0-9]"), "write the number without underscores"),
+    (late_pattern(r".*\b0[xXbBoO]"), "write a decimal number"),
+    (late_pattern(r".*(\*\*|\^|[²³¹⁰⁴-⁹⁺⁻])"), "powers are not accepted: write the product, or the number, as in 1e-3"),
+    (late_pattern(r".*[%‰]"), "percentages and remainders are not accepted: write the number"),
+    (late_pattern(r".*([$€£¥]|\b(eur|usd|gbp|chf)\b)", re.IGNORECASE), "write the number without a currency"),
+    (late_pattern(r"\s*[+-]?[0-9.]+[dD][+-]?[0-9]+\s*"), "write the exponent with e: 1e-3"),
+    (late_pattern(r".*[0-9](pi|π)"), "write the product with its sign: 2*pi"),
+    (late_pattern(r"\s*[0-9][0-9.,]*\s*[^\W\d]{0,3}\s*-\s*$"), "write the minus before the number: -5"),
+    (late_pattern(r"\s*(±|\+/-|\+-|-\+)"), "write the two numbers, lower and upper, each with its own sign"),
+    (late_pattern(r".*[0-9]\s*[°º˚]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),
+    (late_pattern(r"\s*(#[A-Z]|=|')"), "write the number itself, without what the spreadsheet puts before it"),
+)
+
+
+def misreading(text: str) -> tuple[str, str] | None:
+    """What a text is that the grammar would take for another number, and what to write; None for any other text."""
+    plain = text.translate(SIGNS)
+    if plain.strip()[:1].lower() in _FIRST_OF_DATES and any(date.fullmatch(plain) for date in _DATES):
+        return "it is a date", _DATE_ADVICE
+    number = _IN_BRACKETS.fullmatch(plain) if "(" in plain else None
+    if number and not _NO_DIGIT_BUT_0.fullmatch(number[1]):
+        unit = f" {number[2] or number[3]}" if number[2] or number[3] else ""
+        reason = (
+            f"a number in brackets is negative to a spreadsheet and positive to a person: -{number[1]}, or {number[1]}"
+        )
+        return reason, f"write -{number[1]}{unit} or {number[1]}{unit}, without the brackets"
+    return None
+
+
+def advice(text: str) -> str | None:
+    """What to write in place of a text that cannot be read, where its kind is known."""
+    return next((suggestion for pattern, suggestion in _ADVICE if pattern.match(text)), None)

@@ -1,0 +1,21 @@
+"""The records of a robot without their checks, for stages that have computed the values themselves.
+
+Each function takes what the class of the same name takes, and keeps it as it is: a float has to be a float, and a
+vector a tuple of floats. Whatever somebody else handed over belongs into the class, which checks it.
+"""
+
+from __future__ import annotations
+
+from dh2urdf.coercion import unchecked
+from dh2urdf.manipulator import Inertia, Limits
+from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Visual
+
+collision = unchecked(Collision)
+inertia = unchecked(Inertia)
+inertial = unchecked(Inertial)
+joint = unchecked(Joint)
+limits = unchecked(Limits)
+link = unchecked(Link)
+origin = unchecked(Origin)
+parameter = unchecked(Parameter)
+visual = unchecked(Visual)

@@ -1,0 +1,47 @@
+"""mypy --strict has nothing to say of the Python in the README and in docs/: every block is checked as a module."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+BLOCK = re.compile(r'^ *```python(?: title="(?P<title>[^"]+)")?[^\n]*\n(?P<body>.*?)^ *```$', re.MULTILINE | re.DOTALL)
+ELSEWHERE = ("first-plugin.md", "plugins.md")
+"""Pages whose blocks are files of a distribution that the page makes: their own tests check them."""
+
+
+def blocks() -> dict[str, str]:
+    """Every block by its place."""
+    found = {}
+    for page in PAGES:
+        text = page.read_text("utf-8")
+        for match in BLOCK.finditer(text):
+            if match["title"] is None and page.name not in ELSEWHERE:
+                line = text[: match.start()].count("\n") + 2
+                found[f"{page.relative_to(ROOT).as_posix()}:{line}"] = match["body"]
+    return found
+
+
+def test_the_python_of_the_docs_is_typed(tmp_path: Path) -> None:
+    """No block needs a cast, an ignored line or a name that is not there."""
+    places = {}
+    for number, (place, body) in enumerate(blocks().items()):
+        places[f"block_{number}.py"] = place
+        (tmp_path / f"block_{number}.py").write_text(body, "utf-8")
+    assert len(places) > 10
+    config = tmp_path / "mypy.ini"
+    others = "coppeliasim_zmqremoteapi_client,dask_jobqueue,distributed.*,mujoco,pandas,pinocchio,pyarrow.*,pybullet,pydrake.*"
+    options = "ignore_missing_imports = true\nfollow_imports = skip\nfollow_imports_for_stubs = true\n"
+    # The types of other people's packages, and whether they are installed, are not what is tested.
+    sections = "".join(f"[mypy-{module}]\n{options}" for module in others.split(","))
+    config.write_text(f"[mypy]\nstrict = true\ndisallow_untyped_calls = false\n{sections}", "utf-8")
+    command = ["-m", "mypy", "--config-file", str(config), "--cache-dir", str(tmp_path / "cache"), *places]
+    checked = subprocess.run(
+        [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
+    )
+    told = re.sub(r"block_\d+\.py", lambda name: places[name[0]], checked.stdout)
+    assert checked.returncode == 0, f"{told}{checked.stderr}"

@@ -1,0 +1,294 @@
+"""Tables of known arms through every reader: each must be read as the arm that it is, wherever it stands.
+
+    python fuzz/tables.py --tables 50000 --seed 1
+
+Every table is an arm whose meaning is known (`known_arms.py`), written in a random dialect (`known_tables.py`,
+`dialects.py`). It is read from CSV, YAML, JSON, Parquet and workbooks, alone and as one of many, at the first, a middle
+and the last place of a file, and by `Manipulator.from_dh`. Its forward kinematics, limits and masses must be the known
+ones to 1e-12, and all readings of one table must be equal to the last bit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
+
+import numpy as np
+from dialects import WRITERS, File, as_arguments, as_csv, write
+from known_arms import COM, LIMITS, TENSOR
+from known_tables import Table, home_positions, make_table
+
+from dh2urdf.errors import Dh2UrdfError, TableError
+from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+from dh2urdf_plugins.readers.plain_rows import PlainRows
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from known_arms import KnownArm, KnownRow
+
+    from dh2urdf.stages import Reader, Rejected
+
+READERS: dict[str, Reader[Any]] = {
+    "csv": csv.READER,
+    "tsv": csv.READER,
+    "yaml": yaml.READER,
+    "yml": yaml.READER,
+    "json": yaml.READER,
+}
+READERS |= {"parquet": parquet.READER, "xlsx": xlsx.READER}
+EXACTLY = 1e-12
+"""Largest error of a number, relative or absolute [SI]."""
+
+
+Poses = Sequence[tuple[list[float], Any]]
+"""Joint vectors, and T(base_link -> tool0) at each."""
+
+
+class WrongReading(Exception):  # noqa: N818 - it is what is looked for
+    """A table was read as another arm, or not at all."""
+
+
+@dataclass
+class Figures:
+    """What was done."""
+
+    tables: int = 0
+    readings: int = 0
+    files: int = 0
+    fast: int = 0
+    dialects: set[str] = field(default_factory=set)
+    by_reader: Counter[str] = field(default_factory=Counter)
+
+
+def read(file: File, folder: Path, options: dict[str, Any]) -> list[Manipulator | Rejected]:
+    """What a reader makes of a file.
+
+    Raises:
+        WrongReading: it refuses the file.
+    """
+    path = write(file, folder, "arms")
+    try:
+        reader = READERS[file.suffix[1:]]
+        return list(reader.read(path, reader.options(**options)))
+    except TableError as error:
+        raise WrongReading(f"the file is refused: {error}") from error
+    finally:
+        path.unlink()
+
+
+def from_python(rng: random.Random, table: Table) -> Manipulator:
+    """What `Manipulator.from_dh` makes of the only arm of a table.
+
+    Raises:
+        WrongReading: it refuses the arguments.
+    """
+    rows, arguments = as_arguments(rng, table)
+    try:
+        return Manipulator.from_dh(rows, **arguments)
+    except Dh2UrdfError as error:
+        raise WrongReading(f"from_dh refuses {rows} with {arguments}: {error}") from error
+
+
+def check(known: KnownArm, found: Manipulator | Rejected, poses: Poses) -> None:
+    """Compares a reading with what is known.
+
+    Raises:
+        WrongReading: they differ.
+    """
+    if not isinstance(found, Manipulator):
+        raise WrongReading(f"the table is refused: {found.problems[0]}")
+    _same("name", found.name, known.name)
+    _same("convention", str(found.convention), known.convention)
+    _same("number of joints", len(found.rows), len(known.rows))
+    for number, (row, wanted) in enumerate(zip(found.rows, known.rows, strict=True), start=1):
+        _check_row(row, wanted, number)
+    for q, wanted_pose in poses:
+        size = max(1.0, float(np.abs(wanted_pose).max()))
+        error = float(np.abs(found.fk(q) - wanted_pose).max())
+        if not error <= EXACTLY * size * len(known.rows):
+            raise WrongReading(f"tool0 is {error:.3g} off at q = {q}")
+
+
+def _check_row(row: DHRow, wanted: KnownRow, number: int) -> None:
+    _same("joint", row.joint, wanted.joint or f"joint_{number}")
+    _same("link", row.link, wanted.link or f"link_{number}")
+    _same("type", str(row.type), wanted.type)
+    for name in (*LIMITS, "mass", "radius", "damping", "friction", "armature", *COM, *TENSOR):
+        _close(f"{name} of row {number}", _value(row, name), wanted.si(name))
+
+
+def _value(row: DHRow, name: str) -> float | None:
+    """A field of a row by its name in a table."""
+    value: float | None
+    if name in COM:
+        value = row.com and row.com[COM.index(name)]
+    elif name in TENSOR:
+        value = getattr(row.inertia, name) if row.inertia else None
+    else:
+        value = getattr(row.limits if name in LIMITS else row, name)
+    return value
+
+
+def _same(what: str, found: object, wanted: object) -> None:
+    if found != wanted:
+        raise WrongReading(f"{what} is {found!r}, and it should be {wanted!r}")
+
+
+def _close(what: str, found: float | None, wanted: float | None) -> None:
+    if (found is None) != (wanted is None) or (
+        found is not None and wanted is not None and not abs(found - wanted) <= EXACTLY * max(1.0, abs(wanted))
+    ):
+        raise WrongReading(f"{what} is {found!r}, and it should be {wanted!r}")
+
+
+def signature(arm: Manipulator) -> str:
+    """Everything that a reading says of an arm, to the last bit; not where it was read, and not its name."""
+    rows = [[getattr(row, part.name) for part in fields(row) if part.name != "mark"] for row in arm.rows]
+    others = [getattr(arm, part.name) for part in fields(arm) if part.name not in ("name", "rows", "mark", "notices")]
+    return repr((rows, others))
+
+
+class _Case:
+    """One table, and its readings so far."""
+
+    def __init__(self, table: Table, rng: random.Random, folder: Path, figures: Figures) -> None:
+        self.table = table
+        self.poses = [[(q, arm.known.fk(q)) for q in home_positions(rng, arm.known)] for arm in table.arms]
+        self.folder = folder
+        self.figures = figures
+        self.has_units = any(column.unit for column in table.columns)
+        self.readings: dict[tuple[str, bool], dict[str, str]] = {}
+
+    def only(self, index: int) -> Table:
+        """A table of one of the arms."""
+        return replace(self.table, arms=[self.table.arms[index]])
+
+    def take_file(self, name: str, file: File, indices: list[int]) -> None:
+        """Reads a file that holds some of the arms."""
+        self.figures.files += 1
+        self.figures.dialects.add(file.dialect)
+        try:
+            self.take(name, read(file, self.folder, self.table.options), indices)
+        except WrongReading as error:
+            raise WrongReading(f"{error}\n{_shown(file)}") from error
+
+    def take(self, name: str, items: Sequence[Manipulator | Rejected], indices: list[int]) -> None:
+        """Compares readings with what is known of some of the arms."""
+        _same("number of arms", len(items), len(indices))
+        for index, item in zip(indices, items, strict=True):
+            self.figures.readings += 1
+            self.figures.by_reader[name] += 1
+            try:
+                check(self.table.arms[index].known, item, self.poses[index])
+            except WrongReading as error:
+                raise WrongReading(f"{name}, arm {index} of {len(items)}: {error}") from error
+            if isinstance(item, Manipulator):
+                # Keys of YAML have no units: then its cells are other texts, and may differ in the last bit.
+                other = self.has_units and name in ("yaml", "json")
+                rows = repr(self.table.arms[index].rows)
+                key = rows + str(self.table.arms[index].said), other
+                self.readings.setdefault(key, {}).setdefault(signature(item), name)
+
+    def compare(self) -> None:
+        """Compares all readings of the same rows with each other."""
+        for said in self.readings.values():
+            (one, name), *others = said.items()
+            for other, other_name in others:
+                start = next((k for k, (x, y) in enumerate(zip(one, other, strict=False)) if x != y), 0)
+                parts = one[max(0, start - 60) : start + 60], other[max(0, start - 60) : start + 60]
+                raise WrongReading(f"an arm has two readings: {name} gives …{parts[0]}…, {other_name} …{parts[1]}…")
+
+
+def run_table(rng: random.Random, count: int, folder: Path, figures: Figures, *, plain: bool) -> None:
+    """Writes and reads one table of some arms in every way.
+
+    Raises:
+        WrongReading: one of the readings is wrong.
+    """
+    table = make_table(rng, count, plain=plain)
+    again = replace(table.arms[0], known=replace(table.arms[0].known, name="the first one again"))
+    table.arms += [again] if count > 1 else []  # equal rows at the last place
+    figures.tables += count
+    case = _Case(table, rng, folder, figures)
+    for name, writer in WRITERS.items():
+        extra = {"plain": plain} if writer is as_csv else {}
+        if count > 1:
+            case.take_file(name, writer(rng, table, bulk=True, **extra), list(range(len(table.arms))))
+        for index in sorted({0, rng.randrange(count), count - 1}):
+            case.take_file(name, writer(rng, case.only(index), bulk=False, **extra), [index])
+    for index in sorted({0, count - 1}):
+        case.take("python", [from_python(rng, case.only(index))], [index])
+    case.compare()
+
+
+def _shown(file: File) -> str:
+    if file.suffix in (".parquet", ".xlsx"):
+        return f"({file.dialect})"
+    text = file.content.decode("utf-16" if "utf-16" in file.dialect else "utf-8", "replace")
+    return f"({file.dialect}, {text[:6000]!r})"
+
+
+@contextmanager
+def counted_fast(figures: Figures) -> Iterator[None]:
+    """Counts the arms that are read by the fast way."""
+    read_fast = PlainRows.read
+
+    def counted(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
+        made = read_fast(self, rows, lines, sizes)
+        figures.fast += len(made or ())
+        return made
+
+    with patch.object(PlainRows, "read", counted):
+        yield
+
+
+def main() -> int:
+    """Read so many tables, and print what was done."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tables", type=int, default=50_000, help="how many tables")
+    parser.add_argument("--seed", type=int, default=1, help="of everything that is random")
+    parser.add_argument("--keep-going", action="store_true", help="go on after a wrong reading, and count them")
+    given = parser.parse_args()
+    figures, wrong, started = Figures(), 0, time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder, counted_fast(figures):
+        number = 0
+        while figures.tables < given.tables:
+            number += 1
+            try:
+                run_case(given.seed, number, Path(folder), figures)
+            except WrongReading as error:
+                wrong += 1
+                print(f"case {number} of seed {given.seed}: {error}\n", file=sys.stderr)
+                if not given.keep_going:
+                    break
+    print(f"tables     {figures.tables:9,}\nfiles      {figures.files:9,}\nreadings   {figures.readings:9,}")
+    print(f"read fast  {figures.fast:9,}")
+    print(f"dialects   {len(figures.dialects):9,}")
+    for name, count in figures.by_reader.items():
+        print(f"  {name:8} {count:9,}")
+    print(f"wrong      {wrong:9,}\nseconds    {time.perf_counter() - started:9.0f}")
+    return int(wrong > 0)
+
+
+def run_case(seed: int, number: int, folder: Path, figures: Figures) -> None:
+    """One case of a seed: a table of one arm, of some, or now and then of many plain ones."""
+    rng = random.Random(f"{seed} {number}")
+    plain = rng.random() < 0.3
+    count = rng.choice([1, 2, 5, 12]) if not plain else rng.choice([1, 2, 2, 3, 60])
+    run_table(rng, count, folder, figures, plain=plain)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -129,7 +129,7 @@ def _check_problems(problems: Iterable[Problem], severity: str) -> None:
         _hold(problem.severity == severity, f"{problem.severity} where {severity}s stand: {problem}")
         text = str(problem)
         _hold(text.replace("\n", "").isprintable(), f"a message that a terminal may act on: {text!r}")
-        _hold(len(text) < 2500, f"a message of {len(text)} characters")  # noqa: PLR2004 - a screenful
+        _hold(len(text) < 2500, f"a message of {len(text)} characters")  # a screenful
 
 
 def _check_arm(arm: Manipulator) -> None:
@@ -156,7 +156,7 @@ def _check_rigid(transform: RigidTransform) -> None:
     for i, row in enumerate(rows):
         for j, other in enumerate(rows):
             product = sum(x * y for x, y in zip(row, other, strict=True))
-            _hold(abs(product - (i == j)) < 1e-9, f"not rigid: {transform}")  # noqa: PLR2004 - far above rounding
+            _hold(abs(product - (i == j)) < 1e-9, f"not rigid: {transform}")  # far above rounding
 
 
 # --- Expressions ------------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import urllib.request
-from dataclasses import asdict, fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
@@ -21,6 +21,7 @@ import pytest
 from lxml import etree
 
 from dh2urdf.cli import _status
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY, RigidTransform
@@ -156,9 +157,9 @@ def with_numbers() -> Callable[[Any, Callable[[float], Any]], Any]:
         if type(value) is tuple:
             return tuple(changed(item, change) for item in value)
         if is_dataclass(value) and not isinstance(value, Material):
-            return replace(
+            return replace_unchecked(
                 value, **{field.name: changed(getattr(value, field.name), change) for field in fields(value)}
-            )  # type: ignore[type-var]
+            )
         return value
 
     return changed

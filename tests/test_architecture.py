@@ -49,6 +49,8 @@ HEAVY = SIMULATORS | {
         "jinja2",
         "matplotlib",
         "numpy",
+        "openpyxl",
+        "pandas",
         "pyarrow",
         "scipy",
         "pydantic",
@@ -124,6 +126,7 @@ class TestImportDirection:
                 "sampling",
                 "studio",
                 "testing",
+                "xlsx",
             ),
         )
         requirements = [*project["dependencies"], *(package for extra in asked for package in extras[extra])]
@@ -259,6 +262,7 @@ class TestWhatIsShipped:
             for path in wing.rglob("*")
             if path.is_file() and "__pycache__" not in path.parts
         }
+        expected |= {f"dh2urdf/tables/{path.name}" for path in (ROOT / "configs" / "tables").iterdir()}
         assert shipped == expected
         assert {"dh2urdf/py.typed", "dh2urdf_plugins/py.typed"} <= shipped
         assert "builtin = dh2urdf_plugins" in points

@@ -63,6 +63,32 @@ class TestParquet(ReaderContract):
         return parquet(count)
 
 
+def workbook(count: int) -> bytes:
+    """A workbook with so many arms of two rows."""
+    if not find_spec("openpyxl"):
+        return b""
+    from openpyxl import Workbook
+
+    book = Workbook(write_only=True)
+    sheet = book.create_sheet()
+    sheet.append(["robot", "a", "alpha", "d", "convention"])
+    for arm in range(count):
+        sheet.append([f"arm_{arm}", 0.001 * arm, 0.0, 0.1, "standard"])
+        sheet.append([f"arm_{arm}", 0.3, 0.5, 0.0, "standard"])
+    file = io.BytesIO()
+    book.save(file)
+    return file.getvalue()
+
+
+@pytest.mark.skipif(not find_spec("openpyxl"), reason="openpyxl is not installed")
+class TestXlsx(ReaderContract):
+    stage = CATALOG.get("reader", "xlsx")
+    example = workbook(3)
+
+    def many(self, count: int) -> bytes:
+        return workbook(count)
+
+
 class TestYaml(ReaderContract):
     stage = CATALOG.get("reader", "yaml")
     example = "convention: standard\njoints:\n  - {name: hip, a: 0.4, alpha: pi/2, d: 0.1}\n"

@@ -15,6 +15,7 @@ import pytest
 
 from dh2urdf.cli import _status
 from dh2urdf.errors import StageError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import KINDS, RECORDS, load
 from dh2urdf.studio.opening import open_tables
 from dh2urdf.studio.save import table_file
@@ -261,6 +262,43 @@ def test_where_the_studio_opens_and_saves(lab: Callable[[str], Path], what: str,
         table_file(open_tables(table, catalog)[0].table, "bad", catalog)
 
 
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("reader.trace.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("reader.trace.panic", "reader 'bad' of lab 1.0 failed: Panic: as extensions in Rust do"),
+        ("reader.trace.give_numbers", "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manip"),
+    ],
+)
+@pytest.mark.parametrize("words", [("info", "arm.bad"), ("convert", "arm.bad", "--robot", "left")], ids=" ".join)
+def test_where_cells_are_asked_for(
+    cli: Cli, lab: Callable[[str], Path], what: str, message: str, words: tuple[str, ...]
+) -> None:
+    """What a person wants to know of the cells names the reader, the distribution and the version."""
+    lab(what)
+    assert message in cli(*words, status=1).stderr
+
+
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("reader.read_cells.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("reader.read_cells.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
+        ("reader.read_cells.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: 'NoneType' object is not iter"),
+        ("reader.read_cells.give_numbers", "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manip"),
+    ],
+)
+def test_where_rows_of_cells_are_given(
+    lab: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch, what: str, message: str
+) -> None:
+    """`Manipulator.from_dh` names the reader, the distribution and the version, where the plugin's reader is asked."""
+    lab(what)
+    catalog = load(("dh2urdf",))  # The reader of dh2urdf would be preferred.
+    monkeypatch.setattr("dh2urdf.api.load", lambda: catalog)
+    with pytest.raises(StageError, match=re.escape(message)):
+        Manipulator.from_dh([{"a": 0.4, "alpha": 0, "d": 0.1}])
+
+
 def test_every_function_of_every_record_is_tried() -> None:
     """The lists above have each field of each kind of stage that may hold code of a plugin."""
     tried = set()
@@ -269,8 +307,10 @@ def test_every_function_of_every_record_is_tried() -> None:
         test_what_the_whole_command_needs,
         test_where_many_are_made_at_once,
         test_where_the_studio_opens_and_saves,
+        test_where_cells_are_asked_for,
+        test_where_rows_of_cells_are_given,
     ):
-        (mark,) = test.pytestmark  # type: ignore[attr-defined]
+        mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
     described = {"name", "summary", "suffixes", "formats", "costly_proof"}
     assert tried == {

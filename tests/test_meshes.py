@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 import trimesh
+from jsonschema import Draft202012Validator
 from lxml import etree
 
+from dh2urdf.report.schema import manifest_schema
 from dh2urdf_plugins.xacro_reader import expand
 
 if TYPE_CHECKING:
@@ -274,6 +276,7 @@ class TestRuns:
         copies = {f"meshes/{path.name}" for path in (folder / "out/meshes").iterdir()}
         assert len(copies) == 2
         for row in rows:
+            Draft202012Validator(manifest_schema()).validate(row)
             assert {mesh["path"] for mesh in row["meshes"]} == copies
             assert set(mesh_names(folder / "out" / row["files"][0]["path"])) == copies
             assert ("damping" in (folder / "out" / row["files"][0]["path"]).read_text()) == bool(row["drawn"])

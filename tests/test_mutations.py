@@ -172,16 +172,17 @@ def oracle(text: str, *, convention: Convention | None = None) -> Reading:
     lines = text.split("\n")
     top = 0
     for top, line in enumerate(lines):  # noqa: B007 - where the loop ends is what matters
-        if match := re.match(r"\s*#\s*convention\s*:\s*(.*)", line, re.IGNORECASE):
+        if match := re.match(r"[#\s]*convention\s*:\s*(.*)", line, re.IGNORECASE):
             convention = CONVENTIONS.get(plain(match[1]))
-        elif line.strip(" \t,;") and (not line.lstrip().startswith("#") or is_commented_header(line)):
+        elif is_commented_header(line) or (not line.lstrip().startswith("#") and names_geometry(line)):
             break
     top_line = lines[top].lstrip(" #") if is_commented_header(lines[top]) else lines[top]
     header, delimiter = max(
         (([cell.strip() for cell in next(csv.reader([top_line], delimiter=sign))], sign) for sign in ",;\t"),
         key=lambda found: len(found[0]),
     )
-    fields, units = zip(*(named(cell) for cell in header), strict=True)
+    unknown = list(map(is_unknown, header))
+    fields, units = zip(*(named("" if no else cell) for cell, no in zip(header, unknown, strict=True)), strict=True)
     if any("i-1" in str(field) for field in fields):
         convention = Convention.MODIFIED if convention in (None, Convention.MODIFIED) else None
         fields = tuple(str(field).removesuffix(" of i-1") if field else None for field in fields)
@@ -198,6 +199,7 @@ def oracle(text: str, *, convention: Convention | None = None) -> Reading:
             continue
         if len(cells) < needed or any(cell.strip() for cell in cells[len(header) :]):
             raise UnsureError("a ragged row")
+        refuse_unknown(unknown, cells)
         said = {field: cell.strip(" \t\u00a0") for field, cell in zip(fields, cells, strict=False) if field}
         rows.append(meaning(said, all_units, comma=delimiter != ","))
     return Reading(convention, rows)
@@ -209,6 +211,14 @@ def with_followers(units: dict[str | None, str | None]) -> dict[str | None, str 
         said = {units.get(name) for name in pair if name in units}
         units[following] = said.pop() if len(said) == 1 else None
     return units
+
+
+def names_geometry(line: str) -> bool:
+    """Whether a line is a header, and no title above it: it names two of a, alpha, d and theta."""
+    cells = [cell.strip(' "') for cell in re.split("[,;\t]", line)]
+    words = [match["name"] if (match := HEADER.fullmatch(cell)) else "" for cell in cells]
+    fields = {PREVIOUS.get(with_index(word), HEADERS.get(plain(word))) for word in (*words, *cells)}
+    return len(fields & {"a", "alpha", "d", "theta"}) > 1
 
 
 def is_commented_header(line: str) -> bool:
@@ -236,6 +246,22 @@ def named(cell: str) -> tuple[str | None, str | None]:
     if plain(word) not in HEADERS:
         raise UnknownHeaderError(cell)
     return HEADERS[plain(word)], unit
+
+
+def is_unknown(cell: str) -> bool:
+    """Whether a header is no word of the dialects."""
+    try:
+        named(cell)
+    except UnknownHeaderError:
+        return True
+    return False
+
+
+def refuse_unknown(unknown: list[bool], cells: list[str]) -> None:
+    """An empty column has nothing to lose; in another one there is something of which the oracle knows nothing."""
+    for cell, is_lost in zip(cells, unknown, strict=False):
+        if is_lost and cell.strip():
+            raise UnknownHeaderError(cell)
 
 
 class UnknownHeaderError(UnsureError):

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import inspect
 import re
+import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import pytest
 
 import dh2urdf.testing
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Reader, Rejected
 from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract, plugin
 from dh2urdf.testing.stage_contract import StageContract
 
@@ -94,6 +100,82 @@ def test_the_message_is_one_that_the_contract_gives() -> None:
     for line in re.findall(r"^    (?:accepted|what to do): (.*)$", message, re.MULTILINE):
         for part in line.split(", "):
             assert part in source.replace('"\n                "', "")
+
+
+TABLE = """
+    <table:table-row><table:table-cell><text:p># convention: standard</text:p></table:table-cell></table:table-row>
+    <table:table-row table:number-rows-repeated="2"><table:table-cell table:number-columns-repeated="1024"/></table:table-row>
+    <table:table-row>
+      <table:table-cell office:value-type="string"><text:p>a [mm]</text:p></table:table-cell>
+      <table:table-cell office:value-type="string"><text:p>alpha</text:p></table:table-cell>
+      <table:table-cell office:value-type="string"><text:p>d [mm]</text:p></table:table-cell>
+    </table:table-row>
+    <table:table-row table:number-rows-repeated="2">
+      <table:table-cell office:value-type="float" office:value="425"><text:p>425,00</text:p></table:table-cell>
+      <table:table-cell table:number-columns-repeated="2" office:value-type="string"><text:p>0</text:p></table:table-cell>
+    </table:table-row>
+    """
+
+
+def spreadsheet(path: Path, table: str) -> None:
+    words = "urn:oasis:names:tc:opendocument:xmlns"
+    spaces = " ".join(f'xmlns:{name}="{words}:{name}:1.0"' for name in ("office", "table", "text"))
+    content = f'<office:document-content {spaces}><table:table table:name="Sheet1">{table}</table:table></office:document-content>'
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("content.xml", content)
+
+
+@pytest.fixture
+def ods() -> Reader[Any]:
+    """The reader of the page."""
+    (block,) = re.findall(r'^```python title="ods.py"\n(.*?)^```$', PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+    assert len([line for line in block.splitlines() if line and not line.startswith(("import", "from"))]) <= 40
+    space: dict[str, Any] = {}
+    exec(block, space)  # noqa: S102 - a block of the page
+    assert isinstance(space["READER"], Reader)
+    return space["READER"]
+
+
+def test_the_reader_of_another_container_reads(ods: Reader[Any], tmp_path: Path) -> None:
+    """Its rows become the joints of an arm, with their places."""
+    spreadsheet(tmp_path / "arm.ods", TABLE)
+    (arm,) = ods.read(tmp_path / "arm.ods", ods.options())
+    assert isinstance(arm, Manipulator)
+    assert [(row.a, row.d) for row in arm.rows] == [(0.425, 0.0), (0.425, 0.0)]
+    assert [row.mark.in_file for row in arm.rows if row.mark] == ["Sheet1, row 5, column 1", "Sheet1, row 6, column 1"]
+    assert arm.notices == ()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            'office:value="425"',
+            'office:value="nan"',
+            "Sheet1, row 5, column 1: error: joint 'joint_1', field 'a': 'nan'",
+        ),
+        (
+            'type="float"',
+            'type="date"',
+            "Sheet1, row 5, column 1: error: joint 'joint_1', field 'a': the cell holds a date",
+        ),
+    ],
+)
+def test_the_reader_of_another_container_names_the_cell(
+    ods: Reader[Any], tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    """In every message."""
+    spreadsheet(tmp_path / "arm.ods", TABLE.replace(old, new))
+    (arm,) = ods.read(tmp_path / "arm.ods", ods.options())
+    assert isinstance(arm, Rejected)
+    assert said in str(arm.problems[0])
+
+
+def test_the_reader_of_another_container_refuses_other_files(ods: Reader[Any], tmp_path: Path) -> None:
+    """As an error of the table."""
+    (tmp_path / "arm.ods").write_bytes(b"a,alpha,d")
+    with pytest.raises(TableError, match="this is no OpenDocument spreadsheet"):
+        list(ods.read(tmp_path / "arm.ods", ods.options()))
 
 
 def test_the_readme_leads_here() -> None:

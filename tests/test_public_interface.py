@@ -40,6 +40,7 @@ PUBLIC = {
     "dh2urdf.documents": "YAML with the place of every value",
     "dh2urdf.elementwise": "arithmetic that is the same for numbers and for arrays of them",
     "dh2urdf.errors": "every exception, with its exit status",
+    "dh2urdf.fence": "a child process that gives up all but reading some folders, before it works on a foreign file",
     "dh2urdf.hookspecs": "the hooks, and the version of this interface",
     "dh2urdf.isolation": "a function in a child process, which may crash",
     "dh2urdf.kinematics": "the DH product and forward kinematics",
@@ -49,8 +50,11 @@ PUBLIC = {
     "dh2urdf.number_text": "the shortest text of a number",
     "dh2urdf.options": "options of a stage, checked and described",
     "dh2urdf.output": "files that are written whole or not at all",
+    "dh2urdf.patterns": "regular expressions that are compiled when they are first used",
+    "dh2urdf.provenance": "what the cells of a table say, and where",
     "dh2urdf.quantities": "numbers with units, as expressions",
     "dh2urdf.registry": "the catalog of the stages that are installed",
+    "dh2urdf.results": "the types of reports as plain data, for type checkers",
     "dh2urdf.robot": "what will be written: transforms make it, emitters take it",
     "dh2urdf.robot_check": "the rules that every robot keeps",
     "dh2urdf.rotations": "rotations and rigid transforms, exact at quarter turns",
@@ -60,7 +64,9 @@ PUBLIC = {
     "dh2urdf.table_text": "a table as its author types it: texts in cells",
     "dh2urdf.testing": "contract tests for the stages of a plugin, and fixtures",
     "dh2urdf.textfiles": "text files in whatever encoding",
+    "dh2urdf.unchecked_records": "the records of a robot without their checks, for numbers that a stage has computed",
     "dh2urdf.units": "units of lengths and angles",
+    "dh2urdf_plugins.readers.table": "the grammar of all tables: rows of cells become manipulators",
 }
 """Modules that a third party may import, and what each is for. Of each, whatever it defines without an underscore."""
 

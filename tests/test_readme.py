@@ -49,9 +49,9 @@ def block(language: str, containing: str = "") -> str:
 
 
 def test_no_block_goes_untested() -> None:
-    """The README has the two blocks of `.ci/run` and the five of this file."""
+    """The README has the two blocks of `.ci/run` and the six of this file."""
     tags = [tag for tag, _ in BLOCK.findall(README.read_text("utf-8"))]
-    assert tags == ["sh", "sh", "csv", "sh", "yaml", "yaml", "python"]
+    assert tags == ["sh", "sh", "csv", "sh", "text", "yaml", "yaml", "python"]
     assert README.read_text("utf-8").count("```") == 2 * len(tags)
 
 
@@ -82,7 +82,10 @@ def converted(tmp_path: Path) -> Path:
         text=True,
         check=False,
     )
-    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
+    assert (result.returncode, result.stdout) == (0, "")
+    assert [line.partition(";")[0] for line in result.stderr.splitlines()] == [
+        "arm: 4 joints (3 revolute, 1 prismatic)"
+    ] * 3
     return tmp_path
 
 
@@ -91,6 +94,15 @@ def test_the_commands_write_what_they_say(converted: Path) -> None:
     assert {path.name for path in converted.iterdir()} == {
         *("arm.csv", "arm.urdf", "arm.urdf.xacro", "arm_macro.xacro", "arm_with_dh_frames.urdf")
     }
+
+
+def test_what_info_prints(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """The lines of the README are lines of the command, one after the other."""
+    (tmp_path / "arm.csv").write_text(block("csv"), "utf-8")
+    head, *lines = block("text").splitlines()
+    printed = cli("info", "arm.csv").stdout.splitlines()
+    start = printed.index(head)
+    assert printed[start : start + 1 + len(lines)] == [head, *lines]
 
 
 def test_the_same_arm_three_times(converted: Path, tool0_of: Callable[[Path], Callable[..., np.ndarray]]) -> None:

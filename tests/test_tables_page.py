@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import csv as python_csv
+import datetime as dt
 import importlib
 import itertools
 import math
 import pkgutil
 import re
 import shlex
+import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import openpyxl
 import pyarrow as pa
 import pytest
 from jsonschema import Draft202012Validator
 from pyarrow import parquet as pq
 
-from dh2urdf import errors, expressions, textfiles, yaml_composer
+from dh2urdf import errors, expression_functions, expressions, textfiles, yaml_composer
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.rotations import RigidTransform
@@ -30,19 +33,29 @@ from dh2urdf_plugins.readers import (
     csv_comments,
     csv_header,
     fields,
+    header_words,
     names,
     parquet,
+    plausibility,
     row_cells,
     rows,
+    table_units,
     tables,
     text,
+    top,
+    unheld,
+    xlsx,
+    xlsx_file,
     yaml,
     yaml_schema,
 )
 from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.word_keys import key_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from dh2urdf.stages import Reader
 
 PAGE = Path(__file__).parents[1] / "docs" / "tables.md"
 TEXT = PAGE.read_text("utf-8")
@@ -126,11 +139,12 @@ class Outcome:
     """What came of a table: its manipulators, or what was said against it."""
 
     def __init__(self, path: Path, options: dict[str, str]) -> None:
-        reader = next(each.READER for each in (csv, parquet, yaml) if path.suffix in each.READER.suffixes)
+        known: tuple[Reader[Any], ...] = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
+        reader = next(each for each in known if path.suffix in each.suffixes)
         self.arms: list[Manipulator] = []
         self.errors: list[str] = []
         try:
-            for result in reader.read(path, TableOptions(**options)):
+            for result in reader.read(path, reader.options(**options)):
                 if isinstance(result, Manipulator):
                     self.arms.append(result)
                 else:
@@ -230,6 +244,7 @@ MEANT = {
     "craig": [(R, 0, 0, 0.3, 0, 1), (R, 0, -QUARTER, 0, 0, 1), (R, 0.4, 0, 0, 0, 1)],
     "turned": [(R, 0.3, 0, 0.1, QUARTER, 1), (F, 0, 0, 0.2, 0, 1), (P, 0, QUARTER, 0, 0.1, -1)],
     "placed": [(R, 0.3, QUARTER, 0, 0, 1)],
+    "kinds": [(R, 0.3, QUARTER, 0, QUARTER / 2, 1), (P, 0, 0, 0.1, 0.05, 1)],
 }
 """Type, a [m], alpha [rad], d [m], offset and sign of every row of the tables that others are compared with."""
 
@@ -371,6 +386,48 @@ def test_cells_of_parquet_are_read_as_the_page_says(cells: str, meaning: str, tm
         assert getattr(arm.rows[0], {"flip": "sign"}.get(name, name)) == expected
 
 
+@pytest.mark.parametrize(("cell", "meaning"), of_tables("xlsx"))
+def test_cells_of_workbooks_are_read_as_the_page_says(cell: str, meaning: str, tmp_path: Path) -> None:
+    """Each kind of cell as `a` of the first of two joints."""
+    tried: dict[str, tuple[Any, str, str, Any]] = {
+        "`0.089159`, shown as 0.09": (0.089159, "0.00", "", 0.089159),
+        '`425` with the number format `0" mm"`': (425, '0" mm"', "", 0.425),
+        "`0.05` with the number format `0%`": (0.05, "0%", "", "shows a percentage"),
+        "the text `-0,425`": ("-0,425", "General", "", -0.425),
+        "a formula": (0.25, "General", "<f>1/4</f>", 0.25),
+        "a formula without a value": ("=1/4", "General", "", "a formula without a value"),
+        "`#REF!`": ("#REF!", "General", "", "the error #REF!"),
+        "a date": (dt.date(2024, 2, 1), "yyyy-mm-dd", "", "holds a date"),
+        "merged down a column": (0.25, "General", "A2:A3", 0.25),
+        "merged across columns": (0.25, "General", "A2:B2", "merged across several columns"),
+    }
+    value, number_format, more, expected = tried[cell]
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    for row in (["a", "alpha", "d"], [value, 0, 0], [1, 0, 0]):
+        sheet.append(row)
+    sheet["A2"].number_format = number_format
+    if ":" in more:
+        sheet.merge_cells(more)
+    path = tmp_path / "arm.xlsx"
+    book.save(path)
+    if more.startswith("<f>"):
+        with zipfile.ZipFile(path) as archive:
+            parts = {name: archive.read(name) for name in archive.namelist()}
+        part = "xl/worksheets/sheet1.xml"
+        parts[part] = parts[part].replace(b"<v>0.25</v>", f"{more}<v>0.25</v>".encode())
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, content in parts.items():
+                archive.writestr(name, content)
+    found = Outcome(path, {"convention": "standard"})
+    if "refused" in meaning:
+        assert any(str(expected) in error for error in found.errors)
+    else:
+        (arm,) = found.arms
+        assert [row.a for row in arm.rows] == [expected, expected if more == "A2:A3" else 1.0]
+
+
 def test_the_command_is_the_table_with_its_base_and_tool(cli: Callable[..., Any], tmp_path: Path) -> None:
     """The one command of the page gives the URDF of the example above it."""
     body = EXAMPLES["placed"].body
@@ -388,7 +445,9 @@ def test_the_command_is_the_table_with_its_base_and_tool(cli: Callable[..., Any]
 
 @pytest.mark.parametrize(
     ("header", "row", "said"),
-    of_tables("unheld", "refused variables", "refused limits", "refused masses", "refused names", "refused rows"),
+    of_tables(
+        "unheld", "suspects", "refused variables", "refused limits", "refused masses", "refused names", "refused rows"
+    ),
 )
 def test_every_row_is_refused_as_it_says(header: str, row: str, said: str, read: Callable[..., Outcome]) -> None:
     """A header with one row below it is refused, with the message that the page quotes."""
@@ -458,11 +517,64 @@ def test_every_header_that_the_code_knows_is_in_the_page() -> None:
     page = {name: code(headers) for name, headers, *_ in TABLES["headers"]}
     assert list(page) == list(fields.FIELDS)
     for name, headers in page.items():
-        known = {fields._key(word) for word in fields.FIELDS[name].headers}
-        assert {fields._key(header.casefold()) for header in headers} == known
-        assert {fields.read_header(header).field for header in headers} == {fields.FIELDS[name]}
+        assert [header.casefold() for header in headers] == list(fields.FIELDS[name].headers)
+        assert {header_words.read_header(header).field for header in headers} == {fields.FIELDS[name]}
     (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("Some headers name geometry"))
-    assert {fields._key(word) for word in code(paragraph)} == set(fields.UNHELD_GEOMETRY)
+    assert code(" ".join(paragraph.split())) == list(unheld.UNHELD_WORDS)
+
+
+def test_every_header_of_other_languages_is_in_the_page() -> None:
+    """Field by field and language by language, in both directions; each is read as its field."""
+    page = {name: list(map(code, others)) for name, *others in TABLES["languages"]}
+    assert page == {
+        name: [list(field.others.get(language, ())) for language in fields.LANGUAGES]
+        for name, field in fields.FIELDS.items()
+        if field.others
+    }
+    for name, headers in page.items():
+        for header in itertools.chain.from_iterable(headers):
+            for form in (header, header.upper(), header.title(), header.replace(" ", "_"), header.replace(" ", "-")):
+                assert header_words.read_header(form).field is fields.FIELDS[name]
+
+
+def test_every_word_around_a_header_is_in_the_page() -> None:
+    """Field by field, in both directions; before and behind a header each leaves its meaning."""
+    page = {name: code(words) for name, words in TABLES["words around"]}
+    assert page == {name: list(dict.fromkeys(each.around)) for name, each in fields.FIELDS.items() if each.around}
+    for name, words in page.items():
+        for word in words:
+            for form in (f"{word} {name}", f"{name}_{word}"):
+                assert header_words.read_header(form).field is fields.FIELDS[name], form
+
+
+@pytest.mark.parametrize(("cell", "lower", "upper"), of_tables("ranges"))
+def test_every_range_is_the_two_bounds_beside_it(
+    cell: str, lower: str, upper: str, read: Callable[..., Outcome]
+) -> None:
+    """In CSV and as a text of YAML."""
+    bounds = [pytest.approx(math.radians(float(number)), abs=1e-12) for number in (lower, upper)]
+    text = one_code(cell)
+    of_csv = read(table_of("a;alpha;d;Range [deg]", f"0;0;0;{text}")).arm()
+    joint = f'{{a: 0, alpha: 0, d: 0, range: "{text}"}}'
+    of_yaml = read(f"convention: standard\nunits: {{angle: deg}}\njoints: [{joint}]\n", "yaml").arm()
+    for arm in (of_csv, of_yaml):
+        assert [arm.rows[0].limits.lower, arm.rows[0].limits.upper] == bounds
+
+
+@pytest.mark.parametrize(("cell", "said"), of_tables("refused ranges"))
+def test_every_range_that_is_none_is_refused(cell: str, said: str, read: Callable[..., Outcome]) -> None:
+    """With the message that the page quotes."""
+    errors = read(table_of("a;alpha;d;range [deg]", f"0;0;0;{one_code(cell)}")).errors
+    assert any(one_code(said) in error for error in errors), errors
+
+
+def test_masses_in_cells_are_read_as_they_stand(read: Callable[..., Outcome]) -> None:
+    """A matrix, and a diagonal one; lists with brackets, commas and semicolons."""
+    one, other = read(EXAMPLES["masses in cells"].body).arm().rows
+    assert (one.mass, one.com) == (3.7, (-0.15, 0, 0))
+    assert one.inertia == Inertia(ixx=0.005, iyy=0.03, izz=0.03, iyz=1e-4)
+    assert other.com == (-0.1, 0, 0)
+    assert other.inertia == Inertia(ixx=0.001, iyy=0.002, izz=0.002)
 
 
 @pytest.mark.parametrize("name", [line[0] for line in TABLES["headers"]])
@@ -470,7 +582,7 @@ def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[.
     """Accepted without a word, beside the fields that it cannot be without."""
     examples = {line[0]: one_code(line[2]) for line in TABLES["headers"]}
     cells = {"convention": "standard", "a": "0.3", "alpha": "0", "d": "0", name: examples[name]}
-    for group in (("lower", "upper"), fields.COM_FIELDS, ("mass", *fields.INERTIA_FIELDS)):
+    for group in (("lower", "upper"), fields.COM_FIELDS, ("mass", *fields.INERTIA_FIELDS), ("mass", "inertia")):
         if name in group and name != "mass":
             cells |= {other: examples[other] for other in group}
     read(table_of(",".join(cells), ",".join(cells.values()), "")).arm()
@@ -480,7 +592,7 @@ def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[.
 def test_every_word_for_a_convention_is_in_the_page(convention: str, formula: str, words: str) -> None:
     """In both directions; and the order of the four elementary transforms is that of the kinematics."""
     known = {word for word, meant in fields._CONVENTION_WORDS.items() if meant == convention}
-    assert {fields._key(word.casefold()) for word in code(words)} == known
+    assert {key_of(word.casefold()) for word in code(words)} == known
     assert {fields.convention_of(f"{word} convention") for word in code(words)} == {Convention(convention)}
     assert formula.startswith("Rz(theta)" if convention == "standard" else "Rx(alpha)")
 
@@ -500,7 +612,7 @@ def test_no_type_and_no_convention_is_missing() -> None:
 
 def test_every_word_for_a_flip_is_in_the_page() -> None:
     """Those that turn a joint, then those that do not."""
-    (sentence,) = re.findall(r"`flip` turns with (.*) and does not with (.*?)\.", " ".join(TEXT.split()))
+    (sentence,) = re.findall(r"`flip` turns with (.*?),? and does not with (.*?)\.", " ".join(TEXT.split()))
     assert {word: turns for turns, words in zip((True, False), sentence, strict=True) for word in code(words)} == (
         fields._FLIP_WORDS
     )
@@ -515,11 +627,31 @@ def test_every_unit_that_the_code_knows_is_in_the_page() -> None:
     assert {unit_word(word) for word in page} == {unit_word(word) for word in UNITS}
 
 
+@pytest.mark.parametrize(("key", "example", "_holds"), of_tables("keys of units"))
+def test_every_key_of_units_takes_the_unit_beside_it(
+    key: str, example: str, _holds: str, read: Callable[..., Outcome]
+) -> None:
+    """In the order of the code, and as a comment line."""
+    assert [one_code(line[0]) for line in TABLES["keys of units"]] == list(table_units.UNIT_KEYS)
+    said = f"# convention: standard\n# units: {{{one_code(key)}: {one_code(example)}}}\n"
+    read(table_of("a,alpha,d", "0,0,0", said)).arm()
+
+
+@pytest.mark.parametrize(("top", "header", "row", "said"), of_tables("doubtful units"))
+def test_every_number_of_a_doubtful_unit_is_refused(
+    top: str, header: str, row: str, said: str, read: Callable[..., Outcome]
+) -> None:
+    """With the message that the page quotes."""
+    above = "# convention: standard\n" + (f"{one_code(top)}\n" if "`" in top else "")
+    errors = read(table_of(one_code(header), one_code(row), above)).errors
+    assert any(one_code(said) in error for error in errors), errors
+
+
 def test_every_function_and_constant_is_in_the_page() -> None:
     """Those of the grammar, with the names that numpy has for them."""
     (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("The constant is"))
     names_in_page = {word.casefold() for word in code(paragraph)}
-    assert names_in_page >= {*expressions._FUNCTIONS, *expressions._OTHER_NAMES, "pi", "π"}
+    assert names_in_page >= {*expression_functions.FUNCTIONS, *expression_functions.OTHER_NAMES, "pi", "π"}
     assert names_in_page >= {f"{module}pi" for module in expressions._MODULES}
     assert (expressions.__doc__ or "").split("::")[1].split("\n\n")[1].split() == [
         word for block in BLOCK.finditer(TEXT) if block["form"] == "text" for word in block["body"].split()
@@ -545,8 +677,7 @@ def test_every_key_of_yaml_is_in_the_page() -> None:
         *joint,
         "xyz",
         "rpy",
-        "length",
-        "angle",
+        *table_units.UNIT_KEYS,
         "geometry",
         "shape",
         "density",
@@ -623,9 +754,9 @@ def test_every_place_of_a_unit_is_read(
 def test_every_way_to_write_a_unit_in_a_header_is_read() -> None:
     """With brackets, strokes, and loose behind the name."""
     (sentence,) = re.findall(r"A header takes its unit in any of these ways: (.*?)\.", " ".join(TEXT.split()))
-    assert {(fields.read_header(header).field, fields.read_header(header).unit) for header in code(sentence)} == {
-        (fields.FIELDS["a"], "mm")
-    }
+    assert {
+        (header_words.read_header(header).field, header_words.read_header(header).unit) for header in code(sentence)
+    } == {(fields.FIELDS["a"], "mm")}
 
 
 # --- Bounds -----------------------------------------------------------------------------------------------------------
@@ -634,10 +765,13 @@ CONSTANTS = {
     "characters in a line of a CSV file": (text, "MAX_LINE"),
     "characters in the header of a CSV file": (csv_header, "MAX_HEADER"),
     "characters in a comment line that says something": (csv_comments, "MAX_STATEMENT"),
+    "rows above the header that are no comments": (top, "MAX_TITLES"),
     "characters in a number or an expression": (expressions, "MAX_CHARACTERS"),
     "brackets inside each other in an expression": (expressions, "MAX_NESTING"),
     "characters in a name": (names, "MAX_NAME"),
     "joints of a manipulator": (tables, "MAX_JOINTS"),
+    "bytes in a workbook, unpacked": (xlsx_file, "MAX_UNPACKED"),
+    "parts of a workbook": (xlsx_file, "MAX_PARTS"),
     "bytes in a YAML file": (textfiles, "MAX_BYTES"),
     "mappings and lists inside each other in YAML": (yaml_composer, "MAX_DEPTH"),
     "values that YAML aliases stand for": (yaml_composer, "MAX_ALIASED"),
@@ -660,7 +794,10 @@ def test_every_bound_is_the_one_of_the_code() -> None:
     assert dict(TABLES["bounds"]) == {what: f"{bound:,}" for what, bound in bounds.items()}
     words = " ".join(TEXT.split())
     assert f"at most {errors.SCREENFUL} are printed" in words
-    assert f"more than {tables.LONGEST_ARM:g} m or a `tool` more than {tables.LONGEST_ARM / 10:g} m away" in words
+    assert (
+        f"more than {plausibility.LONGEST_ARM:g} m or a `tool` more than {plausibility.LONGEST_ARM / 10:g} m away"
+        in words
+    )
 
 
 def test_every_named_bound_of_the_readers_is_in_the_table() -> None:

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
 if TYPE_CHECKING:
-    from dh2urdf import errors, kinematics
-    from dh2urdf.api import convert, read, read_all, run
+    from dh2urdf import errors, kinematics, results
+    from dh2urdf.api import check, convert, read, read_all, run
     from dh2urdf.errors import Dh2UrdfError
-    from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+    from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
     from dh2urdf.robot import Robot
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf.single_table import Conversion
     from dh2urdf.stages import Rejected
 
@@ -22,17 +23,22 @@ __all__ = [
     "Conversion",
     "DHRow",
     "Dh2UrdfError",
+    "Inertia",
     "JointType",
     "Limits",
+    "LinkGeometry",
     "Manipulator",
     "Rejected",
+    "RigidTransform",
     "Robot",
     "__version__",
+    "check",
     "convert",
     "errors",
     "kinematics",
     "read",
     "read_all",
+    "results",
     "run",
 ]
 
@@ -41,11 +47,15 @@ _MODULES = {
     "Conversion": "single_table",
     "DHRow": "manipulator",
     "Dh2UrdfError": "errors",
+    "Inertia": "manipulator",
     "JointType": "manipulator",
     "Limits": "manipulator",
+    "LinkGeometry": "manipulator",
     "Manipulator": "manipulator",
     "Rejected": "stages",
+    "RigidTransform": "rotations",
     "Robot": "robot",
+    "check": "api",
     "convert": "api",
     "read": "api",
     "read_all": "api",

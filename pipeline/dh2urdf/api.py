@@ -7,39 +7,40 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import replace
-from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
+from dh2urdf.asking import Asker, Setting, stage_calls
+from dh2urdf.attribution import a_record, blaming
+from dh2urdf.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
 from dh2urdf.conversion import read_items
-from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.given_tables import GivenRows, as_file
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import load
-from dh2urdf.single_table import (
-    DEFAULT_TRANSFORM,
-    Asker,
-    Conversion,
-    Setting,
-    chosen_reader,
-    convert_table,
-    read_manipulator,
-    stage_calls,
-)
-from dh2urdf.source import Mark, Problem
+from dh2urdf.robot import Robot
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, convert_table
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.spooled import STEM
+from dh2urdf.stages import Rejected
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.attribution import Call
+    from dh2urdf.given_tables import Source, StrPath
     from dh2urdf.registry import Catalog
-    from dh2urdf.stages import Reader, Rejected
+    from dh2urdf.results import RunReport
+    from dh2urdf.stages import Inspection, Reader
+    from dh2urdf.table_text import CellRow
 
-StrPath: TypeAlias = "str | os.PathLike[str]"
 
-
-def read(table: StrPath, *, robot: str | None = None, reader: str | None = None, **options: object) -> Manipulator:
+def read(table: Source, *, robot: str | None = None, reader: str | None = None, **options: object) -> Manipulator:
     """The manipulator of a table.
 
     ::
@@ -47,9 +48,9 @@ def read(table: StrPath, *, robot: str | None = None, reader: str | None = None,
         arm = dh2urdf.read("panda.csv", convention="modified", angle_unit="deg")
 
     Args:
-        table: the table's file.
+        table: the table's file; or its text of several lines, its bytes, or a stream such as an open file.
         robot: which manipulator is meant, where the table holds several.
-        reader: name of the reader; without it the file's suffix says it.
+        reader: name of the reader, such as ``csv`` or ``yaml``; without it the file's suffix says it.
         options: options of the reader, such as what the table does not say itself.
 
     Raises:
@@ -58,17 +59,19 @@ def read(table: StrPath, *, robot: str | None = None, reader: str | None = None,
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
-    path, asker = Path(table), _asker("read")
-    return read_manipulator(_reading(path, reader, asker, options), path, robot, asker)
+    asker = _asker("read")
+    _check_name(robot, "robot", asker)
+    with as_file(table, "reader", reader, load(), "reader=NAME") as path:
+        return read_manipulator(_reading(path, reader, asker, options), path, robot, asker)
 
 
-def read_all(table: StrPath, *, reader: str | None = None, **options: object) -> Iterator[Manipulator | Rejected]:
+def read_all(table: Source, *, reader: str | None = None, **options: object) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a table one by one, none of them held: there may be a million.
 
     One that cannot be read is a `Rejected` in its place, with its problems, and the others go on.
 
     Args:
-        table: the table's file.
+        table: the table's file; or its text, its bytes, or a stream, as `read` takes them.
         reader: name of the reader; without it the file's suffix says it.
         options: options of the reader.
 
@@ -78,13 +81,70 @@ def read_all(table: StrPath, *, reader: str | None = None, **options: object) ->
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
-    path = Path(table)
-    call = _reading(path, reader, _asker("read_all"), options)
-    return read_items(call, path)
+    with ExitStack() as stack:
+        path = stack.enter_context(as_file(table, "reader", reader, load(), "reader=NAME"))
+        call = _reading(path, reader, _asker("read_all"), options)
+        return _while_open(read_items(call, path), stack.pop_all())
+
+
+def _while_open(items: Iterator[Manipulator | Rejected], stack: ExitStack) -> Iterator[Manipulator | Rejected]:
+    """Items of a file that is there until the last of them."""
+    with stack:
+        yield from items
+
+
+def manipulator_of(
+    table: object,
+    *,
+    columns: Sequence[str] | None,
+    types: str | Sequence[str] | None,
+    joints: Sequence[str] | None,
+    name: str | None,
+    robot: str | None,
+    options: Mapping[str, object],
+) -> Manipulator:
+    """The manipulator of an array, a data frame, a list or a text: `Manipulator.from_dh`, which says what is what."""
+    function = "Manipulator.from_dh()"
+    asker = asker_of(function)
+    _check_name(robot, "robot", asker)
+    _check_name(name, "name", asker)
+    if isinstance(table, (str, bytes)) or hasattr(table, "read"):
+        if columns is not None or types is not None or joints is not None or name is not None:
+            message = "a text says its columns, types and names itself"
+            raise ConfigError(Problem(message=message, mark=asker.mark, accepted="a text without these arguments"))
+        if isinstance(table, str) and "\n" not in table:
+            suggestion = f"`dh2urdf.read({table!r})` reads a file"
+            message = f"{shown(table)} is no table: it has one line"
+            raise TableError(Problem(message=message, mark=asker.mark, suggestion=suggestion))
+        source: Any = table
+        return read(source, reader="csv", robot=robot, **options)
+    given = GivenRows(table, columns, function)
+    if types is not None:
+        given.add_column("type", types, "types")
+    if joints is not None:
+        given.add_column("joint", joints, "joints")
+    catalog = load()
+    reader = catalog.cell_reader()
+    words = {"reader": {key: word_of(value) for key, value in options.items()}}
+    (call,) = stage_calls(catalog, {"reader": [reader]}, asker, words)["reader"]
+    rows = given.cell_rows({"name": STEM if name is None else name})
+    arm = chosen_manipulator(_read_cells(call, rows, function), robot, function, asker)
+    if name is not None and arm.name != name.strip():
+        message = f"name={name!r} has no effect: the table names its manipulator {shown(arm.name)}"
+        accepted = "no name=, or a table without a column of names"
+        raise ConfigError(Problem(message=message, mark=asker.mark, field="name", found=name, accepted=accepted))
+    return arm
+
+
+def _read_cells(call: Call[Reader[Any]], rows: Iterable[CellRow], file: str) -> Iterator[Manipulator | Rejected]:
+    with blaming(call):
+        if call.stage.read_cells is not None:
+            for item in call.stage.read_cells(rows, file, call.options):
+                yield a_record(item, Manipulator, Rejected)
 
 
 def convert(
-    table: StrPath | Manipulator,
+    table: Source | Manipulator,
     out: StrPath | None = None,
     *,
     formats: str | Iterable[str] = (),
@@ -104,7 +164,7 @@ def convert(
         dh2urdf.convert(arm, "build/ur5", formats=["urdf", "xacro"])
 
     Args:
-        table: the table's file, or a manipulator.
+        table: the table's file, its text, bytes or stream as `read` takes them, or a manipulator.
         out: the file to write; its suffix chooses the format where `formats` does not. With several formats it is
             the folder to write into. Without it nothing is written, and each format is a single file of the result.
         formats: the name of an emitter, or several; URDF without any.
@@ -130,31 +190,75 @@ def convert(
         PluginError: a plugin that is needed is broken, or something it needs is not installed.
     """
     asker = _asker("convert")
-    if isinstance(table, Manipulator) and (problems := list(_strange(table))):
-        raise ConfigError(problem.about(robot=table.name, mark=asker.mark) for problem in problems)
-    return convert_table(
-        table if isinstance(table, Manipulator) else Path(table),
-        None if out is None else Path(out),
-        asker,
-        _catalog(without, asker),
-        reader=reader,
-        transform=transform,
-        formats=_names(formats),
-        robot=robot,
-        settings=_settings(options),
-        meshes=meshes,
-    )
+    _check_name(robot, "robot", asker)
+    catalog = _catalog(without, asker)
+    with ExitStack() as stack:
+        if not isinstance(table, Manipulator):
+            table = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
+        return convert_table(
+            table,
+            None if out is None else Path(out),
+            asker,
+            catalog,
+            reader=reader,
+            transform=transform,
+            formats=_names(formats),
+            robot=robot,
+            settings=_settings(options),
+            meshes=meshes,
+        )
+
+
+def check(
+    description: Source | Robot,
+    *,
+    emitter: str | None = None,
+    without: Iterable[str] = (),
+) -> Inspection:
+    """What each simulator will do with a robot description of any origin, as `dh2urdf check` finds it.
+
+    ::
+
+        for finding in dh2urdf.check("robot.urdf").findings:
+            print(finding.severity, finding.mark, finding.message)
+
+    Args:
+        description: the file; or its text of several lines, its bytes, or a stream; or a robot, as URDF.
+        emitter: name of the emitter that knows the format, such as ``urdf``; without it the file's suffix says it.
+        without: plugins or distributions to leave out.
+
+    Returns:
+        The findings, in the order of the file, and the simulators that were thought of.
+
+    Raises:
+        InputError: the file cannot be read.
+        ConfigError: files of the format cannot be checked, or the format of a text is not said.
+        PluginError: a plugin that is needed is broken.
+    """
+    from dh2urdf.inspecting import inspect
+
+    asker = _asker("check")
+    catalog = _catalog(without, asker)
+    if isinstance(description, Robot):
+        if emitter not in (None, DEFAULT_EMITTER):
+            message = f"a robot is checked as {DEFAULT_EMITTER}, and emitter={emitter!r} says another format"
+            accepted = f"no emitter=, or a description in the format {emitter}"
+            raise ConfigError(Problem(message=message, mark=asker.mark, field="emitter", accepted=accepted))
+        description, emitter = description.to_urdf(), DEFAULT_EMITTER
+    with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
+        check_file(path, InputError)
+        return inspect(catalog, path, emitter, "`emitter=NAME`")
 
 
 def run(
-    config: StrPath,
+    config: StrPath | Mapping[str, object],
     out: StrPath | None = None,
     *,
     settings: Mapping[str, object] | None = None,
     resume: bool = False,
     dry_run: bool = False,
     without: Iterable[str] = (),
-) -> dict[str, Any]:
+) -> RunReport:
     """Do the run that a run file describes, as `dh2urdf run` does.
 
     ::
@@ -163,7 +267,7 @@ def run(
         report["manipulators"][0]["proof"]["urdf"]["position_error"]
 
     Args:
-        config: the run file.
+        config: the run file; or what it says, as a mapping, whose paths start at the working directory.
         out: where to, not where the run file says: a folder or an address such as ``s3://bucket/prefix``.
         settings: changes of the run file, as ``--set`` takes them: ``{"transform.options.frames": "dh"}``.
         resume: keep what an earlier run has finished and what has not changed since.
@@ -171,8 +275,8 @@ def run(
         without: plugins or distributions to leave out.
 
     Returns:
-        The report, as `report.json` has it. `exit_status` in it is 0 where all is done, and 1 where a manipulator
-        failed: the others are written, and what to do about it is the caller's affair.
+        The report, which is the content of `report.json`; `dh2urdf.results` has the types. Its `exit_status` is 0 where
+        all is done, and 1 where a manipulator failed: the others are written, and you decide what to do about it.
 
     Raises:
         ConfigError: something in the run file is wrong; all of it is said at once, before anything is written.
@@ -183,16 +287,32 @@ def run(
     """
     from dh2urdf.runs import execute, load_plan
 
+    asker, root = _asker("run"), None
+    for flag, value in (("resume", resume), ("dry_run", dry_run)):
+        if not isinstance(value, bool):
+            message = f"{flag}={value!r} is neither True nor False"
+            raise ConfigError(Problem(message=message, mark=asker.mark, field=flag, accepted="True or False"))
     overrides = [setting.text for setting in _settings(settings or {})]
-    plan = load_plan(Path(config), _catalog(without, _asker("run")), overrides, None if out is None else os.fspath(out))
+    catalog = _catalog(without, asker)
+    if isinstance(config, Mapping):
+        from dh2urdf.documents import load_yaml
+
+        root = load_yaml(word_of(config), str(asker.mark), ConfigError)
+        config = "run"
+    plan = load_plan(Path(config), catalog, overrides, None if out is None else os.fspath(out), root)
     _, report = execute(plan, resume=resume, dry_run=dry_run)
     return report
 
 
 def _asker(function: str) -> Asker:
     """A program that calls one of these functions."""
+    return asker_of(f"dh2urdf.{function}()")
+
+
+def asker_of(function: str) -> Asker:
+    """A program that calls a function, as messages name it."""
     return Asker(
-        mark=Mark(file=f"dh2urdf.{function}()"),
+        mark=Mark(file=function),
         reader="reader=",
         format="formats=",
         robot="robot=",
@@ -201,7 +321,7 @@ def _asker(function: str) -> Asker:
         setting="",
         nowhere="none is written",
         every="`dh2urdf.read_all` gives all of them, one by one",
-        run="dh2urdf.run({!r})",
+        run="dh2urdf.run({!r})".format,
     )
 
 
@@ -217,24 +337,22 @@ def _reading(table: Path, reader: str | None, asker: Asker, options: Mapping[str
     """The reader of a table, with its options."""
     check_file(table, TableError)
     catalog = load()
-    given = {"reader": {name: _word(value) for name, value in options.items()}}
+    given = {"reader": {name: word_of(value) for name, value in options.items()}}
     (call,) = stage_calls(catalog, {"reader": [chosen_reader(catalog, table, reader, asker)]}, asker, given)["reader"]
     return call
 
 
-def _strange(table: Manipulator) -> Iterator[Problem]:
-    """The values of a manipulator made in Python that are not of the types of its fields: readers see to theirs."""
-    values: list[tuple[str | None, str, object, type, str]] = [
-        (None, "convention", table.convention, Convention, "a dh2urdf.Convention, such as Convention.STANDARD")
-    ]
-    for row in table.rows:
-        values.append((row.joint, "type", row.type, JointType, "a dh2urdf.JointType, such as JointType.REVOLUTE"))
-        numbers = {"a": row.a, "alpha": row.alpha, "d": row.d, "theta": row.theta, "offset": row.offset}
-        values += [(row.joint, name, value, Real, "a number, in m or rad") for name, value in numbers.items()]
-    for joint, name, value, kind, accepted in values:
-        if not isinstance(value, kind):
-            message = f"{value!r} is a {type(value).__name__}"
-            yield Problem(message=message, joint=joint, field=name, found=str(value), accepted=accepted)
+def _check_name(name: object, argument: str, asker: Asker) -> None:
+    """Refuse an argument that is no name.
+
+    Raises:
+        ConfigError: it is empty, or no text.
+    """
+    if name is not None and not (isinstance(name, str) and name.strip()):
+        message = f"{argument}={name!r} is no name"
+        raise ConfigError(
+            Problem(message=message, mark=asker.mark, field=argument, accepted="a text that is not empty")
+        )
 
 
 def _names(names: str | Iterable[str]) -> tuple[str, ...]:
@@ -243,9 +361,20 @@ def _names(names: str | Iterable[str]) -> tuple[str, ...]:
 
 
 def _settings(options: Mapping[str, object]) -> list[Setting]:
-    return [Setting(f"{key}={_word(value)}", key, _word(value)) for key, value in options.items()]
+    return [Setting(f"{key}={word_of(value)}", key, word_of(value)) for key, value in options.items()]
 
 
-def _word(value: object) -> str:
+def word_of(value: object) -> str:
     """A value as a word of the command line: JSON is YAML."""
-    return value if isinstance(value, str) else json.dumps(value, default=str)
+    if isinstance(value, RigidTransform):  # which is in metres, whatever the unit of the table is
+        x, y, z = (f"{length!r} m" for length in value.translation)
+        r = value.rotation
+        value = [[*r[0:3], x], [*r[3:6], y], [*r[6:9], z], [0, 0, 0, 1]]
+    return value if isinstance(value, str) else json.dumps(value, default=_plain)
+
+
+def _plain(value: Any) -> object:  # noqa: ANN401 - what JSON has no word for
+    """Arrays and numbers of numpy as lists and numbers, mappings and sequences as such, all else as text."""
+    if isinstance(value, Mapping):
+        return dict(value)
+    return value.tolist() if hasattr(value, "tolist") else str(value)

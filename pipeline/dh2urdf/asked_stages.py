@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.attribution import Call
 from dh2urdf.errors import InputError, PluginError
 from dh2urdf.options import make_options
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -19,16 +19,20 @@ if TYPE_CHECKING:
     from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter, Loader, Reader
 
+_LONG_PATH = 200
+
 
 class AskedStages:
     """Finds stages, and gathers what is wrong.
 
     Attributes:
         problems: all that is wrong, each with its place in the run file.
+        repeated: notices of files that are inputs more than once, by the path they are read from.
     """
 
     def __init__(self, catalog: Catalog, problems: Iterable[Problem] = ()) -> None:
         self.problems = list(problems)
+        self.repeated: dict[Path, Problem] = {}
         self._catalog = catalog
 
     def call(self, kind: Any, asked: StageCall) -> Call[Any] | None:  # noqa: ANN401 - a kind of stage
@@ -64,8 +68,9 @@ class AskedStages:
         return calls
 
     def readers(self, inputs: Iterable[InputCall]) -> tuple[tuple[Path, Call[Reader[Any]]], ...]:
-        """Every input file with its reader: the one that is named, or that of its suffix."""
+        """Every input file once with its reader: the one that is named, or that of its suffix."""
         found: list[tuple[Path, Call[Reader[Any]]]] = []
+        first: dict[tuple[int, int], tuple[Path, Call[Reader[Any]], Mark | None]] = {}
         for given in inputs:
             for path in given.paths:
                 with self._at(given.mark):
@@ -73,8 +78,45 @@ class AskedStages:
                     call = self.call("reader", given.read_by(name))
                     if call is None:
                         break  # What is wrong with it is wrong with all files of this input.
-                    found.append((path, call))
+                    status = path.stat()
+                    earlier = first.setdefault((status.st_dev, status.st_ino), (path, call, given.mark))
+                    if earlier[1] is call and earlier[0] is path:
+                        found.append((path, call))
+                    else:
+                        self._note_again(path, call, given.mark, *earlier)
         return tuple(found)
+
+    def _note_again(  # noqa: PLR0917 - two inputs, each with what it is read by
+        self,
+        path: Path,
+        call: Call[Reader[Any]],
+        mark: Mark | None,
+        earlier: Path,
+        earlier_call: Call[Reader[Any]],
+        earlier_mark: Mark | None,
+    ) -> None:
+        """Notes that a file is an input a second time: once is enough, unless the two are read in different ways."""
+        also = f", also named {shown(str(earlier), _LONG_PATH)}," if str(earlier) != str(path) else ""
+        if (call.stage, call.options) == (earlier_call.stage, earlier_call.options):
+            notice = Problem(
+                message=f"{shown(str(path), _LONG_PATH)}{also} is an input twice, and is read once",
+                severity="notice",
+                mark=mark,
+                field="inputs",
+                suggestion=f"the first time is at {earlier_mark}" if earlier_mark != mark else None,
+            )
+            self.repeated.setdefault(earlier, notice)
+            return
+        self.problems.append(
+            Problem(
+                message=f"{shown(str(path), _LONG_PATH)}{also} is an input twice, with other options or another reader",
+                mark=mark,
+                field="inputs",
+                found=str(path),
+                accepted="each file once, or copies of it under other names",
+                suggestion=f"the first time is at {earlier_mark}",
+            )
+        )
 
     def check_loaders(
         self,

@@ -13,7 +13,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from dh2urdf.discovery import UNKNOWN
-from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, StageError
+from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, RecordError, StageError
 from dh2urdf.faults import INTERRUPTS, reason_of, traceback_of
 from dh2urdf.registry import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Transform
@@ -83,17 +83,24 @@ def blaming(call: Call[Any]) -> Iterator[None]:
     """
     try:
         yield
-    except (Dh2UrdfError, *INTERRUPTS):
+    except (Dh2UrdfError, *INTERRUPTS) as error:
+        # A reader makes the records of a table. What another stage puts wrongly into one is its own fault.
+        if isinstance(error, RecordError) and call.kind != "reader":
+            raise _fault(call, error) from error
         raise
     except BaseException as error:
-        plugin = call.plugin
-        raise StageError(
-            str(call),
-            reason_of(error),
-            traceback_of(error),
-            plugin=plugin.name if plugin else "",
-            distribution=plugin.distribution if plugin else "",
-        ) from error
+        raise _fault(call, error) from error
+
+
+def _fault(call: Call[Any], error: BaseException) -> StageError:
+    plugin = call.plugin
+    return StageError(
+        str(call),
+        reason_of(error),
+        traceback_of(error),
+        plugin=plugin.name if plugin else "",
+        distribution=plugin.distribution if plugin else "",
+    )
 
 
 @contextmanager

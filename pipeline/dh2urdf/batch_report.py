@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import SCREENFUL
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, in_file_order
 
 if TYPE_CHECKING:
     from dh2urdf.outcome import Outcome
@@ -25,7 +25,7 @@ class BatchReport:
         rows: its part of the manifest, a line of JSON for each.
         statuses: how many are ok, kept from an earlier run, failed or skipped.
         kinds: how many failed, by kind.
-        problems: what was noticed and what failed, a screenful of each.
+        problems: what was noticed and what failed, a screenful of each; what is noticed of many stands there once.
         severities: how many notices and errors there are.
         tracebacks: where stages failed, a screenful.
         was_read: whether there was a manipulator at all.
@@ -51,6 +51,21 @@ class BatchReport:
         return sum(self.statuses.values())
 
 
+def is_new(problem: Problem, said: set[Problem]) -> bool:
+    """Whether a message is still to be said; a notice without a place is the same for all manipulators of a run.
+
+    Args:
+        problem: the message.
+        said: the notices of that kind that were said; it takes this one.
+    """
+    if problem.severity != "notice" or problem.mark is not None:
+        return True
+    words = replace(problem, robot=None)
+    is_known = words in said
+    said.add(words)
+    return not is_known
+
+
 class Tally:
     """Adds up what became of the manipulators of a batch."""
 
@@ -60,6 +75,7 @@ class Tally:
         self._kinds: Counter[str] = Counter()
         self._severities: Counter[str] = Counter()
         self._problems: list[Problem] = []
+        self._said: set[Problem] = set()
         self._tracebacks: list[str] = []
         self._timings: list[dict[str, Any]] = []
         self._was_read = False
@@ -70,9 +86,10 @@ class Tally:
         if outcome.kind:
             self._kinds[outcome.kind] += 1
         findings = [finding for load in outcome.loads.values() for finding in load.findings]
-        for problem in (*outcome.notices, *findings, *outcome.errors):
+        problems = (*outcome.notices, *findings, *outcome.errors)
+        for problem in problems if outcome.was_read else in_file_order(problems):
             self._severities[problem.severity] += 1
-            if self._severities[problem.severity] <= SCREENFUL:
+            if self._severities[problem.severity] <= SCREENFUL and is_new(problem, self._said):
                 self._problems.append(problem)
         if outcome.traceback and len(self._tracebacks) < SCREENFUL:
             self._tracebacks.append(outcome.traceback)

@@ -294,14 +294,16 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
     for path, call in plan.inputs:
         source, before = str(path), count
         try:
-            for what in map(meshes.give, read_items(call, path)):
+            for item in map(meshes.give, read_items(call, path)):
+                again = plan.repeated.get(path) if count == before else None
+                what = replace(item, notices=(again, *item.notices)) if again else item
                 gathering.see(what)
                 count += 1
                 yield Item(what, source)
             if count == before:
                 raise TableError("there is no manipulator in it")
         except (TableError, StageError) as error:
-            rejected = Rejected(name=path.stem, problems=error.problems, mark=Mark(file=source))
+            rejected = Rejected(name=path.stem, problems=error.problems, mark=Mark(file=source), notices=error.notices)
             gathering.see(rejected)
             count += 1
             yield Item(rejected, source, error.traceback if isinstance(error, StageError) else "")

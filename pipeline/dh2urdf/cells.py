@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.errors import RobotError
 from dh2urdf.gathering import cannot_be_made
 from dh2urdf.kinematics import TOOL, KinematicChain, forward_kinematics
@@ -295,5 +296,5 @@ def _up_to(link: str, table: Manipulator, robot: Robot) -> Manipulator:
     numbers = [number for number, row in enumerate(table.rows, start=1) if row.type is not JointType.FIXED]
     rows = table.rows[: numbers[moving - 1]] if moving else ()
     zero = [0.0] * moving
-    frame = forward_kinematics(replace(table, rows=rows, tool=IDENTITY), zero)
-    return replace(table, rows=rows, tool=frame.inverse @ chain.forward_kinematics(zero))
+    frame = forward_kinematics(replace_unchecked(table, rows=rows, tool=IDENTITY), zero)
+    return replace_unchecked(table, rows=rows, tool=frame.inverse @ chain.forward_kinematics(zero))

@@ -14,6 +14,7 @@ from itertools import chain, repeat
 from operator import attrgetter, is_
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.elementwise import is_column
 from dh2urdf.manipulator import Inertia, Limits, Manipulator
 from dh2urdf.robot import Robot
@@ -31,10 +32,10 @@ Shape: TypeAlias = tuple[int, int]
 _NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
 _LIMITS = ("lower", "upper", "velocity", "effort")
 _INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-Place: TypeAlias = tuple[int | None, int | None]
-"""Line and column."""
+Place: TypeAlias = tuple[int | None, int | None, str | None]
+"""Line and column, and the name of the place where the format has one: what a mark has beside its file."""
 
-_place_of = attrgetter("line", "column")
+_place_of = attrgetter("line", "column", "place")
 _names_of = attrgetter("joint", "link", "type", "sign", "visual", "collision")
 _numbers_of = attrgetter("com", "inertia", *_NUMBERS, *(f"limits.{name}" for name in _LIMITS))
 _common_of = attrgetter(
@@ -44,6 +45,7 @@ _common_of = attrgetter(
     "geometry",
     "density",
     "base_mass",
+    "payload",
     "base_geometry",
     "base_visual",
     "base_collision",
@@ -61,7 +63,7 @@ class ManipulatorColumns:
         table: a manipulator whose rows hold floats, where all have the same number, and arrays of shape (N,) elsewhere.
         names: their names, N of them.
         marks: the place of each in its file.
-        lines: line and column of every row of each, in the same file.
+        lines: the place of every row of each, in the same file.
     """
 
     table: Manipulator
@@ -77,7 +79,7 @@ class ManipulatorColumns:
         table = replaced(self.table, lambda numbers: float(numbers[index]))
         mark = self.marks[index]
         rows = [
-            replace(row, mark=replace(mark, line=place[0], column=place[1])) if mark and place else row
+            replace(row, mark=replace(mark, line=place[0], column=place[1], place=place[2])) if mark and place else row
             for row, place in zip(table.rows, self.lines[index], strict=True)
         ]
         return replace(table, name=self.names[index], rows=tuple(rows), mark=mark)
@@ -161,9 +163,9 @@ def _columns(manipulators: list[Manipulator], numbers: list[tuple[Any, ...]]) ->
         com, tensors = next(columns), next(columns)
         named = {name: column(next(columns)) for name in _NUMBERS}
         limits = Limits(**{name: column(next(columns)) for name in _LIMITS})
-        rows.append(replace(row, **named, com=_com(com), inertia=_inertia(tensors), limits=limits, mark=None))
+        rows.append(replace_unchecked(row, **named, com=_com(com), inertia=_inertia(tensors), limits=limits, mark=None))
     return ManipulatorColumns(
-        table=replace(model, name="", rows=tuple(rows), mark=None),
+        table=replace_unchecked(model, name="", rows=tuple(rows), mark=None),
         names=tuple([manipulator.name for manipulator in manipulators]),
         marks=tuple([manipulator.mark for manipulator in manipulators]),
         lines=tuple([row_places(table) for table in manipulators]),
@@ -171,7 +173,7 @@ def _columns(manipulators: list[Manipulator], numbers: list[tuple[Any, ...]]) ->
 
 
 def row_places(table: Manipulator) -> tuple[Place | None, ...]:
-    """Line and column of every row."""
+    """The place of every row."""
     return tuple([_place_of(row.mark) if row.mark else None for row in table.rows])
 
 
@@ -218,7 +220,7 @@ def replaced(record: T, change: Callable[[Any], Any]) -> T:
         old = getattr(value, name)
         if (new := replaced(old, change)) is not old:
             changed[name] = new
-    return cast("T", replace(value, **changed)) if changed else record
+    return cast("T", replace_unchecked(value, **changed)) if changed else record
 
 
 @cache

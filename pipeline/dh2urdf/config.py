@@ -155,12 +155,13 @@ def is_run_file(path: Path) -> bool:
     return isinstance(root.value, dict) and not root.value.keys().isdisjoint(SECTIONS)
 
 
-def load_config(path: Path, overrides: Sequence[str] = ()) -> RunConfig:
+def load_config(path: Path, overrides: Sequence[str] = (), root: Node | None = None) -> RunConfig:
     """A run file with changes from the command line.
 
     Args:
         path: the run file.
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
+        root: what the run file says, where it is not in the file.
 
     Returns:
         The run file; `RunConfig.problems` says what is wrong with its structure.
@@ -168,7 +169,7 @@ def load_config(path: Path, overrides: Sequence[str] = ()) -> RunConfig:
     Raises:
         ConfigError: the file cannot be read, is not a YAML mapping, or has nothing of a run file.
     """
-    root = read_yaml(path)
+    root = root or read_yaml(path)
     keys = expect_mapping(root, "a run file").keys()
     if keys and not any(get_close_matches(key, SECTIONS, cutoff=0.75) for key in keys):
         raise ConfigError(

@@ -6,6 +6,7 @@ The command `convert` and every worker of a run go through here, so one table an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.attribution import Call, a_record, blaming, depending_on
@@ -13,7 +14,7 @@ from dh2urdf.cells import Cell, cannot_be, compose, truth_of
 from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
-from dh2urdf.output import put_in_place, staging, write_files, write_whole
+from dh2urdf.output import put_in_place, refuse_inputs, staging, write_files, write_whole
 from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
@@ -22,10 +23,10 @@ from dh2urdf.stages import EmittedFile, Emitter, Loader, Reader, Rejected, Trans
 from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
+    from collections.abc import Iterable, Iterator
 
     from dh2urdf.proof import Poses
+    from dh2urdf.provenance import Trace
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 
@@ -144,8 +145,30 @@ def _checked(robot: Robot, mark: Mark | None) -> Robot:
     return replace(robot, notices=(*robot.notices, *problems))
 
 
+def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
+    """A robot with the notices of the emitters that write its files; the same notice of several emitters stands once.
+
+    Raises:
+        StageError: an emitter is at fault.
+    """
+    notices = dict.fromkeys(robot.notices)
+    for call in emitters:
+        if call.stage.notices is not None:
+            with blaming(call):
+                found = [a_record(problem, Problem) for problem in call.stage.notices(robot, call.options)]
+            notices.update(dict.fromkeys(replace(each.about(robot=robot.name), severity="notice") for each in found))
+    return replace(robot, notices=tuple(notices))
+
+
 def write_robot(
-    truth: Truth, robot: Robot, recipe: Recipe, *, directory: Path, stem: str, main_file: str | None = None
+    truth: Truth,
+    robot: Robot,
+    recipe: Recipe,
+    *,
+    directory: Path,
+    stem: str,
+    main_file: str | None = None,
+    inputs: Iterable[Path] = (),
 ) -> tuple[Written, ...]:
     """Emit a robot with every emitter, prove each file, and put all of them in place, with its meshes, or none.
 
@@ -156,17 +179,23 @@ def write_robot(
         directory: where the files go; made where it is missing.
         stem: the stem of their names.
         main_file: another name for the first emitter's main file.
+        inputs: files that are read, and so must not be overwritten; the robot's meshes are too.
 
     Raises:
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
-        OutputError: the files cannot be written.
+        OutputError: the files cannot be written, or one of them is an input.
     """
     robot = located(robot, recipe.mesh_prefix)
+    meshes = mesh_files(robot)
+    copies = meshes if recipe.mesh_prefix is not None else ()
     with staging(directory) as folder:
         written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
-        for file in mesh_files(robot) if recipe.mesh_prefix is not None else ():
+        names = [file.name for emitted in written for file in emitted.files]
+        targets = [directory / name for name in (*names, *map(copy_path, copies))]
+        refuse_inputs(targets, [*inputs, *(Path(mesh.path) for mesh in meshes)])
+        for file in copies:
             write_whole(directory / copy_path(file), read_mesh(file))
-        put_in_place(folder, [file.name for emitted in written for file in emitted.files], directory)
+        put_in_place(folder, names, directory)
     return written
 
 
@@ -252,17 +281,23 @@ def accept(proof: Proof, emitter: Emitter[Any], name: str, mark: Mark | None, *,
         )
 
 
-def read_items(call: Call[Reader[Any]], path: Path) -> Iterator[Manipulator | Rejected]:
+def read_items(call: Call[Reader[Any]], path: Path, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """What a reader yields of a file, one by one.
 
     Args:
         call: the reader.
         path: the file.
+        trace: takes what the cells of each manipulator say, where it is wanted and the reader knows it.
 
     Raises:
         TableError: the file as a whole cannot be read.
         StageError: the reader raised something else.
     """
     with blaming(call):
-        for item in call.stage.read(path, call.options):
+        reader = call.stage
+        if trace is None or reader.trace is None:
+            items = reader.read(path, call.options)
+        else:
+            items = reader.trace(path, call.options, trace)
+        for item in items:
             yield a_record(item, Manipulator, Rejected)

@@ -13,6 +13,7 @@ from dh2urdf.shards import members
 if TYPE_CHECKING:
     from dh2urdf.layouts import Layout, Place
     from dh2urdf.outcome import Row
+    from dh2urdf.results import FileEntry
     from dh2urdf.stores import Store
 
 
@@ -40,10 +41,15 @@ class EarlierFiles:
 
     def moved(self, index: int, row: Row, target: Place) -> Row:
         """The row of a manipulator whose files go into a new shard, since the old one lacks others."""
-        files = [file | target.put(index, file["path"], self._members[file["path"]]) for file in row["files"]]
+        files: list[FileEntry] = []
+        for file in row["files"]:
+            stored = target.put(index, file["path"], self._members[file["path"]])
+            files.append({**file, **stored})
         for name in _pictures(row):
             target.put(index, name, self._members[name])
-        return row | {"files": files}
+        moved = row.copy()
+        moved["files"] = files
+        return moved
 
     def has_mesh(self, path: str, digest: str) -> bool:
         """Whether the copy of a mesh is there, with its bytes; many robots share it, and it is read once."""

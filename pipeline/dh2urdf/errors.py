@@ -6,6 +6,9 @@
     ├── InputError ................ exit 2: nothing could start
     │   ├── ConfigError              a run file or a word of the command line is wrong
     │   ├── TableError               a table cannot be read
+    │   │   └── RecordError          a record, or a joint vector, made in Python cannot be used
+    │   │       ├── RecordTypeError  a value has the wrong type; also a TypeError
+    │   │       └── RecordValueError a value is wrong; also a ValueError
     │   ├── OutputError              nothing can be written where it should go
     │   ├── ExecutorError            nobody does the work: no worker can be started or reached, or all are gone
     │   └── UnknownStageError        no installed stage has the name
@@ -32,7 +35,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from dh2urdf.source import Problem, did_you_mean
+from dh2urdf.source import Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -58,18 +61,23 @@ class _ProblemsError(Dh2UrdfError):
 
     Attributes:
         problems: all that was found, in the order of the file.
+        notices: what a careful person would look at besides, in the order of the file.
     """
 
-    def __init__(self, problems: Problem | str | Iterable[Problem]) -> None:
+    def __init__(self, problems: Problem | str | Iterable[Problem], notices: Iterable[Problem] = ()) -> None:
         if isinstance(problems, str):
             problems = Problem(message=problems)
         self.problems: tuple[Problem, ...] = (problems,) if isinstance(problems, Problem) else tuple(problems)
-        super().__init__(self.problems)  # The arguments are what pickle hands to __init__ again.
+        self.notices: tuple[Problem, ...] = tuple(notices)
+        # The arguments are what pickle hands to __init__ again.
+        super().__init__(self.problems, *([self.notices] if self.notices else []))
 
     def __str__(self) -> str:
-        lines = [str(problem) for problem in self.problems[:SCREENFUL]]
-        if (more := len(self.problems) - SCREENFUL) > 0:
-            lines.append(f"and {more} more problem{'s' if more > 1 else ''}")
+        listed = [*self.notices[:SCREENFUL], *self.problems[:SCREENFUL]]
+        lines = [str(problem) for problem in (in_file_order(listed) if self.notices else listed)]
+        for problems, what in ((self.problems, "problem"), (self.notices, "notice")):
+            if (more := len(problems) - SCREENFUL) > 0:
+                lines.append(f"and {more} more {what}{'s' if more > 1 else ''}")
         return "\n".join(lines)
 
 
@@ -83,6 +91,21 @@ class ConfigError(InputError):
 
 class TableError(InputError):
     """A table cannot be read."""
+
+
+class RecordError(TableError):
+    """A record made in Python cannot be: a table, a row, a part of one, or a joint vector.
+
+    Every field that is wrong is one of the problems. What is raised is a `RecordTypeError` or a `RecordValueError`.
+    """
+
+
+class RecordTypeError(RecordError, TypeError):
+    """A value in a record has a type that its field does not accept."""
+
+
+class RecordValueError(RecordError, ValueError):
+    """A value in a record is none that its field accepts, or contradicts another one."""
 
 
 class OutputError(InputError):

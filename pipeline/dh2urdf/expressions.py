@@ -19,9 +19,21 @@ import re
 import unicodedata
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
-from dh2urdf.rotations import HALF_PI, cos_sin
-from dh2urdf.source import did_you_mean, shown
-from dh2urdf.units import UNITS, Decimal, Dimension, QuantityError, accepted_forms, is_unit, unit_word
+from dh2urdf.expression_functions import FUNCTIONS, OTHER_NAMES, Function, from_degrees
+from dh2urdf.patterns import late_pattern
+from dh2urdf.source import shown
+from dh2urdf.spellings import SIGNS, advice, misreading
+from dh2urdf.units import (
+    UNITS,
+    Decimal,
+    Dimension,
+    QuantityError,
+    Unit,
+    accepted_forms,
+    is_unit,
+    unit_where,
+    unknown_unit,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,6 +68,7 @@ class Value(NamedTuple):
         variable: the joint variable in it.
         factor: of the joint variable.
         uses_pi: whether it is a number that was made of π, so that it can only be radians.
+        foreign: whether it names a unit other than the SI unit.
     """
 
     number: float
@@ -64,20 +77,22 @@ class Value(NamedTuple):
     variable: Variable | None = None
     factor: float = 0.0
     uses_pi: bool = False
+    foreign: bool = False
 
 
-def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False) -> Value:
+def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle: Unit | None = None) -> Value:
     """The value of an expression.
 
     Args:
         text: the expression.
         dimension: what it should measure, for the message.
         decimal_comma: whether a comma may stand for the decimal point.
+        angle: the unit that is declared for angles; None where nothing declares one.
 
     Raises:
-        QuantityError: it is no expression.
+        QuantityError: it is no expression, or one that can be read in two ways.
     """
-    return _Parser(text, dimension, decimal_comma=decimal_comma).parse()
+    return _Parser(text, dimension, decimal_comma=decimal_comma, angle=angle).parse()
 
 
 # --- Tokens -----------------------------------------------------------------------------------------------------------
@@ -94,28 +109,15 @@ _TOKEN = re.compile(
       | (?P<sign>.)""",
     re.VERBOSE | re.DOTALL,
 )
-# What a spreadsheet makes of 1/2 and 3-4 where it takes them for dates; as an expression it would be a number.
-_DATE = re.compile(r"\s*([0-9]{4}([-/])[0-9]{1,2}\2[0-9]{1,2}|[0-9]{1,2}([-/])[0-9]{1,2}\3([0-9]{2}|[0-9]{4}))\s*")
-_DECIMAL_COMMA = re.compile(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
-# What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
-_SIGNS = str.maketrans({"−": "-", "–": "-", "‐": "-", "‑": "-", "×": "*", "÷": "/", "⁄": "/", "∕": "/"})
+_DECIMAL_COMMA = late_pattern(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
+_LONGEST_UNIT = 7
+"""Tokens of the longest unit [1]: ``N * m * s / rad``."""
+_TORN = late_pattern(r"[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in|s)\s)\w+\s+\w", re.IGNORECASE)
+"""A power without its sign, and a word with a space behind it that is no factor: `m m` is no mm, `N m` is Nm."""
 _CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}
 _MODULES = ("np.", "numpy.", "math.")
-_VARIABLE = re.compile(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
+_VARIABLE = late_pattern(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
 _VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
-
-_ADVICE = (
-    (re.compile(r"\s*[+-]?(nan|inf|infinity)\s*", re.IGNORECASE), "write a finite number"),
-    (re.compile(r"\s*[+-]?[0-9]*,[0-9]+\s*$"), "write a decimal point, and no separators of thousands: 0.425, 1234.5"),
-    (re.compile(r"\s*[+-]?[0-9]{1,3}(?:[.,'’ ][0-9]{3})+"), "write the number without separators of thousands: 1234.5"),
-    (re.compile(r".*[0-9]_[0-9]"), "write the number without underscores"),
-    (re.compile(r".*\b0[xXbBoO]"), "write a decimal number"),
-    (re.compile(r".*(\*\*|\^|[²³])"), "powers are not accepted: write the product, or the number"),
-    (re.compile(r".*%"), "percentages and remainders are not accepted: write the number"),
-    (re.compile(r"\s*[+-]?[0-9.]+[dD][+-]?[0-9]+\s*"), "write the exponent with e: 1e-3"),
-    (re.compile(r".*[0-9](pi|π)"), "write the product with its sign: 2*pi"),
-    (re.compile(r"\s*(#[A-Z]|=|')"), "write the number itself, without what the spreadsheet puts before it"),
-)
 
 
 class _Token(NamedTuple):
@@ -124,74 +126,35 @@ class _Token(NamedTuple):
     start: int
 
 
-# --- Functions --------------------------------------------------------------------------------------------------------
-
-
-def _sine(angle: float) -> float:
-    return float(cos_sin(angle)[1])
-
-
-def _cosine(angle: float) -> float:
-    return float(cos_sin(angle)[0])
-
-
-def _tangent(angle: float) -> float:
-    cosine, sine = cos_sin(angle)
-    return float(sine / cosine)
-
-
-def _degrees(number: float) -> float:
-    return number / 90 * HALF_PI
-
-
-class _Function(NamedTuple):
-    call: Callable[..., float]
-    takes: Dimension | None = None
-    gives: Dimension | None = None
-    arguments: int = 1
-
-
-_FUNCTIONS = {
-    "sqrt": _Function(math.sqrt),
-    "abs": _Function(abs),
-    "sin": _Function(_sine, takes=Dimension.ANGLE),
-    "cos": _Function(_cosine, takes=Dimension.ANGLE),
-    "tan": _Function(_tangent, takes=Dimension.ANGLE),
-    "asin": _Function(math.asin, gives=Dimension.ANGLE),
-    "acos": _Function(math.acos, gives=Dimension.ANGLE),
-    "atan": _Function(math.atan, gives=Dimension.ANGLE),
-    "atan2": _Function(math.atan2, gives=Dimension.ANGLE, arguments=2),
-    "radians": _Function(_degrees, gives=Dimension.ANGLE),
-}
-_OTHER_NAMES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "deg2rad": "radians"}
-
-
 # --- Parser -----------------------------------------------------------------------------------------------------------
 
 
 class _Parser:
     """Reads one expression, by recursive descent that `MAX_NESTING` bounds."""
 
-    def __init__(self, text: str, dimension: Dimension, *, decimal_comma: bool) -> None:
+    def __init__(self, text: str, dimension: Dimension, *, decimal_comma: bool, angle: Unit | None) -> None:
         self.text = text
+        self.angle = angle
+        self.dimension = dimension
         self.accepted = accepted_forms(dimension)
         if len(text) > MAX_CHARACTERS:
             message = f"{shown(text)} has {len(text)} characters"
             raise QuantityError(message, f"at most {MAX_CHARACTERS} characters")
-        plain = text.translate(_SIGNS)
+        plain = text.translate(SIGNS)
         if decimal_comma:
             plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
         matches = (match for match in _TOKEN.finditer(plain) if match.lastgroup != "space")
         self.tokens = [_Token(match.lastgroup or "", match.group(), match.start()) for match in matches]
         self.tokens.append(_Token("end", "", len(plain)))
+        self.plain = plain
         self.position = 0
         self.depth = 0
 
     def parse(self) -> Value:
         if len(self.tokens) == 1:
             raise QuantityError("there is nothing", self.accepted)
-        if _DATE.fullmatch(self.text):
-            self.fail("it is a date", "a spreadsheet makes dates of fractions: format the column as text")
+        if wrong := misreading(self.text):
+            self.fail(*wrong)
         value = self.sum()
         if self.next.kind != "end":
             self.unexpected()
@@ -210,7 +173,7 @@ class _Parser:
 
     def fail(self, reason: str, suggestion: str | None = None) -> NoReturn:
         if suggestion is None:
-            suggestion = next((advice for pattern, advice in _ADVICE if pattern.match(self.text)), None)
+            suggestion = advice(self.text)
         raise QuantityError(f"{shown(self.text)} cannot be read: {reason}", self.accepted, suggestion)
 
     def unexpected(self) -> NoReturn:
@@ -219,7 +182,7 @@ class _Parser:
             self.fail("something is missing at its end")
         if token.kind in ("number", "word", "degree") and self.position:
             before = self.tokens[self.position - 1].text
-            if token.kind == "number" or _OTHER_NAMES.get(token.text, token.text) in (*_CONSTANTS, *_FUNCTIONS):
+            if token.kind == "number" or OTHER_NAMES.get(token.text, token.text) in (*_CONSTANTS, *FUNCTIONS):
                 self.fail(f"no sign stands between {shown(before)} and {shown(token.text)}")
             if token.kind == "word" and is_unit(token.text):
                 self.fail(f"the unit {shown(token.text)} does not belong there")
@@ -244,7 +207,8 @@ class _Parser:
                 self.fail("one part of the sum has a unit and another has none, or another one")
         number = self.finite(left.number + right.number)
         variable, factor = left.variable or right.variable, left.factor + right.factor
-        return Value(number, None, dimension, variable, factor, left.uses_pi or right.uses_pi)
+        uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign
+        return Value(number, None, dimension, variable, factor, uses_pi, foreign)
 
     def product(self) -> Value:
         value = self.unit(self.factor())
@@ -256,35 +220,49 @@ class _Parser:
     def unit(self, value: Value) -> Value:
         """The value in SI units, where a unit follows it."""
         token = self.next
-        if token.kind == "degree":
-            word = "deg"
-        elif token.kind == "word" and is_unit(token.text):
-            word = token.text
-        elif token.kind == "word" and self.tokens[self.position - 1].kind == "number":
-            self.unknown_unit()
-        else:
+        count = self.words_of_unit()
+        if not count:
+            if token.kind == "word" and self.tokens[self.position - 1].kind == "number":
+                self.unknown_unit()
             return value
-        self.position += 1
-        ahead = self.tokens[self.position : self.position + 2]
-        if [token.text for token in ahead] == ["/", "s"]:
-            self.position += 2
-            word += "/s"
+        word = self.between(self.position, self.position + count)
+        self.position += count
         if value.dimension is not None:
             self.fail(f"{shown(token.text)} follows a quantity that has a unit already")
         if value.variable:
             self.fail(f"the variable {shown(value.variable.text)} takes no unit")
-        unit = UNITS[unit_word(word)]
-        if value.uses_pi and unit.degrees:
-            self.fail("it is a multiple of π in degrees", "write the angle in degrees without pi, or in rad")
-        return Value(self.finite(unit.si(value.number, value.decimal)), dimension=unit.dimension)
+        unit = unit_where(word, self.dimension)
+        if unit is None:
+            self.unknown_unit()
+        if value.uses_pi and unit.parts:
+            parts = "degrees" if unit.degrees else unit.symbol
+            self.fail(f"it is a multiple of π in {parts}", "write the angle in degrees without pi, or in rad")
+        number = self.finite(unit.si(value.number, value.decimal))
+        return Value(number, dimension=unit.dimension, foreign=not unit.is_si)
+
+    def words_of_unit(self) -> int:
+        """How many tokens ahead are one unit, such as ``kg m^2``, ``deg/s`` or ``1/min``; 0 where there is none."""
+        start, first = self.position, self.next
+        if first.kind not in ("word", "degree") and self.between(start, start + 2) != "1/":
+            return 0
+        for count in range(min(_LONGEST_UNIT, len(self.tokens) - 1 - start), 0, -1):
+            word = self.between(start, start + count)
+            whole = self.tokens[start + count - 1].kind != "sign" and not _TORN.search(word)
+            if whole and is_unit(word):
+                return count
+        return 0
+
+    def between(self, start: int, end: int) -> str:
+        """The text from one token to before another."""
+        last = self.tokens[min(end, len(self.tokens)) - 1]
+        return self.plain[self.tokens[start].start : last.start + len(last.text)]
 
     def unknown_unit(self) -> NoReturn:
         word = self.next.text
         name = word.removeprefix("\\").casefold()
-        if name in _CONSTANTS or name in _FUNCTIONS or any(name.startswith(module) for module in _MODULES):
+        if name in _CONSTANTS or name in FUNCTIONS or any(name.startswith(module) for module in _MODULES):
             self.unexpected()
-        units = [known for known, unit in UNITS.items() if unit.dimension in (Dimension.LENGTH, Dimension.ANGLE)]
-        self.fail(f"{shown(word)} is no unit that is known", did_you_mean(word, units))
+        self.fail(f"{shown(word)} is no unit that is known", unknown_unit(word, self.dimension).suggestion)
 
     def multiply(self, left: Value, right: Value) -> Value:
         if left.variable and right.variable:
@@ -308,7 +286,8 @@ class _Parser:
     def scaled(self, left: Value, right: Value, number: float, factor: float) -> Value:
         uses_pi = left.uses_pi or right.uses_pi
         dimension = left.dimension or right.dimension
-        return Value(self.finite(number), None, dimension, left.variable, self.finite(factor), uses_pi)
+        foreign = left.foreign or right.foreign
+        return Value(self.finite(number), None, dimension, left.variable, self.finite(factor), uses_pi, foreign)
 
     def factor(self) -> Value:
         sign = self.take("+", "-")
@@ -322,7 +301,10 @@ class _Parser:
         if token.kind == "number":
             self.position += 1
             digits, _, exponent = token.text.lower().partition("e")
-            return Value(self.finite(float(token.text)), Decimal(digits, int(exponent or 0)))
+            decimal, number = Decimal(digits, int(exponent or 0)), self.finite(float(token.text))
+            if number == 0 and not decimal.is_zero:
+                self.fail(f"{shown(token.text)} is below the smallest number that can be held", "write 0 for it")
+            return Value(number, decimal)
         if token.kind == "word":
             self.position += 1
             return self.named(token)
@@ -347,31 +329,51 @@ class _Parser:
     def named(self, token: _Token) -> Value:
         name = unicodedata.normalize("NFKC", token.text).casefold().removeprefix("\\")
         name = next((name.removeprefix(module) for module in _MODULES if name.startswith(module)), name)
-        name = _OTHER_NAMES.get(name, name)
+        name = OTHER_NAMES.get(name, name)
         if name in _CONSTANTS:
             if self.next.text == "(" and self.tokens[self.position + 1].text == ")":  # PI() of spreadsheets
                 self.position += 2
             return Value(_CONSTANTS[name], uses_pi=True)
-        if name in _FUNCTIONS and self.take("("):
-            return self.inside(lambda: self.call(token.text, _FUNCTIONS[name]))
+        if name in FUNCTIONS and self.take("("):
+            return self.inside(lambda: self.call(token.text, FUNCTIONS[name]))
         if match := _VARIABLE.fullmatch(name):
             self.skip_variable_star(token)
             row = int(match[2]) if match[2] and match[2] != "i" else None
             return Value(0.0, variable=Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text), factor=1.0)
         if self.next.text == "(" and name not in UNITS:
-            names = ", ".join(_FUNCTIONS)
+            names = ", ".join(FUNCTIONS)
             self.fail(f"{shown(token.text)} is no function that is known", f"the functions are {names}")
         self.position -= 1
         return self.unexpected()
 
     def skip_variable_star(self, token: _Token) -> None:
-        """Passes over the star that marks a variable in textbooks (Spong): ``theta2*``, ``theta2* + pi/2``."""
-        star, after = self.next, self.tokens[min(self.position + 1, len(self.tokens) - 1)]
-        attached = star.text == "*" and star.start == token.start + len(token.text)
-        if attached and (after.kind == "end" or after.text in ("+", "-", ")")):
+        """Passes over the star that marks a variable in textbooks (Spong): ``theta2*``, ``theta2* + pi/2``.
+
+        The star may be a product's as well: ``q1*-1`` is -q1 to one person, and q1 - 1 to another.
+        """
+        star, sign, number, end = (*self.tokens[self.position :], *self.tokens[-1:] * 3)[:4]
+        if star.text != "*":
+            return
+        attached = star.start == token.start + len(token.text)
+        if sign.text in ("+", "-"):
+            touching = sign.start == star.start + 1
+            has_unit = end.kind in ("word", "degree") or (end.text in ("*", "/") and self.has_pi_ahead())
+            bare = number.kind == "number" and not has_unit
+            if bare and (touching or (attached and float(number.text) == 1)):
+                added = f"{sign.text} {number.text}"
+                self.fail(
+                    f"it means {token.text} times {sign.text}{number.text}, or {token.text} {added} where the star "
+                    "marks a joint variable",
+                    f"write {'-' if sign.text == '-' else ''}{token.text} or {token.text} {added}, without the star",
+                )
+        if attached and (sign.kind == "end" or sign.text in ("+", "-", ")")):
             self.position += 1
 
-    def call(self, written: str, function: _Function) -> Value:
+    def has_pi_ahead(self) -> bool:
+        """Whether π is among what is left: such a number is an angle, and no factor of a variable."""
+        return any(token.text.casefold().rpartition(".")[2] in _CONSTANTS for token in self.tokens[self.position :])
+
+    def call(self, written: str, function: Function) -> Value:
         arguments = [self.sum()]
         while self.take(","):
             arguments.append(self.sum())
@@ -386,6 +388,10 @@ class _Parser:
             self.fail(f"{written} is taken of a quantity with a unit")
         if function.call is math.atan2 and not any(argument.number for argument in arguments):
             self.fail(f"{written} has no value there")
+        if function.takes is Dimension.ANGLE:
+            self.check_angle(written, arguments[0])
+        if function.call is from_degrees and arguments[0].uses_pi:
+            self.fail(f"{written} is taken of a multiple of π, which is in radians already")
         try:
             number = function.call(*(argument.number for argument in arguments))
         except (ValueError, ZeroDivisionError, OverflowError):
@@ -393,6 +399,23 @@ class _Parser:
         if function.call is abs:
             return arguments[0]._replace(number=number, decimal=None)
         return Value(self.finite(number), dimension=function.gives)
+
+    def check_angle(self, written: str, argument: Value) -> None:
+        """Refuses a bare number whose unit a function of an angle would have to guess."""
+        if argument.dimension is not None or argument.uses_pi or argument.number == 0:
+            return
+        number = f"{argument.number:.12g}"
+        if self.angle is not None and self.angle.parts:
+            declared = "degrees" if self.angle.degrees else self.angle.symbol
+            self.fail(
+                f"{written} is taken of {number}, which has no unit, and angles are declared in {declared}",
+                f"name the unit of the angle: {written}({number} {self.angle.symbol}), or {written}({number} rad)",
+            )
+        if self.angle is None and abs(argument.number) > math.tau:
+            self.fail(
+                f"{written} is taken of {number}, more than a full turn in rad, and no unit is declared for it",
+                f"name the unit of the angle: {written}({number} deg), or {written}({number} rad)",
+            )
 
     def finite(self, number: float) -> float:
         if not math.isfinite(number):

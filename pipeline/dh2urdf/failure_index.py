@@ -71,7 +71,7 @@ class FailureIndex:
         self._statuses[row["status"]] += 1
         if row["status"] == "failed":
             message = row["errors"][0]["message"] if row["errors"] else ""
-            self._failures.setdefault(row["kind"], _Failures()).add(row["name"], message)
+            self._failures.setdefault(row["kind"] or "", _Failures()).add(row["name"], message)
 
     def as_json(self) -> dict[str, Any]:
         """The index as plain data.

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
 
 PROJECT = "dh2urdf"
-INTERFACE_VERSION = "1.0"
+INTERFACE_VERSION = "1.1"
 """Version of all that is public, which `tests/public_interface/recorded.json` lists.
 
 The major number changes where plugins have to change with it, the minor number where something is added.

@@ -69,6 +69,7 @@ _others_of = attrgetter(
     "geometry",
     "density",
     "base_mass",
+    "payload",
     "base_geometry",
     "base_visual",
     "base_collision",

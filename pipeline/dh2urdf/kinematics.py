@@ -14,6 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from dh2urdf.errors import RecordValueError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import (
     IDENTITY,
@@ -29,6 +30,7 @@ from dh2urdf.rotations import (
     subtract,
     transpose,
 )
+from dh2urdf.source import Problem, did_you_mean
 
 if TYPE_CHECKING:
     import numpy as np
@@ -152,7 +154,7 @@ def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
     """The joints from a root link to a tip link, from the root outwards.
 
     Raises:
-        ValueError: there is no way from the root to the tip.
+        RecordValueError: there is no way from the root to the tip; also a ValueError.
     """
     above = {joint.child: joint for joint in robot.joints}
     found: list[Joint] = []
@@ -160,10 +162,22 @@ def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
     while link != root:
         joint = above.pop(link, None)  # A cycle finds nothing on its second round.
         if joint is None:
-            raise ValueError(f"robot {robot.name!r} has no chain from link {root!r} to link {tip!r}")
+            raise _no_way(robot, root, tip)
         found.append(joint)
         link = joint.parent
     return tuple(reversed(found))
+
+
+def _no_way(robot: Robot, root: str, tip: str) -> RecordValueError:
+    links = [name for joint in robot.joints for name in (joint.parent, joint.child)]
+    return RecordValueError(
+        Problem(
+            message=f"robot {robot.name!r} has no chain from link {root!r} to link {tip!r}",
+            field="tip",
+            found=tip,
+            suggestion=did_you_mean(tip, links) if tip not in links else None,
+        )
+    )
 
 
 def link_poses(robot: Robot, q: Mapping[str, float]) -> dict[str, RigidTransform]:
@@ -288,18 +302,14 @@ def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[
         T(base → tool0) of shape (..., 4, 4).
 
     Raises:
-        ValueError: the joint vectors have another number of values than the model has moving joints.
+        RecordError: the joint vectors have another number of values than the model has moving joints, or a value is
+            none.
     """
-    import numpy as np
+    from dh2urdf.pose_arrays import chain_pose, joints_of_chain, table_pose
 
-    vectors = np.asarray(q, dtype=float)
-    if vectors.ndim == 0:
-        raise ValueError("a single number is no joint vector: [q], even of one joint")
-    columns = [vectors[..., i] for i in range(vectors.shape[-1])]
-    pose = (
-        model.forward_kinematics(columns) if isinstance(model, KinematicChain) else forward_kinematics(model, columns)
-    )
-    return np.broadcast_to(as_matrices(pose), (*vectors.shape[:-1], 4, 4))
+    if isinstance(model, KinematicChain):
+        return chain_pose(model, joints_of_chain(model), q)
+    return table_pose(model, q)
 
 
 def as_matrices(transform: RigidTransform) -> NDArray[np.float64]:

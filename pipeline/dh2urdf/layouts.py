@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import repeat
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, NotRequired, Protocol, TypedDict
 
 from dh2urdf.output import safe_stem
 from dh2urdf.shards import ShardWriter, shard_stem
@@ -33,10 +33,18 @@ class Form(StrEnum):
     """In tar files of so many manipulators."""
 
 
+class Stored(TypedDict):
+    """Where a file is in the output of a run, as its manifest has it."""
+
+    path: str
+    shard: NotRequired[str]
+    offset: NotRequired[int]
+
+
 class Place(Protocol):
     """Where the files of a batch go."""
 
-    def put(self, index: int, name: str, content: bytes) -> dict[str, Any]:
+    def put(self, index: int, name: str, content: bytes) -> Stored:
         """Puts a file of the manipulator of a number in its place, whole; where it is now, for the manifest."""
         ...
 
@@ -103,7 +111,7 @@ class _Files:
     def __init__(self, store: Store, layout: Layout) -> None:
         self._store, self._layout = store, layout
 
-    def put(self, index: int, name: str, content: bytes) -> dict[str, Any]:
+    def put(self, index: int, name: str, content: bytes) -> Stored:
         path = self._layout.path(index, name)
         self._store.write(path, content)
         return {"path": path}
@@ -115,5 +123,5 @@ class _Shard:
     def __init__(self, shard: ShardWriter, name: str) -> None:
         self._shard, self._name = shard, name
 
-    def put(self, _index: int, name: str, content: bytes) -> dict[str, Any]:
+    def put(self, _index: int, name: str, content: bytes) -> Stored:
         return {"path": name, "shard": self._name, "offset": self._shard.add(name, content)}

@@ -21,7 +21,7 @@ except ImportError:  # on Windows
     fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from contextlib import AbstractContextManager
 
 _TEMPORARY = f"{WORKING}/temporary"
@@ -49,17 +49,30 @@ class LocalStore(Store):
         self.directory = directory
         self._root = os.path.abspath(directory)  # noqa: PTH100 - that a link be followed is the system's affair
         self._made: set[str] = set()
+        self._protected: frozenset[str] = frozenset()
         self._temporary = -1, "", count()
 
     def __str__(self) -> str:
         return str(self.directory)
 
-    def __reduce__(self) -> tuple[Callable[..., LocalStore], tuple[str, Path]]:
-        return _in_another_process, (self._root, self.directory)
+    def __reduce__(self) -> tuple[Callable[..., LocalStore], tuple[str, Path, frozenset[str]]]:
+        return _in_another_process, (self._root, self.directory, self._protected)
+
+    def protect(self, names: Iterable[str]) -> None:
+        """Never write over some files, which are known by their names here, in lower case."""
+        self._protected = frozenset(names)
+
+    def _check_protected(self, name: str) -> None:
+        if self._protected and name.casefold() in self._protected:
+            place = shown(str(self.directory / name), 200)
+            raise OutputError(
+                Problem(message=f"{place} is an input, and would be overwritten", suggestion="write to another folder")
+            )
 
     def write(self, name: str, content: bytes) -> None:
         """Write a file whole, in the place of an older one."""
         path = self._path(checked(name))
+        self._check_protected(name)
         self._make_folders(name)
         try:
             try:
@@ -94,6 +107,7 @@ class LocalStore(Store):
     def put(self, name: str, path: Path) -> None:
         """Put a finished file of a folder of `scratch` where it belongs, in the place of an older one."""
         target = self._path(checked(name))
+        self._check_protected(name)
         self._make_folders(name)
         with reporting_os_errors(self.directory / name):
             path.replace(target)
@@ -241,10 +255,11 @@ class LocalStore(Store):
         self._made.add(folder)
 
 
-def _in_another_process(root: str, directory: Path) -> LocalStore:
+def _in_another_process(root: str, directory: Path, protected: frozenset[str]) -> LocalStore:
     """A local store where relative paths may mean something else."""
     store = LocalStore(Path(root))
     store.directory = directory
+    store.protect(protected)
     return store
 
 

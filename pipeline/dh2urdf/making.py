@@ -21,7 +21,7 @@ from dh2urdf.batch_report import BatchReport, Tally
 from dh2urdf.batches import Batch, Doomed, Single
 from dh2urdf.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.columns import ManipulatorColumns, in_columns
-from dh2urdf.conversion import Recipe, Written, emit_robot, make_item
+from dh2urdf.conversion import Recipe, Written, emit_robot, make_item, with_notices
 from dh2urdf.earlier_files import EarlierFiles
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.journal import Journal
@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from dh2urdf.attribution import Call
     from dh2urdf.columns import RobotColumns
     from dh2urdf.laws import Value
+    from dh2urdf.results import FileEntry
     from dh2urdf.source import Mark, Problem
 
 
@@ -221,9 +222,9 @@ class _Work:
             journal.close()
         return report.report(b"".join(rows), self.seconds)
 
-    def _put(self, place: int, outcome: Outcome, target: Place | None) -> tuple[str, list[dict[str, Any]]]:
+    def _put(self, place: int, outcome: Outcome, target: Place | None) -> tuple[str, list[FileEntry]]:
         """Put the files of a manipulator in their place; its key and where they are."""
-        facts = []
+        facts: list[FileEntry] = []
         index = self.batch.first + place
         with _timed(self.seconds, "write"):
             if target is not None:
@@ -295,6 +296,7 @@ class _Work:
             for member, proof in self._proofs(places, columns, robots, files, call).items():
                 made[member].append(Written(stage=call.stage.name, files=files[member], proof=proof))
         meshes = self.copies.of(robots.robot)
+        notices = with_notices(robots.pick(0), self.recipe.emitters).notices
         keeps_kinematics = self.recipe.keeps_kinematics
         return {
             place: Outcome(
@@ -303,6 +305,7 @@ class _Work:
                 source=self.batch.sources[place],
                 drawn=self.drawn.get(place, {}),
                 keeps_kinematics=keeps_kinematics,
+                notices=tuple(replace(notice, robot=name) for notice in notices),
                 written=tuple(own),
                 meshes=meshes,
             )
@@ -346,7 +349,7 @@ class _Work:
         index = batch.first + place
         seconds: dict[str, float] = defaultdict(float)
         # What its table was read with is told with the nominal manipulator, not with each of its variants.
-        own = what.notices if isinstance(what, Manipulator) and place not in self.drawn else ()
+        own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
         outcome = Outcome(
             name=what.name,
             status="skipped" if self.maker.effect is Effect.LOOK else "ok",
@@ -367,7 +370,7 @@ class _Work:
             with watched(self.maker.home, self.recipe.time_limit, loaders):
                 with _timed(seconds, "transform"):
                     robot, truth = make_item(what, self.recipe.transform)
-                    robot = located(robot, self.recipe.mesh_prefix)
+                    robot = with_notices(located(robot, self.recipe.mesh_prefix), self.recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.maker.effect is Effect.LOOK:
                     return outcome

@@ -10,12 +10,23 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from dh2urdf.coercion import refuse, take_exact_fields, take_fields
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping, Sequence
+    from typing import TypeAlias
+
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
+
+    JointVectors: TypeAlias = ArrayLike | Mapping[str, ArrayLike]
+    """Joint vectors as an array, or by the names of the joints."""
+
+_SHOWN_TYPES = 24
+"""Types of joints that the text of a manipulator shows [1]."""
 
 
 class Convention(StrEnum):
@@ -52,6 +63,9 @@ class Limits:
     velocity: float | None = None
     effort: float | None = None
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inertia:
@@ -63,6 +77,9 @@ class Inertia:
     ixy: float = 0.0
     ixz: float = 0.0
     iyz: float = 0.0
+
+    def __post_init__(self) -> None:
+        take_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,6 +94,9 @@ class LinkGeometry:
     shape: str | None = None
     radius: float | None = None
 
+    def __post_init__(self) -> None:
+        take_exact_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeshFile:
@@ -89,6 +109,9 @@ class MeshFile:
 
     path: str
     sha256: str
+
+    def __post_init__(self) -> None:
+        take_exact_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +129,27 @@ class MeshShape:
     pose: RigidTransform = IDENTITY
     scale: Vec3 = (1.0, 1.0, 1.0)
     mark: Mark | None = field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        take_exact_fields(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Payload:
+    """What an arm carries at its tool.
+
+    Attributes:
+        mass: its mass [kg].
+        com: its centre of mass in tool0 [m].
+        inertia: inertia tensor about the centre of mass, axes of tool0 [kg·m²]; None for that of a solid ball.
+    """
+
+    mass: float
+    com: Vec3 = (0.0, 0.0, 0.0)
+    inertia: Inertia | None = None
+
+    def __post_init__(self) -> None:
+        take_exact_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,8 +200,26 @@ class DHRow:
     collision: MeshShape | None = None
     mark: Mark | None = field(default=None, compare=False)
 
+    def __post_init__(self) -> None:
+        take_exact_fields(self)
+        for name in ("joint", "link"):
+            if not getattr(self, name).strip():
+                refuse(self, name, f"the {name} has no name", found=getattr(self, name), accepted="a name")
+        if self.sign not in (1, -1):
+            refuse(self, "sign", f"{self.sign} is no direction", found=self.sign, accepted="1 or -1")
+        if self.type is JointType.FIXED:
+            for name, allowed in (("offset", 0.0), ("sign", 1)):
+                if (value := getattr(self, name)) != allowed:
+                    message = f"a fixed joint has no joint variable that {name} could act on"
+                    place = "put a constant turn in theta, a constant length in d"
+                    refuse(self, name, message, found=value, accepted=f"{allowed:g}", suggestion=place)
+        lower, upper = self.limits.lower, self.limits.upper
+        if lower is not None and upper is not None and lower > upper:
+            message = f"lower, {lower:.12g}, is above upper, {upper:.12g}"
+            refuse(self, "limits.lower", message, found=lower, accepted="lower at most upper")
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Manipulator:
     """A serial arm as its table says it.
 
@@ -169,7 +231,8 @@ class Manipulator:
         tool: rigid transform from the last DH frame to tool0.
         geometry: shape of every link.
         density: density of links without a mass [kg/m³].
-        base_mass: mass of the base's body [kg].
+        base_mass: mass of the base's body [kg]; 0 for none.
+        payload: what the arm carries at tool0.
         base_geometry: shape of the base's body.
         base_visual: the mesh that the base is seen as.
         base_collision: the mesh that the base touches with.
@@ -187,6 +250,7 @@ class Manipulator:
     geometry: LinkGeometry = LinkGeometry()
     density: float | None = None
     base_mass: float | None = None
+    payload: Payload | None = None
     base_geometry: LinkGeometry = LinkGeometry()
     base_visual: MeshShape | None = None
     base_collision: MeshShape | None = None
@@ -195,26 +259,169 @@ class Manipulator:
     mark: Mark | None = field(default=None, compare=False)
     notices: tuple[Problem, ...] = field(default=(), compare=False)
 
+    def __post_init__(self) -> None:
+        take_exact_fields(self)
+        if not self.name.strip():
+            refuse(self, "name", "the manipulator has no name", found=self.name, accepted="a name")
+        if not self.rows:
+            refuse(self, "rows", "the table has no rows", found=(), accepted="a DHRow for each joint, at least one")
+        for name in ("joint", "link"):
+            names = [getattr(row, name) for row in self.rows]
+            if len(set(names)) < len(names):
+                twin = next(word for index, word in enumerate(names) if word in names[:index])
+                numbers = [index for index, word in enumerate(names) if word == twin]
+                message = f"rows {numbers[0]} and {numbers[1]} both have the {name} {shown(twin)}"
+                refuse(
+                    self, f"rows[{numbers[1]}].{name}", message, found=twin, accepted=f"a different {name} in each row"
+                )
+
     @property
     def moving_rows(self) -> tuple[DHRow, ...]:
         """The rows that have a joint value, in order: q has one entry for each."""
         return tuple(row for row in self.rows if row.type is not JointType.FIXED)
 
-    def fk(self, q: ArrayLike) -> NDArray[np.float64]:
+    @classmethod
+    def from_dh(
+        cls,
+        table: object,
+        *,
+        convention: str | Convention | None = None,
+        units: str | Mapping[str, str] | None = None,
+        columns: Sequence[str] | None = None,
+        types: str | Sequence[str] | None = None,
+        joints: Sequence[str] | None = None,
+        name: str | None = None,
+        robot: str | None = None,
+        **options: object,
+    ) -> Manipulator:
+        """The manipulator of a table that is at hand: an array, a data frame, lists, mappings, or a text.
+
+        The table means what it would mean in a file: headers in any spelling, with units, and cells with expressions.
+
+        ::
+
+            Manipulator.from_dh(array, columns=["theta", "d", "a", "alpha"], convention="standard")
+            Manipulator.from_dh(frame, convention="modified", units={"length": "mm", "angle": "deg"})
+            Manipulator.from_dh([{"a": 0.4, "alpha": "pi/2", "d": 0}, …], convention="standard", types="RP")
+
+        Args:
+            table: an array of shape (rows, columns); a DataFrame, whose index may have the names of the joints; a list
+                of rows, whose first one may be the header; a list of mappings; a mapping of columns; or the text of a
+                CSV file.
+            convention: the Denavit-Hartenberg convention, where the table does not say it.
+            units: the units of bare numbers, such as ``{"length": "mm", "angle": "deg"}``; m and rad without them.
+            columns: what the columns are, in their order, where they have no names. Their order is never guessed.
+            types: the type of each joint, as a column ``type`` has it, such as ``"RRP"``.
+            joints: the name of each joint.
+            name: the name of the manipulator; ``robot`` where nothing says it.
+            robot: which manipulator is meant, where the table has several.
+            options: further options of the reader of tables: ``base``, ``tool``, ``length_unit``, ``angle_unit``.
+
+        Raises:
+            TableError: the table cannot be read; the row and the column are named.
+            ConfigError: an option is unknown or its value wrong.
+        """
+        from dh2urdf.api import manipulator_of
+
+        given = {"convention": None if convention is None else str(convention), "units": units, **options}
+        return manipulator_of(
+            table,
+            columns=columns,
+            types=types,
+            joints=joints,
+            name=name,
+            robot=robot,
+            options={key: value for key, value in given.items() if value is not None},
+        )
+
+    def to_csv(self, out: str | os.PathLike[str] | None = None) -> str:
+        """The table as CSV, in m and rad, which `dh2urdf.read` reads back as the same manipulator to the last bit.
+
+        Args:
+            out: the file to write; without it nothing is written.
+
+        Returns:
+            The text of the file.
+
+        Raises:
+            RecordValueError: the table says something that CSV has no place for, such as meshes.
+            OutputError: the file cannot be written.
+        """
+        from dh2urdf.written_tables import write_table
+
+        return write_table(self, "csv", out, "Manipulator.to_csv()")
+
+    def to_yaml(self, out: str | os.PathLike[str] | None = None) -> str:
+        """The table as YAML, as `to_csv` has it as CSV."""
+        from dh2urdf.written_tables import write_table
+
+        return write_table(self, "yaml", out, "Manipulator.to_yaml()")
+
+    def fk(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
         """Forward kinematics: the DH product at one joint vector or at many.
 
         Args:
-            q: joint vectors of shape (..., n), one value per moving row [rad or m].
+            q: joint vectors of shape (..., n), one value per moving row [rad or m]; or a mapping from the names of all
+                moving joints to a value, or to an array of values, for each.
+            full: whether q has a value for every row instead, which is 0 for fixed ones.
 
         Returns:
             T(base_link → tool0) of shape (..., 4, 4), lengths in m.
 
         Raises:
-            ValueError: the joint vectors have another number of values than the table has moving rows.
+            RecordError: the joint vectors have another number of values than the table has moving rows, a joint is
+                unknown or missing, or a value is not a finite number. It is a TypeError or a ValueError, too.
         """
-        from dh2urdf.kinematics import pose_matrices
+        from dh2urdf.pose_arrays import table_pose
 
-        return pose_matrices(self, q)
+        return table_pose(self, q, full=full)
+
+    def fk_all(self, q: JointVectors, *, full: bool = False) -> dict[str, NDArray[np.float64]]:
+        """The DH frame of every link, the base and tool0 included, at one joint vector or at many.
+
+        The frame of a link is the DH frame after its row. A robot description may have its link frames elsewhere:
+        `Robot.fk_all` has those.
+
+        Args:
+            q: joint vectors as `fk` accepts them.
+            full: whether q has a value for every row.
+
+        Returns:
+            By the name of the link, from ``base_link`` to ``tool0``, T(base_link → frame) of shape (..., 4, 4).
+
+        Raises:
+            RecordError: as of `fk`.
+        """
+        from dh2urdf.pose_arrays import table_poses
+
+        return table_poses(self, q, full=full)
+
+    def jacobian(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
+        """The geometric Jacobian J of tool0, with the axes of base_link: the twist of tool0 is J·dq/dt.
+
+        The first three rows are the velocity of the origin of tool0 [m/s], the last three the angular velocity [rad/s].
+        Pinocchio calls this frame LOCAL_WORLD_ALIGNED.
+
+        Args:
+            q: joint vectors as `fk` accepts them.
+            full: whether q has a value for every row. The Jacobian has a column for each moving row, even so.
+
+        Returns:
+            Matrices of shape (..., 6, n), a column for each moving row.
+
+        Raises:
+            RecordError: as of `fk`.
+        """
+        from dh2urdf.pose_arrays import table_jacobian
+
+        return table_jacobian(self, q, full=full)
+
+    def __repr__(self) -> str:
+        """Name, convention, number of moving joints and the types of the rows: R, C, P, and F for fixed."""
+        types = "".join(row.type.value[0].upper() for row in self.rows)
+        shown_types = types if len(types) <= _SHOWN_TYPES else f"{types[:_SHOWN_TYPES]}…"
+        axes = len(self.moving_rows)
+        return f"<Manipulator {self.name!r}: {self.convention}, {axes} {'axis' if axes == 1 else 'axes'} {shown_types}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table and, with matplotlib, a drawing of the arm."""

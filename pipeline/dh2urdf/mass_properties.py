@@ -13,14 +13,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import Condition, is_column, where
-from dh2urdf.manipulator import Inertia
 from dh2urdf.robot import Box, Cylinder, Inertial, Sphere
 from dh2urdf.rotations import Vec3, add, multiply, rotate, subtract, transpose
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Geometry
     from dh2urdf.rotations import RigidTransform, Rotation
 
@@ -54,19 +55,19 @@ def solid(geometry: Geometry, density: float) -> Inertial:
     match geometry:
         case Box(size=(x, y, z)):
             k = mass / 12.0
-            inertia = Inertia(ixx=k * (y * y + z * z), iyy=k * (x * x + z * z), izz=k * (x * x + y * y))
+            inertia = own.inertia(ixx=k * (y * y + z * z), iyy=k * (x * x + z * z), izz=k * (x * x + y * y))
         case Cylinder(radius=r, length=h):
             across = mass / 12.0 * (3.0 * r * r + h * h)
-            inertia = Inertia(ixx=across, iyy=across, izz=0.5 * mass * r * r)
+            inertia = own.inertia(ixx=across, iyy=across, izz=0.5 * mass * r * r)
         case Sphere(radius=r):
             moment = 0.4 * mass * r * r
-            inertia = Inertia(ixx=moment, iyy=moment, izz=moment)
-    return Inertial(mass=mass, inertia=inertia)
+            inertia = own.inertia(ixx=moment, iyy=moment, izz=moment)
+    return own.inertial(mass=mass, inertia=inertia)
 
 
 def placed(body: Inertial, frame: RigidTransform) -> Inertial:
     """A body that is known in `frame`, in the frame that `frame` is given in."""
-    return Inertial(
+    return own.inertial(
         mass=body.mass,
         com=_clean(add(frame.translation, rotate(frame.rotation, body.com))),
         inertia=rotated(body.inertia, frame.rotation),
@@ -76,7 +77,7 @@ def placed(body: Inertial, frame: RigidTransform) -> Inertial:
 def rotated(inertia: Inertia, rotation: Rotation) -> Inertia:
     """An inertia tensor in the axes that its own axes are turned from: R·I·Rᵀ."""
     ixx, ixy, ixz, _, iyy, iyz, _, _, izz = multiply(multiply(rotation, _matrix(inertia)), transpose(rotation))
-    return Inertia(ixx=ixx + 0.0, iyy=iyy + 0.0, izz=izz + 0.0, ixy=ixy + 0.0, ixz=ixz + 0.0, iyz=iyz + 0.0)
+    return own.inertia(ixx=ixx + 0.0, iyy=iyy + 0.0, izz=izz + 0.0, ixy=ixy + 0.0, ixz=ixz + 0.0, iyz=iyz + 0.0)
 
 
 def compound(bodies: Sequence[Inertial]) -> Inertial:
@@ -102,24 +103,24 @@ def compound(bodies: Sequence[Inertial]) -> Inertial:
     cx, cy, cz = ox + cx / mass + 0.0, oy + cy / mass + 0.0, oz + cz / mass + 0.0
     ixx = iyy = izz = ixy = ixz = iyz = 0.0
     for body in bodies:
-        m, own = body.mass, body.inertia
+        m, tensor = body.mass, body.inertia
         x, y, z = subtract(body.com, (cx, cy, cz))
-        ixx += own.ixx + m * (y * y + z * z)
-        iyy += own.iyy + m * (x * x + z * z)
-        izz += own.izz + m * (x * x + y * y)
-        ixy += own.ixy - m * x * y
-        ixz += own.ixz - m * x * z
-        iyz += own.iyz - m * y * z
-    return Inertial(
+        ixx += tensor.ixx + m * (y * y + z * z)
+        iyy += tensor.iyy + m * (x * x + z * z)
+        izz += tensor.izz + m * (x * x + y * y)
+        ixy += tensor.ixy - m * x * y
+        ixz += tensor.ixz - m * x * z
+        iyz += tensor.iyz - m * y * z
+    return own.inertial(
         mass=mass,
         com=(cx, cy, cz),
-        inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy + 0.0, ixz=ixz + 0.0, iyz=iyz + 0.0),
+        inertia=own.inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy + 0.0, ixz=ixz + 0.0, iyz=iyz + 0.0),
     )
 
 
 def scaled(inertia: Inertia, factor: float) -> Inertia:
     """An inertia tensor times a number: that of the same shape with another mass."""
-    return Inertia(
+    return own.inertia(
         ixx=factor * inertia.ixx,
         iyy=factor * inertia.iyy,
         izz=factor * inertia.izz,
@@ -131,27 +132,83 @@ def scaled(inertia: Inertia, factor: float) -> Inertia:
 
 def principal_moments(inertia: Inertia) -> Vec3:
     """The principal moments of inertia [kg·m²], smallest first (Jacobi's eigenvalue method)."""
+    low, middle, high = (moment for moment, _ in _principal_axes(inertia))
+    return (low, middle, high)
+
+
+def has_zero_moments(inertia: Inertia) -> bool:
+    """Whether some principal moments are 0, to the last digits, and none is negative: a maker's rounded table."""
+    if not all(map(math.isfinite, _matrix(inertia))):
+        return False
+    low, _, high = principal_moments(inertia)
+    return high >= 0.0 and abs(low) <= _ROUNDING * high
+
+
+def with_floor(inertia: Inertia, floor: float) -> Inertia:
+    """A tensor whose principal moments of 0 are raised to the least that a body has; the axes and the others stay.
+
+    The triangle inequality asks for more than the floor where the other moments are greater: of diag(0, 0, 2e-4) it
+    makes diag(1e-4, 1e-4, 2e-4), a flat disc. A tensor without moments of 0 is returned as it is.
+
+    Args:
+        inertia: the tensor.
+        floor: smallest principal moment [kg·m²].
+    """
+    if not has_zero_moments(inertia):
+        return inertia
+    (low, _), (middle, _), (high, _) = axes = _principal_axes(inertia)
+    zero = _ROUNDING * high
+    if middle > zero:
+        raised = [max(floor, high - middle), middle, high]
+    elif high > 0.0:
+        raised = [max(floor, 0.5 * high), max(floor, 0.5 * high), high]
+    else:
+        raised = [floor] * 3
+    if not (inertia.ixy or inertia.ixz or inertia.iyz):
+        given = (inertia.ixx, inertia.iyy, inertia.izz)
+        ixx, iyy, izz = (raised[0 if moment == low else 1] if abs(moment) <= zero else moment for moment in given)
+        return own.inertia(ixx=ixx, iyy=iyy, izz=izz)
+    moments = [(moment, axis) for moment, (_, axis) in zip(raised, axes, strict=True)]
+
+    def element(p: int, q: int) -> float:
+        (a, u), (b, v), (c, w) = moments
+        return a * u[p] * u[q] + b * v[p] * v[q] + c * w[p] * w[q]
+
+    return own.inertia(
+        ixx=element(0, 0), iyy=element(1, 1), izz=element(2, 2), ixy=element(0, 1), ixz=element(0, 2), iyz=element(1, 2)
+    )
+
+
+def _principal_axes(inertia: Inertia) -> list[tuple[float, Vec3]]:
+    """The principal moments [kg·m²] with their axes, smallest first."""
     a = [list(_matrix(inertia)[row : row + 3]) for row in (0, 3, 6)]
+    axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     for _ in range(_SWEEPS):
         if not (a[0][1] or a[0][2] or a[1][2]):
             break
         for p, q in ((0, 1), (0, 2), (1, 2)):
-            _jacobi_rotation(a, p, q)
-    low, middle, high = sorted((a[0][0], a[1][1], a[2][2]))
-    return (low, middle, high)
+            _jacobi_rotation(a, axes, p, q)
+    found: list[tuple[float, Vec3]] = [(a[k][k], (axes[0][k], axes[1][k], axes[2][k])) for k in range(3)]
+    return sorted(found)
 
 
-def inertia_problem(inertia: Inertia) -> str | None:
+def inertia_problem(inertia: Inertia, *, zeros: bool = False) -> str | None:
     """The rule that an inertia tensor breaks, as a sentence; None for one that some body has.
 
     A body's inertia about its centre of mass is positive definite, and its principal moments A ≤ B ≤ C fulfil
     A + B ≥ C (the triangle inequality: the moments are sums of squares of distances). Rounding is forgiven.
+
+    Args:
+        inertia: the tensor.
+        zeros: whether moments of 0 pass, which `with_floor` makes those of a body.
     """
     if not all(map(math.isfinite, _matrix(inertia))):
         return "the inertia is not finite"
     if is_sound(inertia):
         return None
     low, middle, high = principal_moments(inertia)
+    if zeros and has_zero_moments(inertia):
+        return None
     if low <= 0.0:
         return (
             f"the inertia is not positive definite: its principal moments are {low:.9g}, {middle:.9g} and "
@@ -191,8 +248,11 @@ def _positive_definite(matrix: Sequence[float]) -> Condition:
     return (a > 0.0) & (d1 > 0.0) & (f - c * c / first - e1 * e1 / second > 0.0)
 
 
-def _jacobi_rotation(a: list[list[float]], p: int, q: int) -> None:
-    """Makes element (p, q) of a symmetric matrix 0 by a rotation (Golub and Van Loan, algorithm 8.5.1)."""
+def _jacobi_rotation(a: list[list[float]], axes: list[list[float]], p: int, q: int) -> None:
+    """Makes element (p, q) of a symmetric matrix 0 by a rotation (Golub and Van Loan, algorithm 8.5.1).
+
+    The columns of `axes` are turned with it.
+    """
     if not a[p][q]:
         return
     tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q])
@@ -201,6 +261,8 @@ def _jacobi_rotation(a: list[list[float]], p: int, q: int) -> None:
     s = t * c
     for k in range(3):
         a[k][p], a[k][q] = c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]
+    for row in axes:
+        row[p], row[q] = c * row[p] - s * row[q], s * row[p] + c * row[q]
     for k in range(3):
         a[p][k], a[q][k] = c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]
     a[p][q] = a[q][p] = 0.0

@@ -83,7 +83,9 @@ class MeshCall:
             if joint not in names
         ]
         if problems:
-            return Rejected(name=manipulator.name, problems=tuple(problems), mark=self.mark)
+            return Rejected(
+                name=manipulator.name, problems=tuple(problems), mark=self.mark, notices=manipulator.notices
+            )
         shapes_of = dict(self.joints)
         rows = []
         for row in manipulator.rows:

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from dh2urdf.proof import Proof
+    from dh2urdf.results import FileEntry, LoadEntry, ManipulatorEntry, ProblemEntry, ProofEntry
 
-Row: TypeAlias = dict[str, Any]
-"""An object of the manifest."""
+Row: TypeAlias = "ManipulatorEntry"
+"""A row of the manifest."""
 Status: TypeAlias = Literal["ok", "failed", "skipped"]
 
 
@@ -63,7 +64,7 @@ class Outcome:
     traceback: str = ""
     seconds: dict[str, float] = field(default_factory=dict)
 
-    def row(self, key: str, files: Sequence[Mapping[str, Any]]) -> Row:
+    def row(self, key: str, files: list[FileEntry]) -> Row:
         """Its row in the manifest.
 
         Args:
@@ -95,14 +96,14 @@ def make_row(
     status: Status,
     source: str,
     key: str,
-    files: Sequence[Mapping[str, Any]],
+    files: list[FileEntry],
     proofs: Mapping[str, Proof | None],
-    drawn: Mapping[str, Value],
+    drawn: dict[str, Value],
     keeps_kinematics: bool,
     kind: str | None = None,
-    loaders: Mapping[str, Any] | None = None,
-    notices: Sequence[Any] = (),
-    errors: Sequence[Any] = (),
+    loaders: dict[str, LoadEntry] | None = None,
+    notices: Sequence[ProblemEntry] = (),
+    errors: Sequence[ProblemEntry] = (),
 ) -> Row:
     """A row of the manifest: all that is known of a manipulator, and no duration."""
     return {
@@ -114,10 +115,10 @@ def make_row(
         "drawn": drawn,
         "keeps_kinematics": keeps_kinematics,
         "files": files,
-        "proof": {stage: proof and _proof(proof) for stage, proof in proofs.items()},
+        "proof": {stage: proof_facts(proof) if proof else None for stage, proof in proofs.items()},
         "loaders": loaders or {},
-        "notices": notices,
-        "errors": errors,
+        "notices": list(notices),
+        "errors": list(errors),
     }
 
 
@@ -153,18 +154,22 @@ def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data
     return [_in_utf_8(entry) for entry in value] if isinstance(value, (list, tuple)) else value
 
 
-def _proof(proof: Proof) -> Row:
-    row: Row = {
+def proof_facts(proof: Proof) -> ProofEntry:
+    """What a manifest says of a proof."""
+    row: ProofEntry = {
         "position_error": proof.position_error,
         "angle_error": proof.angle_error,
-        "q": proof.q,
+        "q": list(proof.q),
         "tolerance": proof.tolerance,
         "poses": proof.poses,
     }
     if len(proof.tips) > 1:  # a cell
-        row |= {"tip": proof.tip, "tips": proof.tips}
+        row["tip"], row["tips"] = proof.tip, dict(proof.tips)
     return row
 
 
-def _load(report: LoadReport) -> Row:
-    return {**asdict(report), "findings": [finding.as_json() for finding in report.findings]}
+def _load(report: LoadReport) -> LoadEntry:
+    facts: Any = asdict(report)
+    loaded: LoadEntry = facts  # `test_a_loaders_report_is_described_as_it_is` compares the fields.
+    loaded["findings"] = [finding.as_json() for finding in report.findings]
+    return loaded

@@ -16,7 +16,7 @@ from dh2urdf.seen import SeenNames
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from dh2urdf.stages import EmittedFile
 
@@ -137,6 +137,47 @@ def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> 
             raise OutputError(Problem(message=f"{shown(file.name)} is not a plain file name", found=file.name))
         with reporting_os_errors(f"{place}/{file.name}" if place else folder.parent / file.name):
             (folder / file.name).write_bytes(file.content)
+
+
+def refuse_inputs(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Refuses to write over a file that is read, under whatever name: by a link, or in other letters' case.
+
+    Args:
+        targets: the files that are to be written.
+        inputs: the files that are read.
+
+    Raises:
+        OutputError: a target is an input; it names both.
+    """
+    read = [(path, _identity(path), _folded(path)) for path in dict.fromkeys(inputs)]
+    for target in targets:
+        identity, folded = _identity(target), _folded(target)
+        for path, its_identity, its_folded in read:
+            if folded == its_folded or (identity is not None and identity == its_identity):
+                other = "" if str(path) == str(target) else f", which is {shown(str(target), 200)}"
+                raise OutputError(
+                    Problem(
+                        message=f"the output would overwrite the input {shown(str(path), 200)}{other}",
+                        found=str(target),
+                        accepted="an output file that is not an input",
+                        suggestion="write to another file or folder",
+                    )
+                )
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """The file behind a path, whatever the path; None where there is none."""
+    try:
+        status = os.stat(path)  # noqa: PTH116 - Path.stat is the same, and twice as slow
+    except (OSError, ValueError):
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _folded(path: Path) -> str:
+    """The place of a path, as a file system that ignores case has it."""
+    folder = os.path.realpath(path.parent)
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", os.path.join(folder, path.name)).casefold())  # noqa: PTH118
 
 
 def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:

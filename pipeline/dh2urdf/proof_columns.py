@@ -17,6 +17,7 @@ from dataclasses import replace
 from itertools import repeat
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.elementwise import greater_of, is_column, smaller_of
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import TOOL, joint_variables, reach
@@ -109,7 +110,7 @@ def _proofs(
     def of_files(numbers: Numbers) -> Numbers:
         return numbers[first : first + len(places)] if is_column(numbers) else numbers
 
-    table = replace(table, rows=tuple([_row(row, of_tables) for row in table.rows]))
+    table = replace_unchecked(table, rows=tuple([_row(row, of_tables) for row in table.rows]))
     with np.errstate(all="ignore"):  # What is not a number is an infinite error.
         q = _joint_values(table, robot, of_tables, count)
         turns = [(np.cos(values), np.sin(values)) for values in q]
@@ -122,7 +123,7 @@ def _proofs(
 
 def _row(row: DHRow, pick: Pick) -> DHRow:
     """The kinematics of a row, for some arms."""
-    return replace(
+    return replace_unchecked(
         row, a=pick(row.a), alpha=pick(row.alpha), d=pick(row.d), theta=pick(row.theta), offset=pick(row.offset)
     )
 

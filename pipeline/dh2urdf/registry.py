@@ -32,6 +32,9 @@ RECORDS: dict[Kind, type[Any]] = {
 }
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
+_SPREADSHEETS = frozenset({".xls", ".xlsb", ".ods", ".fods", ".numbers"})
+_SAVE_AS = "save the sheet as .xlsx, or as CSV (UTF-8)"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provided:
@@ -120,6 +123,21 @@ class Catalog:
             raise UnknownStageError(kind, name, names)
         return self._only(kind, own_name, found).stage
 
+    def cell_reader(self) -> Reader[Any]:
+        """The reader of rows of cells that come from no file: the one whose `read_cells` is not None.
+
+        dh2urdf's own reader is taken where plugins have others.
+
+        Raises:
+            UnknownStageError: no installed reader has it.
+        """
+        provided = self.provided("reader")
+        own_first = sorted(provided, key=lambda item: not item.plugin.is_of(hookspecs.PROJECT))
+        for item in own_first:
+            if isinstance(item.stage, Reader) and item.stage.read_cells:
+                return item.stage
+        raise UnknownStageError("reader", "of rows of cells", [item.stage.name for item in provided])
+
     def plugin_of(self, stage: Stage) -> Plugin:
         """The plugin that provides a stage of this catalog.
 
@@ -175,13 +193,14 @@ class Catalog:
         if not claims:
             suffixes = sorted({s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ())})
             accepted = f"a file name that ends in {', '.join(suffixes)}"
+            is_sheet = kind == "reader" and path.suffix.lower() in _SPREADSHEETS
             self._blame_broken(f"no other plugin takes the file {shown(path.name)}; accepted: {accepted}")
             raise InputError(
                 Problem(
                     message=f"no {kind} is known for the file {shown(path.name)}",
                     found=path.suffix or path.name,
                     accepted=accepted,
-                    suggestion=advice,
+                    suggestion=f"{_SAVE_AS}; or {advice}" if is_sheet else advice,
                 )
             )
         longest = max(length for length, _ in claims)

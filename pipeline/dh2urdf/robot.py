@@ -15,13 +15,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
+from dh2urdf.coercion import take_fields
 from dh2urdf.manipulator import Inertia, JointType, Limits, MeshFile
 from dh2urdf.rotations import Z_AXIS, ZERO, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
+    import os
+
     import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
+
+    from dh2urdf.manipulator import JointVectors
 
 Formulas: TypeAlias = tuple[str, str, str]
 
@@ -42,6 +47,9 @@ class Parameter:
     unit: str
     joint: str
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Origin:
@@ -59,6 +67,9 @@ class Origin:
     xyz_formula: Formulas | None = field(default=None, compare=False)
     rpy_formula: Formulas | None = field(default=None, compare=False)
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
     @property
     def transform(self) -> RigidTransform:
         """The rigid transform from the parent frame to this one."""
@@ -72,6 +83,9 @@ class Box:
     size: Vec3
     size_formula: Formulas | None = field(default=None, compare=False)
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cylinder:
@@ -81,12 +95,18 @@ class Cylinder:
     length: float
     length_formula: str | None = field(default=None, compare=False)
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sphere:
     """A sphere about its origin; radius [m]."""
 
     radius: float
+
+    def __post_init__(self) -> None:
+        take_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,6 +123,9 @@ class Mesh:
     scale: Vec3 = (1.0, 1.0, 1.0)
     file: MeshFile | None = field(default=None, compare=False)
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
 
@@ -114,6 +137,9 @@ class Material:
     name: str
     rgba: tuple[float, float, float, float]
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Visual:
@@ -123,6 +149,9 @@ class Visual:
     origin: Origin = Origin()
     material: Material | None = None
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collision:
@@ -130,6 +159,9 @@ class Collision:
 
     geometry: Geometry
     origin: Origin = Origin()
+
+    def __post_init__(self) -> None:
+        take_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,6 +178,9 @@ class Inertial:
     com: Vec3 = ZERO
     inertia: Inertia = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
@@ -155,6 +190,9 @@ class Link:
     inertial: Inertial | None = None
     visuals: tuple[Visual, ...] = ()
     collisions: tuple[Collision, ...] = ()
+
+    def __post_init__(self) -> None:
+        take_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,6 +225,9 @@ class Joint:
     armature: float | None = None
     mark: Mark | None = field(default=None, compare=False)
 
+    def __post_init__(self) -> None:
+        take_fields(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arm:
@@ -206,8 +247,11 @@ class Arm:
     parent: str
     placement: Origin
 
+    def __post_init__(self) -> None:
+        take_fields(self)
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Robot:
     """A tree of links and joints with one root.
 
@@ -228,6 +272,9 @@ class Robot:
     comment: str = field(default="", compare=False)
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     arms: tuple[Arm, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        take_fields(self)
 
     @property
     def root(self) -> str:
@@ -256,24 +303,99 @@ class Robot:
         """Mass of all links [kg]."""
         return sum(link.inertial.mass for link in self.links if link.inertial)
 
-    def fk(self, q: ArrayLike, tip: str = "tool0") -> NDArray[np.float64]:
+    def fk(self, q: JointVectors, tip: str = "tool0") -> NDArray[np.float64]:
         """Forward kinematics of a link at one joint vector or at many.
 
         Args:
             q: joint vectors of shape (..., n), one value per moving joint on the way from the root to the link
-                [rad or m].
+                [rad or m]; or a mapping from the names of these joints, and of any other moving ones, to their values.
             tip: name of the link; in a cell the tool0 of an arm has the arm's prefix.
 
         Returns:
             T(root → tip) of shape (..., 4, 4), lengths in m.
 
         Raises:
-            ValueError: the robot has no such link, or the joint vectors have another number of values than there are
-                moving joints on the way.
+            RecordError: the robot has no such link, the joint vectors have another number of values than there are
+                moving joints on the way, a joint is unknown or missing, or a value is not a finite number. It is a
+                TypeError or a ValueError, too.
         """
-        from dh2urdf.kinematics import KinematicChain, pose_matrices
+        from dh2urdf.pose_arrays import robot_pose
 
-        return pose_matrices(KinematicChain.between(self, self.root, tip), q)
+        return robot_pose(self, q, tip)
+
+    def fk_all(self, q: JointVectors) -> dict[str, NDArray[np.float64]]:
+        """The frame of every link at one joint vector or at many.
+
+        Args:
+            q: joint vectors of shape (..., n), one value per moving joint of the robot [rad or m]; or a mapping from
+                the names of all moving joints to their values.
+
+        Returns:
+            By the name of the link T(root → link) of shape (..., 4, 4), lengths in m.
+
+        Raises:
+            RecordError: as of `fk`.
+        """
+        from dh2urdf.pose_arrays import robot_poses
+
+        return robot_poses(self, q)
+
+    def jacobian(self, q: JointVectors, tip: str = "tool0") -> NDArray[np.float64]:
+        """The geometric Jacobian J of a link, with the axes of the root link: the twist of the link is J·dq/dt.
+
+        The first three rows are the velocity of the link's origin [m/s], the last three its angular velocity [rad/s].
+
+        Args:
+            q: joint vectors as `fk` accepts them.
+            tip: name of the link.
+
+        Returns:
+            Matrices of shape (..., 6, n), a column for each moving joint on the way from the root to the link.
+
+        Raises:
+            RecordError: as of `fk`.
+        """
+        from dh2urdf.pose_arrays import robot_jacobian
+
+        return robot_jacobian(self, q, tip)
+
+    def to_urdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
+        """The robot as URDF, which is checked and read back before anybody gets it.
+
+        Args:
+            out: the file to write; without it nothing is written. Meshes are named where they are.
+            options: options of the emitter, such as ``profile="ros"``.
+
+        Returns:
+            The text of the file.
+
+        Raises:
+            RobotError: the robot breaks a rule that the readers of robot descriptions rely on.
+            ProofError: what was written has other kinematics than the robot.
+            ConfigError: an option is unknown or its value wrong.
+            OutputError: the file cannot be written.
+        """
+        from dh2urdf.written_robots import write_description
+
+        return write_description(self, "urdf", out, options)
+
+    def to_sdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
+        """The robot as SDF, as `to_urdf` has it as URDF."""
+        from dh2urdf.written_robots import write_description
+
+        return write_description(self, "sdf", out, options)
+
+    def to_mjcf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
+        """The robot as MJCF for MuJoCo, as `to_urdf` has it as URDF."""
+        from dh2urdf.written_robots import write_description
+
+        return write_description(self, "mjcf", out, options)
+
+    def __repr__(self) -> str:
+        """Name, number of links and number of moving joints."""
+        links, moving = len(self.links), len(self.moving_joints)
+        joints = f"{moving} moving joint{'' if moving == 1 else 's'}"
+        return f"<Robot {self.name!r}: {links} link{'' if links == 1 else 's'}, {joints}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the joints with their limits and, with matplotlib, a drawing of the robot."""

@@ -314,9 +314,13 @@ def _weightless_chains(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Pro
         while holder and holder.type is JointType.FIXED and holder.parent not in laden:
             laden.add(holder.parent)
             holder = joint_to.get(holder.parent)
+    # A base without a mass in a cell is what the tables say; the emitters for Gazebo see to it, and others say so.
+    bases = {arm.prefix + arm.kind.root for arm in robot.arms}
     for link in robot.links:
         holder = joint_to.get(link.name)
-        if holder and link.name in weightless and link.name not in laden and holder.parent in weightless:
+        if not holder or not bases.isdisjoint({link.name, holder.parent}):
+            continue
+        if link.name in weightless and link.name not in laden and holder.parent in weightless:
             message = f"link {shown(link.name)} and its parent {shown(holder.parent)} both weigh nothing"
             suggestion = "make both children of a link with a mass, or leave the inertial of one out"
             yield _of_joint(Problem(message=message, field="mass", suggestion=suggestion), holder)

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import shlex
 import tempfile
 import time
 from collections import Counter, deque
+from collections.abc import Mapping
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dh2urdf import sampling
 from dh2urdf.asked_stages import AskedStages
 from dh2urdf.attribution import Call, depending_on, own_work
 from dh2urdf.batches import Batch, Doomed, Expected, batches
 from dh2urdf.cells import CellCall
+from dh2urdf.chosen_table import is_table
 from dh2urdf.config import load_config
 from dh2urdf.conversion import Recipe
 from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
@@ -30,7 +33,8 @@ from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import Overview
-from dh2urdf.source import in_file_order
+from dh2urdf.run_inputs import refuse_overwriting
+from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Executor, Lost, Reader
 from dh2urdf.stores import Store, open_store
 from dh2urdf.variations import VariationCall
@@ -41,7 +45,9 @@ if TYPE_CHECKING:
 
     from dh2urdf.batch_report import BatchReport
     from dh2urdf.config import RunConfig
+    from dh2urdf.documents import Node
     from dh2urdf.registry import Catalog
+    from dh2urdf.results import RunReport
 
 Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
 """Is told of a batch, and how many manipulators the run will probably have."""
@@ -53,6 +59,7 @@ class Plan:
 
     Attributes:
         inputs: files with the reader of each.
+        repeated: notices of files that the run file names more than once, by path.
         recipe: what is done with every manipulator.
         key: the recipe's, by which a later run knows files that are still right.
         store: where the output goes.
@@ -62,6 +69,7 @@ class Plan:
         variations: manipulators drawn from others, made at the end.
         html: whether to write a page for people, where its packages are installed.
         meshes: mesh files that links are drawn and touched as.
+        files: what the run reads besides: its run file.
     """
 
     inputs: tuple[tuple[Path, Call[Reader[Any]]], ...]
@@ -74,6 +82,8 @@ class Plan:
     variations: tuple[VariationCall, ...] = ()
     html: bool = True
     meshes: tuple[MeshCall, ...] = ()
+    files: tuple[Path, ...] = ()
+    repeated: Mapping[Path, Problem] = field(default_factory=dict)
 
 
 class Result:
@@ -100,9 +110,9 @@ class Result:
         return sum(self.statuses.values()) - self.statuses["kept"]
 
     @property
-    def exit_status(self) -> int:
+    def exit_status(self) -> Literal[0, 1]:
         """0 where all is done, 1 where a manipulator failed."""
-        return int(self.statuses["failed"] > 0)
+        return 1 if self.statuses["failed"] else 0
 
     def add(self, report: BatchReport) -> None:
         """Takes what became of a batch."""
@@ -113,7 +123,9 @@ class Result:
         self.timings += report.timings
 
 
-def load_plan(path: Path, catalog: Catalog, overrides: Sequence[str] = (), output: str | None = None) -> Plan:
+def load_plan(
+    path: Path, catalog: Catalog, overrides: Sequence[str] = (), output: str | None = None, root: Node | None = None
+) -> Plan:
     """The plan of a run file.
 
     Args:
@@ -121,14 +133,30 @@ def load_plan(path: Path, catalog: Catalog, overrides: Sequence[str] = (), outpu
         catalog: the stages that there are.
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
         output: where the output goes, if not where the run file says: a folder or an address.
+        root: what the run file says, where it is not in the file.
 
     Raises:
         ConfigError: something in the run file is wrong; all of it is said at once.
         OutputError: nothing can be written there.
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
-    plan = make_plan(load_config(path, overrides), catalog)
+    try:
+        config = load_config(path, overrides, root)
+    except ConfigError as error:
+        if root is None and is_table(path, catalog):
+            raise ConfigError(_is_a_table(path)) from error
+        raise
+    plan = replace(make_plan(config, catalog), files=(path,) if root is None else ())
     return plan if output is None else replace(plan, store=open_store(output))
+
+
+def _is_a_table(path: Path) -> Problem:
+    return Problem(
+        message="this is a table, not a run file",
+        mark=Mark(file=str(path)),
+        suggestion=f"`dh2urdf convert {shlex.quote(str(path))}` converts it; a run file names it: "
+        f"`inputs: {path.name}`",
+    )
 
 
 def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
@@ -173,12 +201,13 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         variations=config.variations,
         html=config.html,
         meshes=config.meshes,
+        repeated=asked.repeated,
     )
 
 
 def execute(
     plan: Plan, *, resume: bool = False, dry_run: bool = False, note: Note | None = None
-) -> tuple[Result, dict[str, Any]]:
+) -> tuple[Result, RunReport]:
     """Do a run.
 
     Args:
@@ -193,11 +222,13 @@ def execute(
         of the cells, then of the variants, are in the manifest.
 
     Raises:
+        ConfigError: the run would write over one of its inputs.
         TableError: nothing could be read at all.
         OutputError: nothing can be written any more; what is done so far is kept for a run that resumes.
         PluginError: the run needs a plugin that is broken.
     """
     started = time.perf_counter()
+    refuse_overwriting(plan)
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
@@ -295,7 +326,9 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                         note(each, expected.total)
                 unread.clear()
     if not readable:
-        raise TableError([problem for report in unread for problem in report.problems if problem.severity == "error"])
+        found = [problem for report in unread for problem in report.problems]
+        errors, notices = ([problem for problem in found if problem.severity == kind] for kind in ("error", "notice"))
+        raise TableError(errors, notices)
 
 
 def _answers(plan: Plan, maker: Maker, some: Iterator[Batch]) -> Generator[Any, None, None]:

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from dh2urdf.results import ProblemEntry
 
 SHOWN_TEXT = 60
 """Characters of a found text that a message repeats [1]; a longer one is cut in the middle."""
@@ -23,16 +25,25 @@ class Mark:
 
     Attributes:
         file: the path as the user gave it, or a word such as ``command line``.
-        line: counted from 1; None where there is no line.
-        column: counted from 1, in characters; None where the whole line is meant.
+        line: line or row, counted from 1; None where there is none.
+        column: counted from 1, in characters of a line or in cells of a row; None where the whole line is meant.
+        place: how people who use the format name the place, such as ``Sheet2!C4`` or ``row 3, column a``; None where
+            line and column name it. Line and column, where they are given too, put problems in the file's order.
     """
 
     file: str
     line: int | None = None
     column: int | None = None
+    place: str | None = None
 
     def __str__(self) -> str:
-        return ":".join(str(part) for part in (self.file, self.line, self.column) if part is not None)
+        parts = (self.file, self.line, self.column) if self.place is None else (self.file, self.place)
+        return ":".join(str(part) for part in parts if part is not None)
+
+    @property
+    def in_file(self) -> str:
+        """The place without the file, as a sentence names it: ``line 3``, ``Sheet2!C4``; empty for a whole file."""
+        return self.place or (f"line {self.line}" if self.line is not None else "")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,12 +83,13 @@ class Problem:
             tail.append(self.suggestion)
         return "\n    ".join(map(printable, [head, *tail]))
 
-    def as_json(self) -> dict[str, Any]:
-        """The problem as the entry of a report: file, line, column, joint, field, found, accepted, message."""
+    def as_json(self) -> ProblemEntry:
+        """The problem as the entry of a report: file, line, column, place, joint, field, found, accepted, message."""
         return {
             "file": self.mark.file if self.mark else None,
             "line": self.mark.line if self.mark else None,
             "column": self.mark.column if self.mark else None,
+            "place": self.mark.place if self.mark else None,
             "joint": self.joint,
             "field": self.field,
             "found": self.found,

@@ -14,9 +14,10 @@ from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args
 
 from dh2urdf.columns import ManipulatorColumns, RobotColumns
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.table_text import TableText, WrittenTable
+from dh2urdf.table_text import CellRow, TableText, WrittenTable
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 T = TypeVar("T")
@@ -36,11 +37,13 @@ class Rejected:
         name: its name, as far as it could be read.
         problems: everything that is wrong with it, in the order of the file.
         mark: its place in the file.
+        notices: what a careful person would look at besides, in the order of the file.
     """
 
     name: str
     problems: tuple[Problem, ...]
     mark: Mark | None = None
+    notices: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,8 +58,13 @@ class Reader(Generic[O]):
         read: yields the manipulators of a file one by one, without holding them.
         schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
         write: the file of a table as its author typed it, which `read` reads. None where the format is only read.
+        trace: reads a file as `read` does, and before each manipulator fills a trace with what its cells say, which
+            `dh2urdf info` shows. None where the reader does not know it.
         texts: the tables of a file as their authors typed them, as far as that can be told; what it gives is taken only
             where `write` and `read` make the same manipulator of it. None where the format has no such texts.
+        read_cells: yields the manipulators of rows of cells that come from no file, such as those of a DataFrame, as
+            `read` does those of a file. It takes the rows from the top, comments and header included, and what messages
+            name as the file. `Catalog.cell_reader` finds the reader that has it; None for all others.
 
     `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
     one manipulator of several cannot.
@@ -70,6 +78,8 @@ class Reader(Generic[O]):
     schema: Callable[[], dict[str, Any]] | None = None
     write: Callable[[TableText], WrittenTable] | None = None
     texts: Callable[[Path], Iterator[TableText]] | None = None
+    trace: Callable[[Path, O, Trace], Iterator[Manipulator | Rejected]] | None = None
+    read_cells: Callable[[Iterable[CellRow], str, O], Iterator[Manipulator | Rejected]] | None = None
 
 
 def _always(_options: object) -> bool:
@@ -187,6 +197,8 @@ class Emitter(Generic[O]):
             that a person opens. It writes nothing itself: the pipeline writes all of them whole, or none.
         read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
             every run compares its kinematics with the DH product. None where the format cannot be read.
+        read_foreign: the same of a file of unknown origin, which must not be trusted: `dh2urdf view`. None where
+            `read_back` does nothing but read.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
         emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
@@ -195,6 +207,9 @@ class Emitter(Generic[O]):
         read_columns: the robots that many main files describe, in groups whose members differ in numbers only, each
             with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
             nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
+        notices: what a person should know of the files of a robot before using them, as notices; called before they are
+            made. Of robots that differ in numbers only, it is called for one, and its notices hold for all: it may
+            depend on which links, joints, shapes and masses there are, not on their numbers.
         check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
             findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
     """
@@ -205,11 +220,13 @@ class Emitter(Generic[O]):
     options: type[O]
     suffixes: tuple[str, ...]
     read_back: Callable[[Path], Robot] | None = None
+    read_foreign: Callable[[Path], Robot] | None = None
     one_file: Callable[[O], O] | None = None
     costly_proof: bool = False
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
     check: Callable[[Path], Inspection] | None = None
+    notices: Callable[[Robot, O], Sequence[Problem]] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,19 +10,19 @@ import json
 import math
 import re
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.number_text import format_number
-from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.units import UNITS, Dimension, Unit
 
 if TYPE_CHECKING:
-    from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator
-    from dh2urdf.source import Mark
+    from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
+    from dh2urdf.source import Mark, Problem
 
 FIELDS = (
     *("joint", "link", "type", "a", "alpha", "d", "theta", "offset", "sign", "lower", "upper", "velocity", "effort"),
@@ -30,7 +30,10 @@ FIELDS = (
     *("radius", "damping", "friction", "armature"),
 )
 """The fields of a row, in the order of their columns."""
+MESHES = ("visual", "collision")
+"""What a row may say besides, as YAML."""
 REQUIRED = ("a", "alpha", "d")
+_INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 _LENGTHS = frozenset(("a", "d", "com_x", "com_y", "com_z", "radius"))
 _ANGLES = frozenset(("alpha", "theta"))
@@ -51,8 +54,12 @@ class TableText:
         angle_unit: the unit of angles without one.
         base: the base transform, as YAML.
         tool: the tool transform, as YAML.
+        payload: what the arm carries, as YAML.
         defaults: geometry and density of all links, as YAML.
-        rows: a mapping for each joint, from the base outwards: names of `FIELDS`, and texts that are not empty.
+        visuals: ``all`` or ``none``: whether links are seen.
+        collisions: ``all`` or ``none``: whether links touch.
+        rows: a mapping for each joint, from the base outwards: names of `FIELDS`, and texts that are not empty; besides
+            them ``visual`` and ``collision``, the meshes of the link as YAML, which formats of cells have no place for.
     """
 
     name: str = ""
@@ -61,13 +68,31 @@ class TableText:
     angle_unit: str = "rad"
     base: str = ""
     tool: str = ""
+    payload: str = ""
     defaults: str = ""
+    visuals: str = ""
+    collisions: str = ""
     rows: tuple[Mapping[str, str], ...] = ()
 
     def columns(self) -> tuple[str, ...]:
         """The fields that a row says anything in, and those that every table has."""
         used = {field for row in self.rows for field in row}
         return tuple(field for field in FIELDS if field in used or field in REQUIRED)
+
+
+class CellRow(NamedTuple):
+    """A row of a table as its container has it, before anything of it is understood.
+
+    Attributes:
+        cells: what each cell holds: a text, a number, a truth value, or None where it is empty; a `Problem` where the
+            container has something that is none of them, such as a date. It is an error if a field is read from there.
+        mark: the row's place.
+        marks: the place of each cell; the row's place holds for all of them where there are none.
+    """
+
+    cells: Sequence[str | float | Problem | None]
+    mark: Mark
+    marks: Sequence[Mark] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,6 +148,8 @@ def table_text(manipulator: Manipulator, length_unit: str = "m", angle_unit: str
         angle_unit: the unit to write angles in.
     """
     length, angle = UNITS[length_unit], UNITS[angle_unit]
+    # A column of links has a name in every row.
+    has_links = any(row.link != f"link_{number}" for number, row in enumerate(manipulator.rows, start=1))
     return TableText(
         name=manipulator.name,
         convention=str(manipulator.convention),
@@ -134,10 +161,14 @@ def table_text(manipulator: Manipulator, length_unit: str = "m", angle_unit: str
             angle,
             mass=manipulator.base_mass,
             geometry=manipulator.base_geometry,
+            others=[f"{key}: {mesh}" for key, mesh in _meshes(manipulator, length, angle, "base_").items()],
         ),
         tool=transform_text(manipulator.tool, length, angle),
-        defaults=_mapping(_geometry(manipulator.geometry, length), _density(manipulator.density)),
-        rows=tuple(_row_text(row, number, length, angle) for number, row in enumerate(manipulator.rows, start=1)),
+        payload=_payload(manipulator.payload, length),
+        defaults=_mapping(_geometry(manipulator.geometry, length), _number_entry("density", manipulator.density)),
+        visuals=_drawn(manipulator.visuals),
+        collisions=_drawn(manipulator.collisions),
+        rows=tuple(_row_text(row, length, angle, link=row.link if has_links else "") for row in manipulator.rows),
     )
 
 
@@ -159,6 +190,7 @@ def transform_text(
     *,
     mass: float | None = None,
     geometry: LinkGeometry | None = None,
+    others: Sequence[str] = (),
 ) -> str:
     """A rigid transform as YAML in one line, as tables have it; empty where there is nothing to say.
 
@@ -168,17 +200,41 @@ def transform_text(
         angle: the unit of angles.
         mass: mass of the base's body [kg].
         geometry: shape of the base's body.
+        others: further entries of the mapping, as YAML.
     """
-    body = [*(["mass: " + format_number(mass)] if mass is not None else ()), _geometry(geometry, length)]
+    body = [_number_entry("mass", mass), _geometry(geometry, length), *others]
     if transform == IDENTITY:
         return _mapping(*body)
-    xyz, rpy = transform.translation, transform.rpy
+    xyz, rpy = transform.translation, _exact_rpy(transform)
+    if rpy is None and not any(body):
+        return _matrix(transform, length)
+    rpy = rpy or transform.rpy
     entries = []
     if any(xyz):
         entries.append(f"xyz: [{', '.join(number_in(value, length) for value in xyz)}]")
     if any(rpy):
         entries.append(f"rpy: [{', '.join(number_in(value, angle) for value in rpy)}]")
     return _mapping(*entries, *body)
+
+
+def _exact_rpy(transform: RigidTransform) -> Vec3 | None:
+    """The angles that a transform is made of to the last bit; None where none are found."""
+    for digits in (17, 9, 12, 14, 15, 16):
+        roll, pitch, yaw = (float(f"{angle:.{digits}g}") for angle in transform.rpy)
+        if RigidTransform.from_xyz_rpy(transform.translation, (roll, pitch, yaw)) == transform:
+            return (roll, pitch, yaw)
+    return None
+
+
+def _matrix(transform: RigidTransform, length: Unit) -> str:
+    """A rigid transform as four rows of four numbers."""
+    r, t = transform
+    rows = [[*map(format_number, r[3 * row : 3 * row + 3]), number_in(t[row], length)] for row in range(3)]
+    return f"[{', '.join(f'[{_listed(row)}]' for row in (*rows, ['0', '0', '0', '1']))}]"
+
+
+def _listed(words: Iterable[str]) -> str:
+    return ", ".join(words)
 
 
 def dimension_of(field: str, kind: JointType) -> Dimension | None:
@@ -206,10 +262,10 @@ def unit_of(dimension: Dimension, length: Unit, angle: Unit) -> Unit:
             return UNITS[f"{angle.symbol}/s"]
 
 
-def _row_text(row: DHRow, number: int, length: Unit, angle: Unit) -> Mapping[str, str]:
+def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> Mapping[str, str]:
     texts = {"joint": row.joint, "type": str(row.type)}
-    if row.link != f"link_{number}":
-        texts["link"] = row.link
+    if link:
+        texts["link"] = link
     for field, value in _values(row).items():
         if value is not None:
             dimension = dimension_of(field, row.type)
@@ -217,7 +273,7 @@ def _row_text(row: DHRow, number: int, length: Unit, angle: Unit) -> Mapping[str
             texts[field] = number_in(value, unit) if unit else format_number(value)
     if row.type is JointType.FIXED:
         texts = {field: text for field, text in texts.items() if field not in ("lower", "upper", "velocity", "effort")}
-    return {field: texts[field] for field in FIELDS if field in texts}
+    return {field: texts[field] for field in FIELDS if field in texts} | _meshes(row, length, angle)
 
 
 def _values(row: DHRow) -> dict[str, float | None]:
@@ -230,7 +286,7 @@ def _values(row: DHRow) -> dict[str, float | None]:
     if com is not None:
         values |= {f"com_{axis}": value for axis, value in zip("xyz", com, strict=True)}
     if inertia is not None:
-        values |= {name: getattr(inertia, name) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
+        values |= {name: getattr(inertia, name) for name in _INERTIA}
     return values
 
 
@@ -262,8 +318,36 @@ def _geometry(geometry: LinkGeometry | None, length: Unit) -> str:
     return f"geometry: {_mapping(shape, radius)}"
 
 
-def _density(density: float | None) -> str:
-    return f"density: {format_number(density)}" if density is not None else ""
+def _payload(payload: Payload | None, length: Unit) -> str:
+    if payload is None:
+        return ""
+    com = f"com: [{', '.join(number_in(value, length) for value in payload.com)}]" if any(payload.com) else ""
+    tensor = {name: getattr(payload.inertia, name) for name in _INERTIA} if payload.inertia else {}
+    # With its unit: beside lengths in mm, a bare number is refused.
+    said = (f"{name}: {format_number(value)} kg·m²" for name, value in tensor.items() if value or name in _INERTIA[:3])
+    return _mapping(f"mass: {format_number(payload.mass)}", com, f"inertia: {_mapping(*said)}" if tensor else "")
+
+
+def _number_entry(key: str, value: float | None) -> str:
+    return f"{key}: {format_number(value)}" if value is not None else ""
+
+
+def _meshes(record: DHRow | Manipulator, length: Unit, angle: Unit, prefix: str = "") -> dict[str, str]:
+    """The meshes of a link or of the base as YAML, by key."""
+    shapes: dict[str, MeshShape | None] = {key: getattr(record, prefix + key) for key in MESHES}
+    return {key: _mesh(shape, length, angle) for key, shape in shapes.items() if shape is not None}
+
+
+def _mesh(shape: MeshShape, length: Unit, angle: Unit) -> str:
+    """The mesh of a link as YAML in one line."""
+    entries = [f"file: {yaml_word(shape.file.path)}"]
+    if shape.scale != (1.0, 1.0, 1.0):
+        entries.append(f"scale: [{_listed(map(format_number, shape.scale))}]")
+    return transform_text(shape.pose, length, angle, others=entries)
+
+
+def _drawn(whether: bool | None) -> str:  # noqa: FBT001 - a field of three values
+    return "" if whether is None else "all" if whether else "none"
 
 
 def _mapping(*entries: str) -> str:

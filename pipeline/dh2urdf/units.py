@@ -1,19 +1,30 @@
-"""Units of measure, and what their words mean."""
+"""Units of measure, and what their words mean.
+
+Every factor is an exact fraction, so that a number of any unit is the double nearest to its value in SI units. Angles
+are the exception that no fraction can have: they are quarter turns first, so that 90° is the double π/2.
+"""
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
 from dataclasses import dataclass
 from enum import StrEnum
+from fractions import Fraction
+from functools import lru_cache
 from typing import NamedTuple
 
+from dh2urdf.patterns import late_pattern
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown
 
 
 class Dimension(StrEnum):
-    """What a quantity measures."""
+    """What a quantity measures.
+
+    `EFFORT` is a force or a torque, for whoever does not know yet what a joint does; `FORCE` and `TORQUE` are one each.
+    """
 
     NUMBER = "a bare number"
     LENGTH = "a length"
@@ -22,30 +33,53 @@ class Dimension(StrEnum):
     TURN_RATE = "an angular speed"
     MASS = "a mass"
     EFFORT = "a force or torque"
-    DAMPING = "a coefficient of friction"
+    FORCE = "a force"
+    TORQUE = "a torque"
+    DAMPING = "a rotational damping"
+    LINEAR_DAMPING = "a linear damping"
     INERTIA = "a moment of inertia"
+    DENSITY = "a density"
 
     @property
     def plain(self) -> str:
         """The words without their article."""
         return self.split(" ", 1)[1]
 
+    def holds(self, other: Dimension) -> bool:
+        """Whether a quantity of another dimension is one of this."""
+        return self is other or (self is Dimension.EFFORT and other in (Dimension.FORCE, Dimension.TORQUE))
+
 
 @dataclass(frozen=True, slots=True)
 class Unit:
     """A unit of measure.
 
+    A number of it is number · factor · 10^power of the SI unit. Where it counts parts of a turn, a number of it is
+    number / parts quarter turns.
+
     Attributes:
         symbol: how messages write it.
         dimension: what it measures.
         power: the power of ten that it is of the SI unit [1].
-        degrees: whether it counts degrees in place of radians.
+        factor: what else it is of the SI unit [1].
+        parts: how many of it a quarter turn has, or a quarter turn per second; None for what is no part of a turn.
     """
 
     symbol: str
     dimension: Dimension
     power: int = 0
-    degrees: bool = False
+    factor: Fraction = Fraction(1)
+    parts: float | None = None
+
+    @property
+    def degrees(self) -> bool:
+        """Whether it counts degrees in place of radians."""
+        return self.parts == _DEGREES
+
+    @property
+    def is_si(self) -> bool:
+        """Whether its numbers are those of the SI unit."""
+        return self.power == 0 and self.factor == 1 and self.parts is None
 
     def si(self, number: float, decimal: Decimal | None = None) -> float:
         """A number of this unit in SI units [m, rad, kg, s].
@@ -54,8 +88,20 @@ class Unit:
             number: how many.
             decimal: the text that the number was read from, where it is a bare decimal number.
         """
-        if self.degrees:
-            return number / 90 * HALF_PI  # a multiple of 90 is a whole number of quarter turns, to the last bit
+        if self.parts is not None:
+            return number / self.parts * HALF_PI  # a multiple of 90° is whole quarter turns, to the last bit
+        if self.factor == 1:
+            return self._shifted(number, decimal)
+        if number == 0 or not math.isfinite(number):
+            return number
+        exact = Fraction(number) if decimal is None else Fraction(decimal.digits) * Fraction(10) ** decimal.exponent
+        try:
+            return float(exact * self.factor * Fraction(10) ** self.power)
+        except OverflowError:
+            return math.copysign(math.inf, number)
+
+    def _shifted(self, number: float, decimal: Decimal | None) -> float:
+        """A number times the power of ten."""
         if self.power == 0:
             return number
         if decimal is not None:
@@ -69,55 +115,175 @@ class Decimal(NamedTuple):
     digits: str
     exponent: int
 
+    @property
+    def is_zero(self) -> bool:
+        """Whether the number is 0, whatever a double can hold of it."""
+        return not self.digits.strip("+-0.")
+
+
+# --- Words ------------------------------------------------------------------------------------------------------------
+
+_DEGREES = 90.0
+_POWERS = {"k": 3, "": 0, "c": -2, "m": -3, "µ": -6}
+_SECONDS = {"s": 1, "min": 60}
+_INCH = Fraction(254, 10_000)
+_POUND = Fraction(45_359_237, 100_000_000)
+_GRAVITY = Fraction(980_665, 100_000)
+"""Standard gravity, which makes a force of a mass, by the General Conference on Weights and Measures, 1901 [m/s²]."""
+_INCHES = {"in": 1, "ft": 12}
+_OUNCE = _POUND / 16
+_SLUG = _POUND * _GRAVITY / (12 * _INCH)
+
+
+class _Words:
+    """The units by their words, while they are being defined."""
+
+    def __init__(self) -> None:
+        self.units: dict[str, Unit] = {}
+
+    def define(self, unit: Unit, *words: str) -> None:
+        self.units.update(dict.fromkeys(map(unit_word, (unit.symbol, *words)), unit))
+
+    def lengths(self) -> None:
+        """Lengths, and those that machines move by per second and per minute."""
+        for prefix, spoken in {"": "", "c": "centi", "m": "milli", "µ": "micro"}.items():
+            stems = ("meter", "meters", "metre", "metres")
+            unit = Unit(f"{prefix}m", Dimension.LENGTH, _POWERS[prefix])
+            self.define(unit, *(f"{spoken}{stem}" for stem in stems), *(("um",) if prefix == "µ" else ()))
+            self.speeds(unit, "um" if prefix == "µ" else unit.symbol)
+        for symbol, words in {"in": ("inch", "inches"), "ft": ("foot", "feet")}.items():
+            unit = Unit(symbol, Dimension.LENGTH, factor=_INCHES[symbol] * _INCH)
+            self.define(unit, *words)
+            self.speeds(unit, symbol)
+        self.define(Unit("mil", Dimension.LENGTH, factor=_INCH / 1000), "mils", "thou")
+
+    def speeds(self, length: Unit, word: str) -> None:
+        """A length per second and per minute."""
+        for time, seconds in _SECONDS.items():
+            speed = Unit(f"{length.symbol}/{time}", Dimension.SPEED, length.power, length.factor / seconds)
+            self.define(speed, f"{word}/{time}")
+
+    def angles(self) -> None:
+        """Angles, and each of them per second and per minute."""
+        turns = ("turn", "turns", "revolution", "revolutions")
+        for symbol, parts, words in (
+            ("rad", None, ("radian", "radians")),
+            ("deg", _DEGREES, ("degree", "degrees", "°")),
+            ("rev", 0.25, turns),
+        ):
+            self.define(Unit(symbol, Dimension.ANGLE, parts=parts), *words)
+            for time, seconds in _SECONDS.items():
+                factor = Fraction(1) if parts else Fraction(1, seconds)
+                rate = Unit(f"{symbol}/{time}", Dimension.TURN_RATE, factor=factor, parts=parts and parts * seconds)
+                rates = {"rev/s": ("rps", "U/s"), "rev/min": ("rpm", "1/min", "U/min", "r/min")}
+                self.define(rate, *(f"{word}/{time}" for word in words), *rates.get(rate.symbol, ()))
+
+    def masses(self) -> None:
+        """Masses, moments of inertia and densities."""
+        metric = (("m", 0), ("cm", -2), ("mm", -3))
+        for unit, words, lengths in (
+            (Unit("kg", Dimension.MASS), ("kilogram", "kilograms"), metric),
+            (Unit("g", Dimension.MASS, -3), ("gram", "grams"), metric),
+            (Unit("t", Dimension.MASS, 3), ("tonne", "tonnes"), metric[2:]),
+        ):
+            self.define(unit, *words)
+            for length, power in lengths:
+                self.define(Unit(f"{unit.symbol}·{length}²", Dimension.INERTIA, unit.power + 2 * power))
+        for unit, names, inches in (
+            (Unit("lb", Dimension.MASS, factor=_POUND), ("lbs", "lbm", "pound", "pounds"), ("in", "ft")),
+            (Unit("oz", Dimension.MASS, factor=_OUNCE), ("ounce", "ounces"), ("in",)),
+            (Unit("slug", Dimension.MASS, factor=_SLUG), ("slugs",), ("ft",)),
+        ):
+            self.define(unit, *names)
+            for length in inches:
+                factor = unit.factor * (_INCHES[length] * _INCH) ** 2
+                self.define(Unit(f"{unit.symbol}·{length}²", Dimension.INERTIA, factor=factor))
+        for symbol, power in (("kg/m³", 0), ("g/cm³", 3), ("kg/dm³", 3), ("g/mm³", 6)):
+            self.define(Unit(symbol, Dimension.DENSITY, power))
+        self.define(Unit("lb/in³", Dimension.DENSITY, factor=_POUND / _INCH**3))
+
+    def efforts(self) -> None:
+        """Forces, torques, and what damps with them."""
+        force, torque = Dimension.FORCE, Dimension.TORQUE
+        for prefix in ("", "k", "m"):
+            self.define(Unit(f"{prefix}N", force, _POWERS[prefix]), *(("newton", "newtons") if not prefix else ()))
+            self.define(Unit(f"{prefix}Nm", torque, _POWERS[prefix]))
+        self.define(Unit("N·cm", torque, -2))
+        self.define(Unit("N·mm", torque, -3))
+        self.define(Unit("kgf", force, factor=_GRAVITY), "kp")
+        self.define(Unit("kgf·m", torque, factor=_GRAVITY))
+        self.define(Unit("kgf·cm", torque, factor=_GRAVITY / 100), "kg·cm")
+        self.define(Unit("lbf", force, factor=_POUND * _GRAVITY))
+        self.define(Unit("ozf", force, factor=_OUNCE * _GRAVITY))
+        for symbol, mass, length in (("lbf·in", _POUND, "in"), ("lbf·ft", _POUND, "ft"), ("ozf·in", _OUNCE, "in")):
+            short = symbol.replace("f", "", 1)
+            words = (short, *("·".join(reversed(word.split("·"))) for word in (symbol, short)))
+            self.define(Unit(symbol, torque, factor=mass * _GRAVITY * _INCHES[length] * _INCH), *words)
+        self.define(Unit("N·m·s/rad", Dimension.DAMPING), "N·m·s")
+        self.define(Unit("N·mm·s/rad", Dimension.DAMPING, -3))
+        self.define(Unit("N·s/m", Dimension.LINEAR_DAMPING))
+        self.define(Unit("N·s/mm", Dimension.LINEAR_DAMPING, 3))
+
+
+@lru_cache(maxsize=1024)
+def unit_word(text: str) -> str:
+    """The word of a unit without case, spaces and signs of multiplication: ``kg m^2`` is ``kgm2``."""
+    word = unicodedata.normalize("NFKC", text.replace("º", "°").replace("˚", "°")).casefold().strip()
+    if "per" in word:
+        word = re.sub(r"\s*\bper\s+", "/", word)
+    if "sec" in word:
+        word = re.sub(r"sec(?:onds?)?", "s", word)
+    word = word.replace("minute", "min")
+    if word.endswith("1"):
+        word = re.sub(r"(s|min)\s*\^?\s*[-\N{MINUS SIGN}]1$", r"/\1", word)
+    word = re.sub(r"(?<=\w)-(?=\w)|[\s·⋅∙•*^.]", "", word)
+    return f"1{word}" if word.startswith("/") else word
+
 
 def _units() -> dict[str, Unit]:
-    units: dict[str, Unit] = {}
-
-    def define(unit: Unit, *words: str) -> None:
-        units.update(dict.fromkeys((unit.symbol.casefold(), *words), unit))
-
-    for symbol, power, word in (("m", 0, ""), ("cm", -2, "centi"), ("mm", -3, "milli"), ("µm", -6, "micro")):
-        names = (f"{word}{stem}" for stem in ("meter", "meters", "metre", "metres"))
-        define(Unit(symbol, Dimension.LENGTH, power), *names, *(("um",) if symbol == "µm" else ()))
-        define(Unit(f"{symbol}/s", Dimension.SPEED, power), *(("um/s",) if symbol == "µm" else ()))
-    for symbol, degrees, words in (("rad", False, ("radian", "radians")), ("deg", True, ("degree", "degrees", "°"))):
-        define(Unit(symbol, Dimension.ANGLE, degrees=degrees), *words)
-        define(Unit(f"{symbol}/s", Dimension.TURN_RATE, degrees=degrees), *(f"{word}/s" for word in words))
-    define(Unit("kg", Dimension.MASS))
-    define(Unit("N", Dimension.EFFORT))
-    define(Unit("Nm", Dimension.EFFORT))
-    define(Unit("N·m·s/rad", Dimension.DAMPING), "nms/rad", "nms")
-    define(Unit("N·s/m", Dimension.DAMPING), "ns/m")
-    define(Unit("kg·m²", Dimension.INERTIA), "kgm2")
-    return units
+    words = _Words()
+    for define in (words.lengths, words.angles, words.masses, words.efforts):
+        define()
+    return words.units
 
 
 UNITS = _units()
 """The units by their words, as `unit_word` has these."""
-_SYMBOLS = {
+_MEANT_THERE = {
+    ("nm", Dimension.LENGTH): Unit("nm", Dimension.LENGTH, -9),
+    **{(word, Dimension.FORCE): UNITS["lbf"] for word in ("lb", "lbs", "pound", "pounds")},
+    **{(word, Dimension.FORCE): UNITS["ozf"] for word in ("oz", "ounce", "ounces")},
+}
+"""Words that are another unit where a quantity of some dimension stands."""
+_USUAL = {
     Dimension.NUMBER: "no unit",
     Dimension.LENGTH: "m, cm, mm, µm",
     Dimension.ANGLE: "rad, deg, °",
-    Dimension.SPEED: "m/s, cm/s, mm/s, µm/s",
-    Dimension.TURN_RATE: "rad/s, deg/s, °/s",
-    Dimension.MASS: "kg",
-    Dimension.EFFORT: "N, Nm",
-    Dimension.DAMPING: "N·m·s/rad, N·s/m",
-    Dimension.INERTIA: "kg·m²",
+    Dimension.SPEED: "m/s, cm/s, mm/s, m/min, in/s",
+    Dimension.TURN_RATE: "rad/s, deg/s, °/s, rpm, rev/s",
+    Dimension.MASS: "kg, g, t, lb, oz",
+    Dimension.EFFORT: "N, kN, lbf, Nm, kNm, N·mm, lbf·in",
+    Dimension.FORCE: "N, kN, kgf, lbf",
+    Dimension.TORQUE: "Nm, kNm, N·cm, N·mm, kgf·cm, lbf·in, lbf·ft",
+    Dimension.DAMPING: "N·m·s/rad, N·mm·s/rad",
+    Dimension.LINEAR_DAMPING: "N·s/m, N·s/mm",
+    Dimension.INERTIA: "kg·m², kg·cm², kg·mm², g·cm², g·mm², lb·in²",
+    Dimension.DENSITY: "kg/m³, g/cm³",
 }
 
-
-_CONVERT = "convert the numbers: 1 inch is 25.4 mm, 1 foot is 304.8 mm, 1 gon is 0.9 deg"
-_DEGREES = "write deg for degrees; gradians have to be converted: 1 gon is 0.9 deg"
+_DEGREES_OR_GON = "write deg for degrees; gradians have to be converted: 1 gon is 0.9 deg"
 _MULTIPLES = "write rad, and the multiples of π in the cells: 0.5*pi"
+_PRIMES = "write in, ft or deg"
 _OTHER_UNITS = {
-    **dict.fromkeys(
-        ("in", "inch", "inches", '"', "″", "ft", "foot", "feet", "gon", "gons", "gradian", "gradians"), _CONVERT
-    ),
-    **dict.fromkeys(("grad", "grads", "grado", "grados", "gradi", "degré", "degrés", "grau", "graus"), _DEGREES),
+    **dict.fromkeys(("gon", "gons", "gradian", "gradians"), "convert the numbers: 1 gon is 0.9 deg"),
+    **dict.fromkeys(("grad", "grads", "grado", "grados", "gradi", "degré", "degrés", "grau", "graus"), _DEGREES_OR_GON),
     **dict.fromkeys(("pi", "π", "pirad", "πrad", "radpi", "radπ", "rad/pi", "rad/π", "×π"), _MULTIPLES),
+    **dict.fromkeys(('"', "'", "''", "″", "′", "′′", "“", "”", "’"), _PRIMES),
+    **dict.fromkeys(("hz", "1/s"), "write rev/s, rad/s or deg/s, whichever it is"),
+    **dict.fromkeys(("ton", "tons"), "write t for 1000 kg, or the numbers in kg"),
 }
 """What to do about units that people write and that are none here, by their words as `unit_word` has these."""
+_MEGA = late_pattern(r"M\s*N")
 
 
 class QuantityError(ValueError):
@@ -142,7 +308,13 @@ def accepted_forms(dimension: Dimension) -> str:
     if dimension is Dimension.NUMBER:
         return "a number such as 0.5, or an expression such as 0.1 + 0.02"
     example = "pi/2" if dimension is Dimension.ANGLE else "0.1 + 0.02"
-    return f"a number such as 0.5 or an expression such as {example}, bare or with a unit ({_SYMBOLS[dimension]})"
+    return f"a number such as 0.5 or an expression such as {example}, bare or with a unit ({_USUAL[dimension]})"
+
+
+def accepted_units(dimension: Dimension) -> str:
+    """All units of a dimension, in words."""
+    symbols = (unit.symbol for unit in UNITS.values() if dimension.holds(unit.dimension))
+    return ", ".join(dict.fromkeys(symbols)) or "no unit"
 
 
 def find_unit(text: str, dimension: Dimension) -> Unit:
@@ -153,27 +325,52 @@ def find_unit(text: str, dimension: Dimension) -> Unit:
         dimension: what it has to measure.
 
     Raises:
-        QuantityError: it is no unit, or one of something else.
+        QuantityError: it is no unit, one of something else, or one of two that differ in case only.
+    """
+    unit = unit_where(text, dimension)
+    if unit is None:
+        raise unknown_unit(text, dimension)
+    if not dimension.holds(unit.dimension):
+        message = f"{shown(text)} is a unit of {unit.dimension.plain}, and one of {dimension.plain} is needed"
+        raise QuantityError(message, accepted_units(dimension))
+    return unit
+
+
+def unit_where(text: str, dimension: Dimension) -> Unit | None:
+    """The unit of any dimension that a word stands for where some dimension is wanted; None where it is no unit.
+
+    Args:
+        text: the word. ``nm`` is a nanometre where a length is wanted, ``lb`` a pound-force where a force is.
+        dimension: what is wanted.
+
+    Raises:
+        QuantityError: it is one of two units that differ in case only.
     """
     word = unit_word(text)
     unit = UNITS.get(word)
-    if unit is None:
-        near = _OTHER_UNITS.get(word) or did_you_mean(
-            word, [word for word, unit in UNITS.items() if unit.dimension is dimension]
-        )
-        raise QuantityError(f"{shown(text)} is no unit of {dimension.plain} that is known", _SYMBOLS[dimension], near)
-    if unit.dimension is not dimension:
-        message = f"{shown(text)} is a unit of {unit.dimension.plain}, and one of {dimension.plain} is needed"
-        raise QuantityError(message, _SYMBOLS[dimension])
-    return unit
+    if unit and word.startswith("mn") and _MEGA.match(text.strip()):
+        milli = unit.symbol
+        message = f"{shown(text)} may be M{milli[1:]} or {milli}, a thousandth"
+        raise QuantityError(message, accepted_units(dimension), f"write {milli}, or the numbers in k{milli[1:]}")
+    there = _MEANT_THERE.get((word, dimension))
+    if there and word == "nm" and text.strip() != "nm":
+        return unit  # N m and Nm are no lengths
+    return there or unit
+
+
+def unknown_unit(text: str, dimension: Dimension) -> QuantityError:
+    """What is wrong with a word that is no unit."""
+    word = unit_word(text)
+    advice = _OTHER_UNITS.get(word) or did_you_mean(
+        word, [word for word, unit in UNITS.items() if dimension.holds(unit.dimension)]
+    )
+    if re.fullmatch(r".*/s(2|/s)", word):
+        advice = "a table has no field for accelerations: leave the column out"
+    return QuantityError(
+        f"{shown(text)} is no unit of {dimension.plain} that is known", accepted_units(dimension), advice
+    )
 
 
 def is_unit(text: str) -> bool:
     """Whether a word is a unit of any dimension."""
     return unit_word(text) in UNITS
-
-
-def unit_word(text: str) -> str:
-    """The word of a unit without case, spaces and signs of multiplication: ``kg m^2`` is ``kgm2``."""
-    word = unicodedata.normalize("NFKC", re.sub("[º˚]", "°", text)).casefold()
-    return re.sub(r"[\s·⋅*^.]", "", word).replace("sec", "s")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.columns import ManipulatorColumns, row_places
 from dh2urdf.variations import FIELDS, Variation, changed, drawn_notices
 
@@ -41,7 +41,7 @@ def variant_columns(
         values = {name: np.array([own[factor.key] for own in drawn], dtype=float) for name, factor in factors.items()}
         rows[index] = changed(rows[index], values)
         sure &= _is_possible(rows[index], values)
-    table = replace(
+    table = replace_unchecked(
         nominal, name="", rows=tuple(rows), mark=None, notices=(*nominal.notices, *drawn_notices(changes, rows))
     )
     columns = ManipulatorColumns(

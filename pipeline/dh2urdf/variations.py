@@ -12,6 +12,7 @@ from dataclasses import field as attribute
 from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.laws import Grid, Law, Value
@@ -75,11 +76,11 @@ FIELDS = {
     "lower": Field(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
     "upper": Field(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
     "velocity": Field(Dimension.TURN_RATE, Dimension.SPEED, types=_MOVING, positive=True),
-    "effort": Field(Dimension.EFFORT, types=_MOVING, positive=True),
+    "effort": Field(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, positive=True),
     "mass": Field(Dimension.MASS, positive=True),
     "radius": Field(Dimension.LENGTH, positive=True),
-    "damping": Field(Dimension.DAMPING, types=_MOVING, negative=False),
-    "friction": Field(Dimension.EFFORT, types=_MOVING, negative=False),
+    "damping": Field(Dimension.DAMPING, Dimension.LINEAR_DAMPING, types=_MOVING, negative=False),
+    "friction": Field(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, negative=False),
     "armature": Field(Dimension.INERTIA, Dimension.MASS, types=_MOVING, negative=False),
     TYPE: Field(None),
     AXES: Field(None),
@@ -302,7 +303,7 @@ def changed(row: DHRow, values: Mapping[str, Any]) -> DHRow:
     """A row with other values, each a number or, but for types, a column of numbers."""
     if TYPE in values:
         geometry: dict[str, Any] = {name: _number(values[name]) for name in GEOMETRY if name in values}
-        row = retyped(replace(row, **geometry), JointType(str(values[TYPE])))
+        row = retyped(replace_unchecked(row, **geometry), JointType(str(values[TYPE])))
         values = {name: value for name, value in values.items() if name != TYPE and name not in geometry}
     limits = {name: _number(values[name]) for name in LIMITS if name in values}
     changes: dict[str, Any] = {name: _number(value) for name, value in values.items() if name not in limits}
@@ -310,7 +311,9 @@ def changed(row: DHRow, values: Mapping[str, Any]) -> DHRow:
     if "mass" in changes and row.mass and inertia:
         ratio = changes["mass"] / row.mass
         inertia = Inertia(**{part.name: getattr(inertia, part.name) * ratio for part in fields(inertia)})
-    return replace(row, **changes, limits=replace(row.limits, **limits) if limits else row.limits, inertia=inertia)
+    return replace_unchecked(
+        row, **changes, limits=replace(row.limits, **limits) if limits else row.limits, inertia=inertia
+    )
 
 
 def _number(value: Any) -> Any:  # noqa: ANN401 - a number, or a column of numbers

@@ -32,6 +32,7 @@ class Node:
         text: what a scalar says, before it became a number or a truth value; None for a mapping or a list.
         quoted: whether a scalar stands in quotes or is a block of text, so that it can only be a string.
         key_places: line and column of each key of a mapping.
+        place: the place of a value that stands in a cell, as the file's format names it; see `Mark.place`.
     """
 
     value: Value
@@ -41,11 +42,12 @@ class Node:
     text: str | None = None
     quoted: bool = False
     key_places: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    place: str | None = None
 
     @property
     def mark(self) -> Mark:
         """Where the value starts."""
-        return Mark(file=self.file, line=self.line or None, column=self.column or None)
+        return Mark(file=self.file, line=self.line or None, column=self.column or None, place=self.place)
 
     @property
     def key_marks(self) -> dict[str, Mark]:
@@ -56,7 +58,7 @@ class Node:
         """Where a key of the mapping stands; where it stands nowhere, its value's place."""
         if key in self.key_places:
             line, column = self.key_places[key]
-            return Mark(file=self.file, line=line, column=column)
+            return Mark(file=self.file, line=line, column=column, place=self.place)
         if isinstance(self.value, dict) and key in self.value:
             return self.value[key].mark
         return self.mark

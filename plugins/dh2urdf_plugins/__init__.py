@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 @hookimpl
 def dh2urdf_readers() -> Iterable[Reader[Any]]:
-    """Tables as CSV, as Parquet and as YAML."""
-    from dh2urdf_plugins.readers import csv, parquet, yaml
+    """Tables as CSV, as Parquet, as workbooks and as YAML."""
+    from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 
-    return (csv.READER, parquet.READER, yaml.READER)
+    return (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
 
 
 @hookimpl

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf import unchecked_records as own
 from dh2urdf.errors import ProofError
-from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.manipulator import JointType
 from dh2urdf.robot import (
     Box,
-    Collision,
     Cylinder,
     Inertial,
     Joint,
@@ -99,13 +99,13 @@ class _UrdfReader:
 
     def _link(self, element: etree._Element) -> Link:
         inertial = element.find("inertial")
-        return Link(
+        return own.link(
             name=self._text(element, "name"),
             inertial=None if inertial is None else self._inertial(inertial),
             visuals=tuple([self._visual(visual) for visual in element.iterchildren("visual")]),
             collisions=tuple(
                 [
-                    Collision(geometry=self._geometry(collision), origin=self._origin(collision))
+                    own.collision(geometry=self._geometry(collision), origin=self._origin(collision))
                     for collision in element.iterchildren("collision")
                 ]
             ),
@@ -120,16 +120,16 @@ class _UrdfReader:
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
             direction = X_AXIS if axis is None else self._vector(axis, "xyz", X_AXIS)
-        return Joint(
+        return own.joint(
             name=self._text(element, "name"),
             type=kind,
             parent=self._text(self._child(element, "parent"), "link"),
             child=self._text(self._child(element, "child"), "link"),
             origin=self._origin(element),
             axis=direction,
-            limits=Limits()
+            limits=own.limits()
             if limit is None
-            else Limits(
+            else own.limits(
                 lower=self._optional(limit, "lower"),
                 upper=self._optional(limit, "upper"),
                 velocity=self._optional(limit, "velocity"),
@@ -149,15 +149,15 @@ class _UrdfReader:
             R = rotation_from_rpy(origin.rpy)
             turned = multiply(multiply(R, (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)), transpose(R))
             ixx, ixy, ixz, _, iyy, iyz, _, _, izz = turned
-        return Inertial(
+        return own.inertial(
             mass=self._number(self._child(element, "mass"), "value"),
             com=origin.xyz,
-            inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz),
+            inertia=own.inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz),
         )
 
     def _visual(self, element: etree._Element) -> Visual:
         material = element.find("material")
-        return Visual(
+        return own.visual(
             geometry=self._geometry(element),
             origin=self._origin(element),
             material=None if material is None else self._material(material),
@@ -194,8 +194,8 @@ class _UrdfReader:
     def _origin(self, parent: etree._Element) -> Origin:
         origin = parent.find("origin")
         if origin is None:
-            return Origin()
-        return Origin(xyz=self._vector(origin, "xyz", ZERO), rpy=self._vector(origin, "rpy", ZERO))
+            return own.origin()
+        return own.origin(xyz=self._vector(origin, "xyz", ZERO), rpy=self._vector(origin, "rpy", ZERO))
 
     def _child(self, element: etree._Element, tag: str) -> etree._Element:
         child = element.find(tag)

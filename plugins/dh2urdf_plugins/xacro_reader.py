@@ -1,4 +1,4 @@
-"""Reads a xacro back into a robot, as the real xacro expands it."""
+"""Reads a xacro into a robot, as the real xacro expands it: one of our own in this process, a stranger's in a fence."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import ProofError
 from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.urdf_reader import parse_urdf
+from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,8 +32,19 @@ def read_xacro(path: Path) -> Robot:
     return parse_urdf(expand(path), f"{path} (expanded)")
 
 
+def read_foreign_xacro(path: Path) -> Robot:
+    """The robot of a xacro file of unknown origin, expanded where it can do no harm.
+
+    Raises:
+        ProofError: xacro cannot expand the file, something in it is refused, or what comes out is no robot's URDF.
+    """
+    return parse_urdf(expand_foreign(path), f"{path} (expanded)")
+
+
 def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:
-    """The text that the real xacro makes of a file.
+    """The text that the real xacro makes of a file that this project wrote.
+
+    It evaluates the expressions of the file as Python does, in this process: `expand_foreign` is for all other files.
 
     Args:
         path: the file.

@@ -27,7 +27,7 @@ def table(names: Sequence[str]) -> str:
     """Arms of one joint, or of two where the name begins with `long`; one whose name begins with `bad` is none."""
     lines = []
     for number, name in enumerate(names):
-        lines.append(f"{name},{'x' if name.startswith('bad') else number / 1000},0,0\n")
+        lines.append(f"{name},{'x' if name.startswith('bad') else number / 10},0,0\n")
         if name.startswith("long"):
             lines.append(f"{name},0.5,0,0\n")
     return HEADER + "".join(lines)

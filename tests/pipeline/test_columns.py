@@ -1,15 +1,14 @@
 from __future__ import annotations
 
-import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.columns import RobotColumns, columns_of, in_columns, replaced
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark, Problem
@@ -47,7 +46,7 @@ def tables(draw: st.DrawFn) -> Manipulator:
                 a=a,
                 alpha=b,
                 sign=draw(st.sampled_from([1, -1])),
-                limits=maybe(Limits(lower=c, upper=d)) or Limits(),
+                limits=maybe(Limits(lower=min(c, d), upper=max(c, d))) or Limits(),
                 mass=maybe(a),
                 com=maybe((a, b, 0.0)),
                 inertia=maybe(Inertia(ixx=a, iyy=b, izz=c, iyz=d)),
@@ -59,7 +58,7 @@ def tables(draw: st.DrawFn) -> Manipulator:
         "geometry": LinkGeometry(shape=draw(st.sampled_from([None, "box"]))),
         "mark": Mark(file="arms.csv", line=draw(st.integers(1, 99))),
     }
-    return table(*rows, name=draw(st.text(max_size=3)), **more)
+    return table(*rows, name=draw(st.text(min_size=1, max_size=3).filter(str.strip)), **more)
 
 
 class TestManipulatorsInColumns:
@@ -112,6 +111,8 @@ class TestManipulatorsInColumns:
             table(base_geometry=LinkGeometry(radius=0.1)),
             table(density=1.0),
             table(base_mass=1.0),
+            table(payload=Payload(mass=1.0)),
+            table(payload=Payload(mass=2.0)),
             table(notices=(Problem(message="something to say", severity="notice"),)),
         ]
         assert [places for places, _ in in_columns(different)] == [[k] for k in range(len(different))]
@@ -155,14 +156,12 @@ class TestRobotsInColumns:
         assert robots.pick(1).links[1].collisions == self.shapes
 
 
-@given(st.lists(st.floats(), min_size=1, max_size=4))
+@given(st.lists(NUMBERS, min_size=1, max_size=4))
 def test_a_record_without_columns_is_itself(numbers: Sequence[float]) -> None:
     """Nothing is copied that need not be, and nothing but columns is touched."""
-    record = table(
-        row(a=numbers[0], com=(0.0, numbers[-1], math.inf)), tool=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0))
-    )
+    record = table(row(a=numbers[0], com=(0.0, numbers[-1], 1.0)), tool=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0)))
     assert replaced(record, lambda _: 0.0) is record
     assert columns_of(record) == []
-    with_column = replace(record, rows=(replace(record.rows[0], d=np.array([1.0, 2.0])),))
+    with_column = replace_unchecked(record, rows=(replace_unchecked(record.rows[0], d=np.array([1.0, 2.0])),))
     assert [column.tolist() for column in columns_of(with_column)] == [[1.0, 2.0]]
     assert replaced(with_column, lambda _: 0.0).tool is record.tool

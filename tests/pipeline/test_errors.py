@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import inspect
 import pickle
+from typing import Literal
 
 import pytest
 
@@ -23,6 +24,9 @@ from dh2urdf.errors import (
     OutputError,
     PluginError,
     ProofError,
+    RecordError,
+    RecordTypeError,
+    RecordValueError,
     RobotError,
     StageConflictError,
     StageError,
@@ -36,6 +40,7 @@ from dh2urdf.source import Mark, Problem
 PROBLEM = Problem(message="m", mark=Mark(file="a.csv", line=1), joint="j")
 EVERY_ERROR = [
     *(kind([PROBLEM]) for kind in (InputError, ConfigError, TableError, OutputError, ExecutorError)),
+    *(kind([PROBLEM]) for kind in (RecordError, RecordTypeError, RecordValueError)),
     *(
         kind([PROBLEM])
         for kind in (ManipulatorError, TransformError, RobotError, EmitterError, ProofError, LoaderError)
@@ -120,6 +125,29 @@ class TestLists:
         assert len(lines) == SCREENFUL + 1
         assert lines[-1] == last
         assert len(error.problems) == SCREENFUL + more
+
+    def test_notices_stand_among_them_in_the_order_of_the_file(self) -> None:
+        """What a careful person would look at is said beside what is wrong, and lost on no way to another process."""
+
+        def at(line: int, severity: Literal["error", "notice"]) -> Problem:
+            return Problem(message=f"line {line}", severity=severity, mark=Mark(file="a.csv", line=line))
+
+        error = TableError([at(2, "error"), at(4, "error")], [at(1, "notice"), at(3, "notice")])
+        for each in (error, pickle.loads(pickle.dumps(error))):  # noqa: S301 - made here
+            assert str(each).splitlines() == [
+                "a.csv:1: notice: line 1",
+                "a.csv:2: error: line 2",
+                "a.csv:3: notice: line 3",
+                "a.csv:4: error: line 4",
+            ]
+            assert [problem.message for problem in each.notices] == ["line 1", "line 3"]
+
+    def test_no_error_is_scrolled_away_by_notices(self) -> None:
+        """Each kind has a screenful of its own, and the rest of each is counted."""
+        notices = [Problem(message="look", severity="notice")] * (SCREENFUL + 2)
+        lines = str(TableError("wrong", notices)).splitlines()
+        assert lines.count("notice: look") == SCREENFUL
+        assert lines[-2:] == ["error: wrong", "and 2 more notices"]
 
 
 class TestMessages:

@@ -20,6 +20,7 @@ from dh2urdf.manipulator import (
     Manipulator,
     MeshFile,
     MeshShape,
+    Payload,
 )
 from dh2urdf.registry import load
 from dh2urdf.rotations import RigidTransform
@@ -116,6 +117,11 @@ OTHERS = [
     replace(ARM, geometry=LinkGeometry(radius=0.05)),
     replace(ARM, density=1000.0),
     replace(ARM, base_mass=4.0),
+    replace(ARM, base_mass=0.0),
+    replace(ARM, payload=Payload(mass=2.0)),
+    replace(ARM, payload=Payload(mass=3.0)),
+    replace(ARM, payload=Payload(mass=2.0, com=(0.0, 0.0, 0.1))),
+    replace(ARM, payload=Payload(mass=2.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))),
     replace(ARM, base_geometry=LinkGeometry(shape="box")),
     replace(ARM, base_visual=MESH),
     replace(ARM, base_collision=MESH),
@@ -129,6 +135,12 @@ OTHERS = [
     replace(ARM, notices=(Problem(message="read with care", severity="notice"),)),
 ]
 """Manipulators each of which differs from `ARM` in one thing."""
+
+
+def test_every_field_of_a_manipulator_is_among_the_differences() -> None:
+    """A field that is added has to be added here, and to the key."""
+    names = {field.name for field in fields(Manipulator)} - {"mark"}
+    assert {name for name in names for other in OTHERS if getattr(other, name) != getattr(ARM, name)} == names
 
 
 def test_whatever_differs_in_a_table_gives_another_key() -> None:

@@ -127,8 +127,8 @@ def arm(*rows: DHRow, convention: Convention = STANDARD, **more: RigidTransform)
     return Manipulator(name="arm", convention=convention, rows=rows, **more)
 
 
-def row(**fields: object) -> DHRow:
-    return DHRow(**({"joint": "j", "link": "l", "a": 0.0, "alpha": 0.0, "d": 0.0} | fields))  # type: ignore[arg-type]
+def row(number: int = 1, **fields: object) -> DHRow:
+    return DHRow(**({"joint": f"j{number}", "link": f"l{number}", "a": 0.0, "alpha": 0.0, "d": 0.0} | fields))  # type: ignore[arg-type]
 
 
 class TestPublishedRobots:
@@ -234,7 +234,7 @@ class TestForwardKinematics:
         """The reach is the sum of base, a, d with a prismatic offset, and tool."""
         table = arm(
             row(a=0.5),
-            row(type=JointType.PRISMATIC, d=0.1, offset=0.2),
+            row(2, type=JointType.PRISMATIC, d=0.1, offset=0.2),
             base=RigidTransform.from_xyz_rpy((3.0, 4.0, 0.0)),
             tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 1.0)),
         )
@@ -243,13 +243,13 @@ class TestForwardKinematics:
     @pytest.mark.parametrize("q", [[], [0.0], [0.0] * 3])
     def test_a_joint_vector_of_another_length_is_refused(self, q: list[float]) -> None:
         """The joint vector has one entry per moving joint: no more, no fewer."""
-        table = arm(row(), row(type=JointType.FIXED), row())
+        table = arm(row(), row(2, type=JointType.FIXED), row(3))
         with pytest.raises(ValueError, match=f"'?arm'? has 2 moving joints, the joint vector has {len(q)}"):
             forward_kinematics(table, q)
 
     def test_a_thousand_axes(self) -> None:
         """The depth of the arithmetic does not grow with the number of axes."""
-        table = arm(*(row(a=0.001) for _ in range(1000)))
+        table = arm(*(row(number, a=0.001) for number in range(1000)))
         assert forward_kinematics(table, [0.0] * 1000).translation[0] == pytest.approx(1.0)
 
 
@@ -272,7 +272,7 @@ class TestManyAtOnce:
     @pytest.mark.parametrize("shape", [(), (3,), (2, 3), (0,)])
     def test_joint_vectors_of_any_leading_shape(self, shape: tuple[int, ...]) -> None:
         """Joint vectors of shape (..., n) give poses of shape (..., 4, 4)."""
-        table = arm(row(a=1.0), row(type=JointType.PRISMATIC), row(type=JointType.FIXED, d=0.5))
+        table = arm(row(a=1.0), row(2, type=JointType.PRISMATIC), row(3, type=JointType.FIXED, d=0.5))
         q = np.random.default_rng(1).uniform(-1, 1, (*shape, 2))
         found = pose_matrices(table, q)
         assert found.shape == (*shape, 4, 4)
@@ -347,7 +347,7 @@ class TestKinematicChain:
 
     def test_a_table_and_the_robot_drawn_from_it_agree(self) -> None:
         """A planar arm of two links, as a table and as links and joints, is one arm."""
-        table = arm(row(a=0.5), row(a=0.25, sign=-1))
+        table = arm(row(a=0.5), row(2, a=0.25, sign=-1))
         joints = (
             Joint(name="a", type=JointType.REVOLUTE, parent="base_link", child="one"),
             Joint(

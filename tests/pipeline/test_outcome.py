@@ -102,6 +102,7 @@ def test_an_error_has_its_place_and_its_words() -> None:
             "file": "arm.csv",
             "line": 3,
             "column": 5,
+            "place": None,
             "joint": "elbow",
             "field": "alpha",
             "found": "x",

@@ -86,6 +86,11 @@ def test_a_comma_may_be_the_decimal_point_where_the_table_says_so() -> None:
         ("q2 + 90°", "q", 2, math.pi / 2, 1),
         ("-q2", "q", 2, 0.0, -1),
         ("pi/2 - q2", "q", 2, math.pi / 2, -1),
+        ("theta2*+pi/2", "theta", 2, math.pi / 2, 1),
+        ("theta2* - 90°", "theta", 2, -math.pi / 2, 1),
+        ("q2 * -1", "q", 2, 0.0, -1),
+        ("q2*(-1)", "q", 2, 0.0, -1),
+        ("-1*q2", "q", 2, 0.0, -1),
     ],
 )
 def test_a_symbol_is_the_joint_variable(text: str, kind: str, row: int | None, value: float, sign: int) -> None:
@@ -93,6 +98,13 @@ def test_a_symbol_is_the_joint_variable(text: str, kind: str, row: int | None, v
     quantity = evaluate(text, ANGLE)
     assert quantity.variable is not None
     assert (quantity.variable.kind, quantity.variable.row, quantity.value, quantity.sign) == (kind, row, value, sign)
+
+
+DATES = (
+    *("3-4", "3–4", "10-12", "1/2/3", "12/31/24", "1.2.2024", "31.12.24", "1.2.", "2024-01", "2024-01-03 12:30:00"),
+    *("Jan 3", "3-Jan", "03-Apr", "Apr-03", "3. Mai", "Mrz 24", "5-janv.", "12:30", "1:30 PM"),
+)
+STARS = ("q1*-1", "q1 *-1", "q1* -1", "q1* - 1", "q1*+1", "q*-1.0", "-q1*-1", "pi/2+q1*-1", "(q1*-1)", "q1*-3", "θ1∗-1")
 
 
 @pytest.mark.parametrize(
@@ -135,7 +147,7 @@ def test_a_symbol_is_the_joint_variable(text: str, kind: str, row: int | None, v
         ("factorial(9)", "'factorial' is no function"),
         ("(1", "a bracket is not closed"),
         ("1)", "'\\)' does not belong there"),
-        ("12 in", "'in' is no unit"),
+        ("12 el", "'el' is no unit"),
         ("0.1 m + 20", "one part of the sum has a unit"),
         ("2 m * 2 m", "follows a quantity that has a unit already"),
         ("2*q1", "takes q1 times 2"),
@@ -148,12 +160,75 @@ def test_a_symbol_is_the_joint_variable(text: str, kind: str, row: int | None, v
         ("2020-01-02", "it is a date"),
         ("1/2/2021", "it is a date"),
         ("01-02-21", "it is a date"),
+        *((text, "it is a date") for text in DATES),
+        *((text, "is negative to a spreadsheet") for text in ("(425)", "( 1.5 )", "(425 mm)", "(425) mm", "(1e3)")),
+        *((text, "where the star marks a joint variable") for text in STARS),
+        ("5-", "something is missing at its end"),
+        ("+-170", "two signs follow each other"),
+        ("±170", "'±' does not belong there"),
+        ("1½", "'½' is no unit"),
+        ("1 1/2", "no sign stands between '1' and '1'"),
+        ("5²", "'²' is no unit"),
+        ("10⁻³", "'⁻' does not belong there"),
+        ("1'234.5", "''' does not belong there"),
+        ("1\u202f234", "no sign stands between '1' and '234'"),
+        ("50 %", "'%' does not belong there"),
+        ("$425", "'\\$' does not belong there"),
+        ("90°30'", "no sign stands between '°' and '30'"),
+        ("radians(60 deg)", "taken of a quantity with a unit"),
+        ("radians(pi/2)", "taken of a multiple of π"),
+        ("tan(45)", "more than a full turn in rad"),
     ],
 )
 def test_what_is_no_quantity_is_refused_with_its_reason(text: str, reason: str) -> None:
     """Attacks, slips of the pen and forms of other languages: never half read, never evaluated."""
     with pytest.raises(QuantityError, match=reason):
         evaluate(text, LENGTH)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("3 - 4", -1.0),
+        ("1 / 2 / 4", 0.125),
+        ("1/2", 0.5),
+        ("100-50", 50.0),
+        ("-(425)", -425.0),
+        ("(0.0)", 0.0),
+        ("(1+2)", 3.0),
+        ("1E+03", 1000.0),
+    ],
+)
+def test_what_has_one_meaning_is_read(text: str, value: float) -> None:
+    """Beside dates, negative numbers of accountants and the like."""
+    assert evaluate(text, LENGTH).value == value
+
+
+@pytest.mark.parametrize("function", ["sin", "cos", "tan", "np.cos"])
+@pytest.mark.parametrize("argument", ["60", "1", "-30", "90 - 45", "2*30", "0.5"])
+def test_a_bare_angle_of_a_function_is_refused_beside_degrees(function: str, argument: str) -> None:
+    """It is degrees to one person, and radians to the function."""
+    for unit in (None, MILLIMETRES):
+        with pytest.raises(QuantityError, match="which has no unit, and angles are declared in degrees"):
+            evaluate(f"100*{function}({argument})", LENGTH, unit, angle=DEGREES)
+    with pytest.raises(QuantityError, match="has no unit"):
+        evaluate(f"{function}({argument})", ANGLE, DEGREES)
+
+
+@pytest.mark.parametrize(
+    "text", ["cos(0)", "cos(60 deg)", "sin(pi/6)", "cos(radians(60))", "cos(acos(0.5))", "cos(1 rad)"]
+)
+def test_an_angle_that_says_its_unit_is_the_same_beside_degrees(text: str) -> None:
+    """A unit, π, a function that returns an angle, or 0."""
+    assert evaluate(text, LENGTH, angle=DEGREES) == evaluate(text, LENGTH)
+
+
+def test_a_bare_angle_of_a_function_is_in_rad_where_nothing_else_is_said() -> None:
+    """Up to a full turn; more is read where radians are declared."""
+    assert evaluate("cos(6.28)", LENGTH).value == pytest.approx(math.cos(6.28), abs=1e-15)
+    assert evaluate("cos(60)", LENGTH, angle=find_unit("rad", ANGLE)).value == pytest.approx(math.cos(60), abs=1e-15)
+    with pytest.raises(QuantityError, match="more than a full turn in rad"):
+        evaluate("cos(60)", LENGTH)
 
 
 def test_pi_in_a_column_of_degrees_is_refused() -> None:
@@ -184,7 +259,7 @@ expressions = st.recursive(
     numbers,
     lambda inner: st.one_of(
         st.tuples(inner, st.sampled_from("+-*"), inner).map(lambda parts: f"({parts[0]} {parts[1]} {parts[2]})"),
-        st.tuples(inner, numbers).map(lambda parts: f"{parts[0]}/{parts[1]}" if float(parts[1]) else parts[0]),
+        st.tuples(inner, numbers).map(lambda parts: f"{parts[0]} / {parts[1]}" if float(parts[1]) else parts[0]),
         inner.map(lambda text: f"(-{text})" if text[0] != "-" else text),
     ),
     max_leaves=8,

@@ -257,6 +257,12 @@ class TestSuffixes:
         assert "ends in .csv, .tsv, .yaml" in message
         assert "`stage: NAME`" in message
 
+    @pytest.mark.parametrize("file", ["a.xls", "A.XLS", "a.ods", "a.xlsb", "a.numbers"])
+    def test_a_spreadsheet_that_no_reader_takes(self, file: str) -> None:
+        """The error says in which formats the sheet can be saved."""
+        with pytest.raises(InputError, match=r"save the sheet as \.xlsx, or as CSV"):
+            self.CATALOG.reader_for(Path(file))
+
     def test_a_suffix_that_two_readers_take(self) -> None:
         """Two readers of one suffix are an error that names both with their distributions, and says how to choose."""
         catalog = Catalog([readers("one", reader("mine", ".csv")), readers("two", reader("yours", ".csv"))])

@@ -228,6 +228,33 @@ class TestPlan:
         assert plan.executor.stage.name == "here"
         assert str(plan.store) == str(lab.output)
 
+    @pytest.mark.parametrize(
+        "inputs",
+        [
+            "[a.list, '*.list']",
+            "[a.list, ./a.list]",
+            "['*.list', a.list]",
+            "['?.list', '*.list']",
+            "[link.list, a.list]",
+        ],
+    )
+    def test_a_file_that_is_named_twice_is_made_once(self, lab: Lab, tmp_path: Path, inputs: str) -> None:
+        """By a pattern and its path, two spellings, or a link; with a notice."""
+        if "link" in inputs:
+            (tmp_path / "link.list").symlink_to("a.list")
+        made = rows(lab.plan(f"inputs: {inputs}", a="arm"))
+        (arm,) = made
+        (notice,) = arm["notices"]
+        assert "is an input twice, and is read once" in notice["message"]
+
+    def test_a_file_that_is_named_twice_in_two_ways_is_refused(self, tmp_path: Path) -> None:
+        """Which of the two readings was meant is not known."""
+        (tmp_path / "a.csv").write_text("a,alpha,d\n1,0,0\n")
+        run = tmp_path / "run.yaml"
+        run.write_text("inputs: [{path: a.csv, options: {convention: standard}}, '*.csv']\n")
+        with pytest.raises(ConfigError, match="is an input twice, with other options or another reader"):
+            make_plan(load_config(run), load())
+
     def test_all_that_is_wrong_is_said_at_once(self, lab: Lab) -> None:
         """Unknown stages, wrong options, a file that nobody reads and a loader without a file come together, by line."""
         (lab.folder / "a.txt").touch()

@@ -56,6 +56,7 @@ class TestProblem:
             "file": "ur5.csv",
             "line": 3,
             "column": 7,
+            "place": None,
             "joint": "elbow",
             "field": "alpha",
             "found": "90",
@@ -67,7 +68,7 @@ class TestProblem:
         """What is not known is null."""
         entry = Problem(message="nothing to do").as_json()
         assert entry.pop("message") == "nothing to do"
-        assert set(entry) == {"file", "line", "column", "joint", "field", "found", "accepted"}
+        assert set(entry) == {"file", "line", "column", "place", "joint", "field", "found", "accepted"}
         assert set(entry.values()) == {None}
 
     def test_about_fills_in_what_is_missing_only(self) -> None:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 REFERENCE = Path(__file__).parents[1] / "reference" / "inputs"
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
 
-NO_TEXTS = ("excel_eu_semicolon_decimal_comma.csv", "excel_eu_trailing.csv", "header_a_mm_d_m.csv")
-"""Tables whose texts no table of the studio can hold as they stand: decimal commas, and two units of length."""
+NO_TEXTS = ("header_a_mm_d_m.csv",)
+"""Tables whose texts no table of the studio can hold as they stand: two units of length."""
 
 
 def accepted() -> list[str]:

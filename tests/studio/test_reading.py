@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from dh2urdf.source import in_file_order
 from dh2urdf.studio import edits
 from dh2urdf.studio.reading import make, read, read_whole
 from dh2urdf.table_text import TableText
@@ -55,7 +56,8 @@ def test_a_wrong_cell_is_found_with_the_readers_words(
     path = tmp_path / "x.csv"
     path.write_bytes(reader.write(table).content)
     (rejected,) = reader.read(path, reader.options())
-    said = [problem.message.replace(f"{path}:4", "row 1") for problem in rejected.problems]
+    problems = in_file_order((*rejected.notices, *rejected.problems))
+    said = [problem.message.replace(f"{path}:4", "row 1") for problem in problems]
     assert said == [item.problem.message for item in found.problems]
     for problem in found.errors:
         assert problem.text.startswith(problem.problem.message)

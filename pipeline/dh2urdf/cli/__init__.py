@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from typing import IO, TYPE_CHECKING, Any
 
 import click
 
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     from types import FrameType
 
 INTERRUPTED = 130
+SETTLED = f"{__name__}.settled"
+"""The key in a context for an exit status that is sure before all is printed: no reader who leaves early changes it."""
 INTERNAL_ERROR = 1
 
 EXIT_STATUS = (
@@ -28,10 +32,13 @@ EXIT_STATUS = (
 COMMANDS = {
     "run": "Do a whole run that a YAML file describes.",
     "convert": "Turn one table into a robot description.",
+    "info": "Print what is understood of a table, cell by cell.",
     "check": "Say what each simulator will do with a robot description.",
     "studio": "Type a table in the browser, see the arm move, press Generate.",
     "view": "Show robots of URDF, xacro, tables and cells in the browser.",
     "plugins": "List every installed stage and its options.",
+    "init": "Write the beginning of a table, with comments.",
+    "example": "Print the table of a known arm.",
     "schema": "Print the JSON Schema of run files or tables.",
     "new-plugin": "Write the beginning of a plugin.",
 }
@@ -88,8 +95,8 @@ class _LazyGroup(click.Group):
         except (BrokenPipeError, SystemExit) as error:
             if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
                 raise
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the flush at exit must not fail either
-            return 0
+            _let_go(sys.stdout)
+            return ctx.meta.get(SETTLED, 0)
 
 
 def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
@@ -137,35 +144,74 @@ def _on_terminate(_number: int, _frame: FrameType | None) -> None:
 
 
 def _status(words: list[str], *, debug: bool = False) -> int:
+    """Call a command; the exit status that it, or what ends it, means."""
     invocation = _Invocation(debug=debug)
     try:
         result: Any = dh2urdf.main(words, prog_name="dh2urdf", standalone_mode=False, obj=invocation)
     except click.ClickException as error:
-        error.show()
-        return error.exit_code
+        return _failed(words, error, error.exit_code, _usage(error), "usage")
     except (KeyboardInterrupt, click.Abort, _Interrupted) as error:
         advice = getattr(error.__cause__, "__notes__", ())
-        click.echo("; ".join(["dh2urdf: interrupted; nothing half-written is left", *advice]), err=True)
-        return INTERRUPTED
+        text = "; ".join(["dh2urdf: interrupted; nothing half-written is left", *advice])
+        return _failed(words, error, INTERRUPTED, text, "interrupted")
     except Dh2UrdfError as error:
         from dh2urdf.source import printable
 
+        text = "\n".join(map(printable, str(error).splitlines()))
         if invocation.debug:
             import traceback
 
-            click.echo("".join(traceback.format_exception(error)) + getattr(error, "traceback", ""), err=True)
-        click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
-        return error.exit_status
+            trace = "".join(traceback.format_exception(error)) + getattr(error, "traceback", "")
+            text = f"{trace}\n{text}"
+        return _failed(words, error, error.exit_status, text)
     except Exception as error:
         if isinstance(error, OSError) and error.filename is None:  # what has a name was reported where it was met
-            click.echo(f"error: cannot write to standard output: {error.strerror}", err=True)
-            return OutputError.exit_status
+            text = f"error: cannot write to standard output: {error.strerror}"
+            return _failed(words, error, OutputError.exit_status, text, "output")
         if invocation.debug:
             raise
-        click.echo(
+        text = (
             f"dh2urdf: internal error: {type(error).__name__}: {error}\n"
-            "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where",
-            err=True,
+            "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where"
         )
-        return INTERNAL_ERROR
+        return _failed(words, error, INTERNAL_ERROR, text, "internal")
     return result if isinstance(result, int) else 0
+
+
+def _usage(error: click.ClickException) -> str:
+    """What click says of a wrong command line: the usage, and what is wrong."""
+    text = io.StringIO()
+    error.show(text)
+    return text.getvalue().rstrip("\n")
+
+
+def _failed(words: list[str], error: BaseException, status: int, text: str, kind: str | None = None) -> int:
+    """Say what ends a command on standard error and, with ``--json``, on standard output as data; the exit status."""
+    try:
+        click.echo(text, err=True)
+        if _wants_json(words):
+            _print_error(error, status, text, kind)
+    except OSError:  # Nobody is there to read it, or the disk is full: it changes nothing about what has happened.
+        _let_go(sys.stdout, sys.stderr)
+    return status
+
+
+def _wants_json(words: list[str]) -> bool:
+    """Whether a command line asks for JSON, however wrong the rest of it may be."""
+    pairs = pairwise(words)
+    return "--json" in words or "--format=json" in words or ("--format", "json") in pairs
+
+
+def _print_error(error: BaseException, status: int, text: str, kind: str | None) -> None:
+    from dh2urdf.outcome import kind_of, to_text
+    from dh2urdf.report.errors import error_report
+
+    message = error.format_message() if isinstance(error, click.ClickException) else text
+    name = kind_of(error) if kind is None and isinstance(error, Exception) else kind or ""
+    click.echo(to_text(error_report(name, status, error, message)), nl=False)
+
+
+def _let_go(*streams: IO[str]) -> None:
+    """Send what is still written to some streams nowhere: the flush at exit must not fail either."""
+    for stream in streams:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from dh2urdf.attribution import Call, a_record, depending_on
+from dh2urdf.asking import stage_calls
+from dh2urdf.chosen_table import chosen_reader, read_manipulator
+from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.inspecting import inspect
 from dh2urdf.options import COMMAND_LINE
-from dh2urdf.single_table import chosen_reader, read_manipulator, stage_calls
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.stages import Inspection
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.registry import Catalog
     from dh2urdf.robot import Robot
-    from dh2urdf.stages import Emitter, Finding
+    from dh2urdf.stages import Finding
 
 EXIT_STATUS = (
     "Exit status: 0 no errors, and the arm of the table; 1 errors, or another arm; 2 the file or the table cannot be "
@@ -65,7 +67,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     """Say what each simulator will do with FILE, a URDF or a xacro of any origin.
 
     With --against, the description is also compared with a DH table, joint by joint: where they differ, it says by
-    which base, tool, signs and offsets they would agree, in a form that can be put into the table.
+    which base, tool, signs and offsets they would agree, in a form that can be put into the table. FILE or TABLE may
+    be -, which is standard input; --as and --from then say its format.
 
     \b
     dh2urdf check robot.urdf
@@ -74,19 +77,24 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf check robot.urdf --format sarif > robot.sarif
     """
     installed = catalog()
+    if DASH == str(file) == str(table):
+        raise ConfigError(Problem(message="FILE and TABLE cannot both be standard input", mark=COMMAND_LINE))
+    file = given_description(file, format_name, installed)
     check_file(file, InputError)
     manipulator = _manipulator(installed, table, flags) if table else None
-    inspection = _inspection(installed, file, format_name)
+    inspection = inspect(installed, file, format_name, "`--as NAME`")
     consumers = _chosen(simulators, inspection.consumers)
     findings = [found for finding in inspection.findings if (found := _only(finding, consumers))]
     comparison = None
     if manipulator is not None and table is not None:
         agreement = _agreement(inspection.robot, manipulator, file, base_link, tip_link)
-        comparison = (agreement, manipulator, table)
+        comparison = (agreement, manipulator, Path(NAME) if str(table) == DASH else table)
     from dh2urdf.report.findings import as_json, as_sarif, comparison_finding
 
     if comparison and (apart := comparison_finding(comparison[0], comparison[1])):
         findings.append(replace(apart, mark=Mark(file=str(file))))
+    status = int(any(finding.severity == "error" for finding in findings))
+    click.get_current_context().meta[SETTLED] = status
     if form == "json":
         answer(as_json(file, findings, consumers, comparison))
     elif form == "sarif":
@@ -95,31 +103,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         from dh2urdf.cli.findings import print_findings
 
         print_findings(findings, consumers, comparison)
-    return int(any(finding.severity == "error" for finding in findings))
-
-
-def _inspection(catalog: Catalog, file: Path, format_name: str | None) -> Inspection:
-    """What the emitter of a file's format says of it.
-
-    Raises:
-        ConfigError: files of the format cannot be checked.
-        BrokenPluginError: the emitter is at fault.
-    """
-    emitter: Emitter[Any] = (
-        catalog.get("emitter", format_name) if format_name else catalog.emitter_for(file, "`--as NAME` says what it is")
-    )
-    if emitter.check is None:
-        able = [item.stage.name for item in catalog.provided("emitter") if getattr(item.stage, "check", None)]
-        raise ConfigError(
-            Problem(
-                message=f"files of the format {emitter.name!r} cannot be checked",
-                mark=Mark(file=str(file)),
-                accepted=", ".join(able),
-                suggestion="`--as NAME` says what the file is, where its suffix does not",
-            )
-        )
-    with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
-        return a_record(emitter.check(file), Inspection)
+    return status
 
 
 def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, str]:
@@ -150,8 +134,9 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
+    table, reader_name = given_table(table, flags["reader_name"], catalog)
     check_file(table, TableError)
-    reader = chosen_reader(catalog, table, flags["reader_name"], ASKER)
+    reader = chosen_reader(catalog, table, reader_name, ASKER)
     given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
     (call,) = stage_calls(catalog, {"reader": [reader]}, ASKER, given)["reader"]
     return read_manipulator(call, table, flags["robot"], ASKER)

@@ -1,7 +1,8 @@
-"""`dh2urdf convert`: one table, one robot description."""
+"""`dh2urdf convert`: tables into robot descriptions."""
 
 from __future__ import annotations
 
+from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,74 +11,137 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import DASH, NAME, files_behind, given_table
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, settings_of, table_options
 from dh2urdf.errors import SCREENFUL
-from dh2urdf.single_table import DEFAULT_TRANSFORM, convert_table
+from dh2urdf.report.conversions import closing_line
+from dh2urdf.single_table import DEFAULT_TRANSFORM, plan_conversion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.results import ConversionEntry
+    from dh2urdf.single_table import Conversion, Planned
     from dh2urdf.source import Problem
+
+STANDARD_OUTPUT = "standard output"
 
 
 @click.command(name="convert", epilog=EXIT_STATUS)
-@click.argument("table", type=click.Path(path_type=Path))
-@click.option("-o", "--output", "output", metavar="FILE", help="Where to write; standard output without it.")
+@click.argument("tables", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="TABLE…")
+@click.option(
+    "-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without the option."
+)
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
 @click.option("--transform", "transform_name", default=DEFAULT_TRANSFORM, metavar="NAME", help="Transform; alpha-swap.")
 @click.option("--variant", metavar="V", help="exact (the arm itself) or paper (the published algorithm).")
 @click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
+@click.option("--profile", metavar="P", help="Reader that a URDF or xacro is written for, such as gazebo; portable.")
 @click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
+@click.option(
+    "--json",
+    "as_json",
+    is_flag=True,
+    help="Print what became of the tables as JSON; without -o with the description in it.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
-    table: Path,
+    tables: tuple[Path, ...],
     output: str | None,
     format_name: str | None,
     reader_name: str | None,
     transform_name: str,
     robot: str | None,
     settings: tuple[str, ...],
+    as_json: bool,  # noqa: FBT001 - click hands flags over so
+    quiet: bool,  # noqa: FBT001
     **flags: str | None,
 ) -> int:
     """Turn TABLE into a robot description and prove that it is the same arm.
 
     The reader goes by TABLE's suffix, such as .csv or .yaml, the format by FILE's, such as .urdf or .xacro. A xacro
-    has its macro in a file beside FILE; on standard output both are one. `dh2urdf plugins` lists all stages and their
-    options.
+    has its macro in a file beside FILE; on standard output both are one. TABLE may be -, which is standard input;
+    `--from` then says its format. Several tables go into a folder, each as a file of the table's name: one that fails
+    does not stop the others. The last line on standard error says how far the description is from the table, and what
+    was filled in. `dh2urdf plugins` lists all stages and their options.
 
     \b
     dh2urdf convert ur5.csv -o ur5.urdf
     dh2urdf convert panda.csv --convention modified --angle-unit deg > panda.urdf
     dh2urdf convert ur5.csv -o ur5.urdf.xacro --frames dh
     dh2urdf convert arms.csv --robot ur10 --set shape=box --set density=1500
+    dh2urdf convert tables/*.csv -o build --to sdf
+    my-program | dh2urdf convert - --from csv -o arm.urdf
     """
-    target = None if output in (None, "-") else Path(str(output))
-    conversion = convert_table(
-        table,
-        target,
-        ASKER,
-        catalog(),
-        reader=reader_name,
-        transform=transform_name,
-        formats=(format_name,) if format_name else (),
-        robot=robot,
-        given={
-            "reader": {name: flags[name] for name in READER_OPTIONS},
-            "transform": {name: flags[name] for name in ("variant", "frames")},
-        },
-        settings=settings_of(settings),
-        meshes=flags["meshes"],
-        note=_print_notices,
-    )
-    if target is None:
+    installed = catalog()
+    target = None if output is None or output == DASH else Path(output)
+    into_folder = target is not None and (str(output).endswith("/") or isdir(target))  # noqa: PTH112 - Path.is_dir raises where a name is too long
+
+    def plan(table: Path, file: Path | None) -> Planned:
+        path, reader = given_table(table, reader_name, installed)
+        return plan_conversion(
+            path,
+            file,
+            ASKER,
+            installed,
+            reader=reader,
+            transform=transform_name,
+            formats=(format_name,) if format_name else (),
+            robot=robot,
+            given={
+                "reader": {name: flags[name] for name in READER_OPTIONS},
+                "transform": {name: flags[name] for name in ("variant", "frames")},
+                "emitter": {"profile": flags["profile"]},
+            },
+            settings=settings_of(settings),
+            meshes=flags["meshes"],
+            inputs=files_behind(tables),
+        )
+
+    def note(notices: Sequence[Problem]) -> None:
+        if not quiet:
+            print_notices(notices)
+
+    def said(conversion: Conversion, file: Path | None) -> None:
+        if not quiet:
+            place = STANDARD_OUTPUT if file is None else str(file)
+            click.echo(closing_line(conversion, place), err=True)
+
+    if len(tables) > 1 or into_folder:
+        from dh2urdf.cli.several_tables import convert_several, files_of
+
+        return convert_several(files_of(tables, target, format_name, installed), plan, note, said, as_json=as_json)
+    conversion = plan(tables[0], target).carry_out(note)
+    if as_json:
+        print_report([row_of(conversion, tables[0], target)])
+    elif target is None:
         answer(conversion.written[0].files[0].content, nl=False)
+    said(conversion, target)
     return 0
 
 
-def _print_notices(notices: Sequence[Problem]) -> None:
+def print_notices(notices: Sequence[Problem]) -> None:
+    """Print a screenful of notices on standard error, and how many more there are."""
     for notice in notices[:SCREENFUL]:
         click.echo(notice, err=True)
     if (more := len(notices) - SCREENFUL) > 0:
         click.echo(f"and {more} more notice{'s' if more > 1 else ''}", err=True)
+
+
+def row_of(conversion: Conversion, table: Path, file: Path | None) -> ConversionEntry:
+    """What became of a table, as plain data."""
+    from dh2urdf.report.conversions import conversion_row
+
+    source = NAME if str(table) == DASH else str(table)
+    return conversion_row(conversion, source, None if file is None else file.parent)
+
+
+def print_report(rows: Sequence[ConversionEntry]) -> None:
+    """Print what became of tables, as JSON."""
+    from dh2urdf.outcome import to_text
+    from dh2urdf.report.conversions import conversions_report
+
+    answer(to_text(conversions_report(rows)), nl=False)

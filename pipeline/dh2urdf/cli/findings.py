@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.agreement import changes
@@ -71,7 +72,7 @@ def _print_table(findings: Sequence[Finding]) -> None:
     table.add_column("what is done with it", ratio=4, overflow="fold")
     for finding in findings:
         mark = finding.mark
-        place = ":".join(str(part) for part in (mark.line, mark.column) if part) if mark else ""
+        place = str(replace(mark, file="")).removeprefix(":") if mark else ""
         colour = COLOURS[finding.severity]
         table.add_row(
             place,

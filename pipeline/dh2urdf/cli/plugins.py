@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,6 +14,8 @@ from dh2urdf.source import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from dh2urdf.results import PluginsReport
 
 
 @click.command(name="plugins")
@@ -41,7 +43,7 @@ def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so
     return 0
 
 
-def _lines(report: dict[str, Any], *, debug: bool) -> Iterator[str]:
+def _lines(report: PluginsReport, *, debug: bool) -> Iterator[str]:
     for kind in KINDS:
         yield f"{kind}s"
         for entry in (entry for entry in report["stages"] if entry["kind"] == kind):
@@ -51,10 +53,11 @@ def _lines(report: dict[str, Any], *, debug: bool) -> Iterator[str]:
     for clash in report["clashes"]:
         choice = f"; say {' or '.join(clash['choices'])}" if clash["choices"] else ""
         yield f"claimed twice: {clash['kind']} {clash['name']} by {' and '.join(clash['distributions'])}{choice}"
-    for what in ("broken", "incompatible"):
-        for entry in report[what]:
-            yield f"{what}: {entry['plugin']} of {entry['distribution']}: {entry['reason']}"
-            if debug:
-                yield from entry.get("traceback", "").splitlines()
-    for entry in report["left_out"]:
-        yield f"left out: {entry['plugin']} of {entry['distribution']}"
+    for broken in report["broken"]:
+        yield f"broken: {broken['plugin']} of {broken['distribution']}: {broken['reason']}"
+        if debug:
+            yield from broken["traceback"].splitlines()
+    for refused in report["incompatible"]:
+        yield f"incompatible: {refused['plugin']} of {refused['distribution']}: {refused['reason']}"
+    for left in report["left_out"]:
+        yield f"left out: {left['plugin']} of {left['distribution']}"

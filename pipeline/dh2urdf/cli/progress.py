@@ -11,6 +11,7 @@ from collections import Counter
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from dh2urdf.batch_report import is_new
 from dh2urdf.errors import SCREENFUL
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.batch_report import BatchReport
     from dh2urdf.runs import Note
+    from dh2urdf.source import Problem
 
 LINE_EVERY = 10.0
 """Time between two lines in a log [s]."""
@@ -57,7 +59,9 @@ class _Silent:
     def __init__(self, console: Console, *, debug: bool) -> None:
         self.console = console
         self._debug = debug
-        self._said: Counter[str] = Counter()
+        self._found: Counter[str] = Counter()
+        self._printed: Counter[str] = Counter()
+        self._said: set[Problem] = set()
         self.made = 0
         self.failed = 0
 
@@ -65,15 +69,12 @@ class _Silent:
         """Takes what became of a batch."""
         self.made += report.count
         self.failed += report.statuses["failed"]
-        told: Counter[str] = Counter()
         for problem in report.problems:
-            told[problem.severity] += 1
-            if (
-                problem.severity in self.severities
-                and self._said[problem.severity] + told[problem.severity] <= SCREENFUL
-            ):
+            severity = problem.severity
+            if severity in self.severities and self._printed[severity] < SCREENFUL and is_new(problem, self._said):
+                self._printed[severity] += 1
                 self.console.print(str(problem))
-        self._said += report.severities
+        self._found += report.severities
         for traceback in report.tracebacks if self._debug else ():
             self.console.print(traceback)
         self.show(total)
@@ -84,7 +85,7 @@ class _Silent:
     def close(self) -> None:
         """Says how much was left unsaid."""
         for severity in self.severities:
-            if (more := self._said[severity] - SCREENFUL) > 0:
+            if (more := self._found[severity] - self._printed[severity]) > 0:
                 self.console.print(
                     f"and {more:,} more {severity}{'s' if more > 1 else ''}: the manifest has all of them"
                 )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.outcome import to_text
@@ -60,6 +60,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         if not dry_run:
             interrupt.add_note("`--resume` goes on from there")
         raise
+    click.get_current_context().meta[SETTLED] = result.exit_status
     if as_json:
         answer(to_text(report), nl=False)
     elif not quiet:

@@ -8,6 +8,7 @@ import click
 
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.report.command_schemas import conversions_schema, error_schema, info_schema
 from dh2urdf.report.schema import manifest_schema, plugins_schema, report_schema
 from dh2urdf.schema import run_schema, table_schema
 
@@ -17,6 +18,9 @@ SCHEMAS = {
     "report": report_schema,
     "manifest": manifest_schema,
     "plugins": plugins_schema,
+    "conversions": conversions_schema,
+    "info": info_schema,
+    "error": error_schema,
 }
 
 
@@ -27,7 +31,8 @@ def command(what: str) -> int:
     """Print the JSON Schema of run files, every installed stage's options included, or of what WHAT says.
 
     table: of YAML tables; report: of report.json; manifest: of a line of manifest.jsonl; plugins: of what
-    `dh2urdf plugins --json` prints.
+    `dh2urdf plugins --json` prints; conversions: of what `dh2urdf convert --json` prints; info: of what
+    `dh2urdf info --json` prints; error: of what a command with --json prints where it fails.
 
     \b
     dh2urdf schema > run.schema.json

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
-    from dh2urdf.outcome import Row
+    from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry, RunReport
     from dh2urdf.runs import Result
 
 MOST_ROWS = 40
@@ -24,7 +24,7 @@ NAME_WIDTH = 48
 """Characters of a name in one line [1]; a longer one is folded."""
 
 
-def print_summary(result: Result, report: Row, where: str, *, dry_run: bool) -> None:
+def print_summary(result: Result, report: RunReport, where: str, *, dry_run: bool) -> None:
     """Print what became of each manipulator, with the largest error of every file and simulator, and the counts.
 
     Args:
@@ -58,7 +58,7 @@ def print_summary(result: Result, report: Row, where: str, *, dry_run: bool) -> 
         console.print(f"written to {where}", markup=False, soft_wrap=True)
 
 
-def _table(rows: Sequence[Row]) -> Table:
+def _table(rows: Sequence[ManipulatorEntry]) -> Table:
     from rich.table import Table
 
     emitters = list(dict.fromkeys(stage for row in rows for stage in row["proof"]))
@@ -83,14 +83,14 @@ def _table(rows: Sequence[Row]) -> Table:
     return table
 
 
-def _metres(facts: Row | None) -> str:
+def _metres(facts: ProofEntry | LoadEntry | None) -> str:
     error = facts["position_error"] if facts else None
     if error is None:
         return "–"
     return f"{error:.1e}" if error else "0"
 
 
-def _holds(row: Row) -> str:
+def _holds(row: ManipulatorEntry) -> str:
     stays = [report["hold"].get("stayed") for report in row["loaders"].values() if report["hold"]]
     return "–" if not stays else "yes" if all(stays) else "no"
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.asking import Asker, Setting
 from dh2urdf.options import COMMAND_LINE
-from dh2urdf.single_table import Asker, Setting
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -15,8 +15,16 @@ if TYPE_CHECKING:
 
     F = TypeVar("F", bound=Callable[..., Any])
 
-READER_OPTIONS = ("convention", "length_unit", "angle_unit", "base", "tool")
+READER_OPTIONS = ("convention", "length_unit", "angle_unit", "base", "tool", "payload")
 """The options of readers that have a flag of their own."""
+
+
+def _run_command(path: str) -> str:
+    import shlex
+
+    return f"dh2urdf run {shlex.quote(path)}"
+
+
 ASKER = Asker(
     mark=COMMAND_LINE,
     reader="--from ",
@@ -27,7 +35,7 @@ ASKER = Asker(
     setting="--set ",
     nowhere="this goes to standard output",
     every="`dh2urdf run` with a run file makes all of them",
-    run="dh2urdf run {}",
+    run=_run_command,
 )
 
 
@@ -46,6 +54,7 @@ def table_options(function: F) -> F:
                 help='base_link to the first DH frame: "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}".',
             ),
             click.option("--tool", metavar="YAML", help="Last DH frame to tool0, like --base."),
+            click.option("--payload", metavar="YAML", help='What the arm carries: "{mass: 2.5, com: [0, 0, 0.05]}".'),
         )
     ):
         function = option(function)

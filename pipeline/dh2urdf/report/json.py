@@ -7,7 +7,7 @@ All that a run found stands in its manifest, and no duration: a repeated run wri
 from __future__ import annotations
 
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import orjson
 
@@ -17,18 +17,20 @@ from dh2urdf.output import reporting_os_errors
 
 if TYPE_CHECKING:
     from dh2urdf.report.ledger import Ledger
+    from dh2urdf.results import RunReport
     from dh2urdf.runs import Result
     from dh2urdf.stores import Store
 
-SCHEMA = "dh2urdf-report/1"
+SCHEMA: Final = "dh2urdf-report/1"
 """Name and version of the form of `report.json`."""
+INDEX, REPORT, TIMING = "index.json", "report.json", "timing.json"
 TABLE = "manifest.parquet"
 """The manifest as a table."""
 REPORTED = 1000
 """Manipulators that the report repeats from the manifest [1]: the first ones; `timing.json` tells of as many."""
 
 
-def run_report(rows: BinaryIO, result: Result) -> dict[str, Any]:
+def run_report(rows: BinaryIO, result: Result) -> RunReport:
     """The report of a run as plain data."""
     rows.seek(0)
     count = sum(result.statuses.values())
@@ -49,7 +51,7 @@ def timing(result: Result) -> dict[str, Any]:
     return {"total": total, "per_second": rate, "steps": steps, "manipulators": result.timings[:REPORTED]}
 
 
-def write_reports(store: Store, ledger: Ledger, result: Result) -> dict[str, Any]:
+def write_reports(store: Store, ledger: Ledger, result: Result) -> RunReport:
     """Write `index.json`, `report.json` and, where the ledger has one, `manifest.parquet`.
 
     Returns:
@@ -58,9 +60,9 @@ def write_reports(store: Store, ledger: Ledger, result: Result) -> dict[str, Any
     Raises:
         OutputError: they cannot be written.
     """
-    store.write("index.json", to_text(ledger.index.as_json()))
+    store.write(INDEX, to_text(ledger.index.as_json()))
     report = run_report(ledger.rows, result)
-    store.write("report.json", to_text(report))
+    store.write(REPORT, to_text(report))
     if ledger.table:
         with reporting_os_errors(f"{store}/{TABLE}"):
             ledger.table.finish(ledger.rows)
@@ -74,4 +76,4 @@ def write_timing(store: Store, result: Result) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    store.write("timing.json", to_text(timing(result)))
+    store.write(TIMING, to_text(timing(result)))

@@ -41,6 +41,8 @@ def manipulator_html(manipulator: Manipulator) -> str:
         for name, frame in (("base", manipulator.base), ("tool", manipulator.tool))
         if frame != IDENTITY
     ]
+    if manipulator.payload is not None:
+        facts.append(f"payload {_number(manipulator.payload.mass)} kg")
     head = ("no.", "joint", "type", "a [m]", "α [rad]", "d [m]", "θ [rad]", "offset [rad, m]", "sign", *_LIMITS)
     return _html(
         manipulator.name,

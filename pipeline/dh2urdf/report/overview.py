@@ -7,12 +7,12 @@ from array import array
 from collections import Counter
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from dh2urdf.laws import Value
-from dh2urdf.outcome import Row
 from dh2urdf.proof import TOLERANCE
 from dh2urdf.report.figures import Bars
+from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry
 from dh2urdf.units import Dimension
 from dh2urdf.variations import FIELDS
 
@@ -38,7 +38,11 @@ _UNITS = {
     Dimension.SPEED: "m/s",
     Dimension.TURN_RATE: "rad/s",
     Dimension.MASS: "kg",
-    Dimension.EFFORT: "N·m or N",
+    Dimension.TORQUE: "N·m",
+    Dimension.FORCE: "N",
+    Dimension.DAMPING: "N·m·s/rad",
+    Dimension.LINEAR_DAMPING: "N·s/m",
+    Dimension.INERTIA: "kg·m²",
 }
 
 
@@ -55,7 +59,7 @@ class Check:
 
     name: str
     is_simulator: bool
-    facts: Row | None
+    facts: ProofEntry | LoadEntry | None
     keeps_kinematics: bool
 
     @property
@@ -68,7 +72,7 @@ class Check:
         """What the angle error may be [rad]."""
         if self.facts is None:
             return None
-        return self.facts["angle_tolerance"] if self.is_simulator else TOLERANCE
+        return cast("LoadEntry", self.facts)["angle_tolerance"] if self.is_simulator else TOLERANCE
 
     @property
     def verdict(self) -> str:
@@ -81,7 +85,7 @@ class Check:
         return "other arm" if self.keeps_kinematics else "differs"
 
 
-def checks(row: Row) -> Iterator[Check]:
+def checks(row: ManipulatorEntry) -> Iterator[Check]:
     """How the files of a manipulator and the simulators agree with the DH product."""
     keeps = row["keeps_kinematics"]
     for name, proof in row["proof"].items():
@@ -111,10 +115,11 @@ class Errors:
     tolerance: float | None = None
     counts: Counter[int] = field(default_factory=Counter)
 
-    def add(self, name: str, facts: Row) -> None:
+    def add(self, name: str, facts: ProofEntry | LoadEntry) -> None:
         """Takes what is known of one manipulator."""
         if self.is_simulator:
-            self.simulator = f"{facts['simulator']} {facts['version']}"
+            load = cast("LoadEntry", facts)
+            self.simulator = f"{load['simulator']} {load['version']}"
         error = facts["position_error"]
         if error is None:
             return
@@ -225,7 +230,7 @@ class Overview:
         self.index = index
         self.count = self.files = self.size = self.remarks = self.sampled = 0
         self.statuses: Counter[str] = Counter()
-        self.first: list[Row] = []
+        self.first: list[ManipulatorEntry] = []
         self.errors: dict[str, Errors] = {}
         self.drawn: dict[str, Draw] = {}
         self._most = most
@@ -233,7 +238,7 @@ class Overview:
         self._failed: list[Entry] = []
         self._others: list[Entry] = []
 
-    def add(self, row: Row) -> None:
+    def add(self, row: ManipulatorEntry) -> None:
         """Takes one row of the manifest."""
         self.count += 1
         self.statuses[row["status"]] += 1
@@ -270,7 +275,7 @@ class Overview:
             for draw in self.drawn.values():
                 draw.thin(self._ranks_kept)
 
-    def _entry(self, row: Row, remarks: int) -> Entry:
+    def _entry(self, row: ManipulatorEntry, remarks: int) -> Entry:
         told = row["errors"][0]["message"] if row["errors"] else ""
         stays = [load["hold"]["stayed"] for load in row["loaders"].values() if "stayed" in load["hold"]]
         return Entry(

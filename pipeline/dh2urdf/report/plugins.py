@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Final, cast
 
 from dh2urdf import __version__
 from dh2urdf.attribution import Call, depending_on
@@ -13,11 +13,13 @@ from dh2urdf.registry import KINDS
 
 if TYPE_CHECKING:
     from dh2urdf.registry import Catalog, Provided
+    from dh2urdf.results import KindName, OptionEntry, PluginsReport, RefusedPluginEntry, StageEntry
+    from dh2urdf.stages import Kind
 
-SCHEMA = "dh2urdf-plugins/1"
+SCHEMA: Final = "dh2urdf-plugins/1"
 
 
-def plugins_report(catalog: Catalog) -> dict[str, Any]:
+def plugins_report(catalog: Catalog) -> PluginsReport:
     """Every stage with its options, and every plugin that gives none: broken, incompatible, or left out."""
     failed: list[BrokenPluginError] = []
     stages = [_stage(item, kind, failed) for kind in KINDS for item in catalog.provided(kind)]
@@ -28,7 +30,12 @@ def plugins_report(catalog: Catalog) -> dict[str, Any]:
         "interface": INTERFACE_VERSION,
         "stages": stages,
         "clashes": [
-            {"kind": clash.kind, "name": clash.name, "distributions": clash.distributions, "choices": clash.choices}
+            {
+                "kind": cast("KindName", clash.kind),
+                "name": clash.name,
+                "distributions": list(clash.distributions),
+                "choices": list(clash.choices),
+            }
             for clash in catalog.clashes()
         ],
         "broken": [
@@ -41,8 +48,8 @@ def plugins_report(catalog: Catalog) -> dict[str, Any]:
     }
 
 
-def _stage(item: Provided, kind: str, failed: list[BrokenPluginError]) -> dict[str, Any]:
-    options: list[dict[str, str]] = []
+def _stage(item: Provided, kind: Kind, failed: list[BrokenPluginError]) -> StageEntry:
+    options: list[OptionEntry] = []
     try:
         with depending_on(Call(stage=item.stage, options=None, plugin=item.plugin), "options"):
             options = [
@@ -61,5 +68,5 @@ def _stage(item: Provided, kind: str, failed: list[BrokenPluginError]) -> dict[s
     }
 
 
-def _refused(error: BrokenPluginError) -> dict[str, str]:
+def _refused(error: BrokenPluginError) -> RefusedPluginEntry:
     return {"plugin": error.plugin, "distribution": error.distribution, "reason": error.reason}

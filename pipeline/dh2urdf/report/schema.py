@@ -7,18 +7,19 @@ from typing import Any
 from dh2urdf.registry import KINDS
 from dh2urdf.report.json import REPORTED, SCHEMA
 from dh2urdf.report.plugins import SCHEMA as PLUGINS_SCHEMA
+from dh2urdf.report.schema_words import count, list_of, object_of, or_null, size, text
 from dh2urdf.schema import DIALECT
 
 
 def report_schema() -> dict[str, Any]:
     """The schema of `report.json`."""
-    report = _object(
+    report = object_of(
         {
             "schema": {"const": SCHEMA, "description": "name and version of this form"},
-            "version": _text("version of dh2urdf that wrote it"),
+            "version": text("version of dh2urdf that wrote it"),
             "exit_status": {"enum": [0, 1], "description": "0 where all is done, 1 where a manipulator failed"},
-            "manipulators": _list({"$ref": "#/$defs/row"}, f"the first rows of the manifest, {REPORTED} at most"),
-            "left_out": _count("how many more rows the manifest has"),
+            "manipulators": list_of({"$ref": "#/$defs/row"}, f"the first rows of the manifest, {REPORTED} at most"),
+            "left_out": count("how many more rows the manifest has"),
         }
     )
     return {"$schema": DIALECT, "title": "report.json of dh2urdf", **report, "$defs": {"row": _row(), **_parts()}}
@@ -32,60 +33,60 @@ def manifest_schema() -> dict[str, Any]:
 def plugins_schema() -> dict[str, Any]:
     """The schema of what `dh2urdf plugins --json` prints."""
     plugin = {
-        "plugin": _text("the plugin's entry point, such as my_lab = my_lab.plugin"),
-        "distribution": _text("name and version of the distribution that provides it"),
+        "plugin": text("the plugin's entry point, such as my_lab = my_lab.plugin"),
+        "distribution": text("name and version of the distribution that provides it"),
     }
     kind = {"enum": list(KINDS), "description": "the kind of stage"}
-    option = _object(
+    option = object_of(
         {
-            "name": _text("the option's name in a run file"),
-            "type": _text("what it takes, in words"),
-            "default": _text("what it is where nobody says it, in words"),
-            "help": _text("what it is for"),
+            "name": text("the option's name in a run file"),
+            "type": text("what it takes, in words"),
+            "default": text("what it is where nobody says it, in words"),
+            "help": text("what it is for"),
         }
     )
-    stage = _object(
+    stage = object_of(
         {
             "kind": kind,
-            "name": _text("the stage's name in a run file"),
-            "summary": _text("what it does, in one line"),
+            "name": text("the stage's name in a run file"),
+            "summary": text("what it does, in one line"),
             **plugin,
-            "options": _list(option, "its options"),
+            "options": list_of(option, "its options"),
         }
     )
-    clash = _object(
+    clash = object_of(
         {
             "kind": kind,
-            "name": _text("a name that several plugins claim"),
-            "distributions": _list({"type": "string"}, "who claims it: name and version of each distribution"),
-            "choices": _list({"type": "string"}, "how each is said without doubt: distribution:name"),
+            "name": text("a name that several plugins claim"),
+            "distributions": list_of({"type": "string"}, "who claims it: name and version of each distribution"),
+            "choices": list_of({"type": "string"}, "how each is said without doubt: distribution:name"),
         }
     )
-    refused = {**plugin, "reason": _text("why it cannot be used")}
-    failed = _object({**refused, "traceback": _text("where it failed")})
-    report = _object(
+    refused = {**plugin, "reason": text("why it cannot be used")}
+    failed = object_of({**refused, "traceback": text("where it failed")})
+    report = object_of(
         {
             "schema": {"const": PLUGINS_SCHEMA, "description": "name and version of this form"},
-            "version": _text("version of dh2urdf that wrote it"),
-            "interface": _text("version of the plugin interface, major.minor"),
-            "stages": _list(stage, "every stage that is installed, by kind and name"),
-            "clashes": _list(clash, "names that are no use without the distribution before them"),
-            "broken": _list(failed, "plugins, or parts of plugins, that failed"),
-            "incompatible": _list(_object(refused), "plugins for another version of the interface"),
-            "left_out": _list(_object(plugin), "plugins that the command line leaves out"),
+            "version": text("version of dh2urdf that wrote it"),
+            "interface": text("version of the plugin interface, major.minor"),
+            "stages": list_of(stage, "every stage that is installed, by kind and name"),
+            "clashes": list_of(clash, "names that are no use without the distribution before them"),
+            "broken": list_of(failed, "plugins, or parts of plugins, that failed"),
+            "incompatible": list_of(object_of(refused), "plugins for another version of the interface"),
+            "left_out": list_of(object_of(plugin), "plugins that the command line leaves out"),
         }
     )
     return {"$schema": DIALECT, "title": "dh2urdf plugins --json", **report}
 
 
 def _row() -> dict[str, Any]:
-    return _object(
+    return object_of(
         {
-            "name": _text("the manipulator's, the cell's or the variant's name"),
+            "name": text("the manipulator's, the cell's or the variant's name"),
             "status": {"enum": ["ok", "failed", "skipped"], "description": "skipped where a run only looked"},
-            "kind": _or_null(_text("of what kind the failure is: table, manipulator, transform, proof, loader, …")),
-            "source": _text("the file it comes from; of a cell or variant the run file"),
-            "key": _text("a hash of what its files depend on, by which a resumed run knows them"),
+            "kind": or_null(text("of what kind the failure is: table, manipulator, transform, proof, loader, …")),
+            "source": text("the file it comes from; of a cell or variant the run file"),
+            "key": text("a hash of what its files depend on, by which a resumed run knows them"),
             "drawn": {
                 "type": "object",
                 "additionalProperties": {"type": ["number", "string"]},
@@ -95,10 +96,10 @@ def _row() -> dict[str, Any]:
                 "type": "boolean",
                 "description": "whether the transform keeps T(q): where it does not, differences fail nothing",
             },
-            "files": _list({"$ref": "#/$defs/file"}, "the files that were written"),
+            "files": list_of({"$ref": "#/$defs/file"}, "the files that were written"),
             "proof": {
                 "type": "object",
-                "additionalProperties": _or_null({"$ref": "#/$defs/proof"}),
+                "additionalProperties": or_null({"$ref": "#/$defs/proof"}),
                 "description": "by emitter, how far its main file is from the DH product; null where nobody looked",
             },
             "loaders": {
@@ -106,26 +107,27 @@ def _row() -> dict[str, Any]:
                 "additionalProperties": {"$ref": "#/$defs/load"},
                 "description": "by loader, what the simulator says",
             },
-            "notices": _list({"$ref": "#/$defs/problem"}, "what a careful person would want to know"),
-            "errors": _list({"$ref": "#/$defs/problem"}, "why it failed"),
-        }
+            "notices": list_of({"$ref": "#/$defs/problem"}, "what a careful person would want to know"),
+            "errors": list_of({"$ref": "#/$defs/problem"}, "why it failed"),
+        },
+        {"meshes": list_of({"$ref": "#/$defs/mesh"}, "the copies of meshes that its files name")},
     )
 
 
 def _parts() -> dict[str, Any]:
-    return {"file": _file(), "proof": _proof(), "load": _load(), "problem": _problem()}
+    return {"file": _file(), "mesh": _mesh(), "proof": proof_schema(), "load": _load(), "problem": problem_schema()}
 
 
 def _file() -> dict[str, Any]:
     sharded = {
-        "shard": _text("the tar file that it is in"),
-        "offset": _count("where its bytes begin in the tar file [B]"),
+        "shard": text("the tar file that it is in"),
+        "offset": count("where its bytes begin in the tar file [B]"),
     }
-    file = _object(
+    file = object_of(
         {
-            "path": _text("its name in the output, or in its shard"),
-            "stage": _text("the emitter"),
-            "bytes": _count("its size [B]"),
+            "path": text("its name in the output, or in its shard"),
+            "stage": text("the emitter"),
+            "bytes": count("its size [B]"),
             "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$", "description": "the hash of its bytes"},
         },
         sharded,
@@ -133,20 +135,30 @@ def _file() -> dict[str, Any]:
     return {**file, "dependentRequired": {"shard": ["offset"], "offset": ["shard"]}}
 
 
-def _proof() -> dict[str, Any]:
-    return _object(
+def _mesh() -> dict[str, Any]:
+    return object_of(
         {
-            "position_error": _or_null(_size("largest distance of a tool0 from the DH product [m]; null: not finite")),
-            "angle_error": _or_null(_size("largest angle between them [rad]; null: not finite")),
-            "q": _list({"type": "number"}, "the joint vector of the largest position error [rad or m]"),
-            "tolerance": _size("what the position error may be [m]"),
-            "poses": _count("joint vectors that were compared"),
+            "path": text("its name in the output"),
+            "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$", "description": "the hash of its bytes"},
+        }
+    )
+
+
+def proof_schema() -> dict[str, Any]:
+    """The schema of what is known of a proof."""
+    return object_of(
+        {
+            "position_error": or_null(size("largest distance of a tool0 from the DH product [m]; null: not finite")),
+            "angle_error": or_null(size("largest angle between them [rad]; null: not finite")),
+            "q": list_of({"type": "number"}, "the joint vector of the largest position error [rad or m]"),
+            "tolerance": size("what the position error may be [m]"),
+            "poses": count("joint vectors that were compared"),
         },
         {
-            "tip": _text("of a cell: the frame of the largest position error"),
+            "tip": text("of a cell: the frame of the largest position error"),
             "tips": {
                 "type": "object",
-                "additionalProperties": _or_null({"type": "number"}),
+                "additionalProperties": or_null({"type": "number"}),
                 "description": "of a cell: the largest position error of every arm's tool0 [m]",
             },
         },
@@ -154,72 +166,47 @@ def _proof() -> dict[str, Any]:
 
 
 def _load() -> dict[str, Any]:
-    return _object(
+    return object_of(
         {
-            "simulator": _text("its name"),
-            "version": _text("its version"),
-            "joints": _list({"type": "object"}, "the moving joints it found: name, type, axis, limits, as it has them"),
-            "mass": _or_null({"type": "number", "description": "mass of the arm as it holds it [kg]"}),
-            "mass_error": _or_null(_size("largest difference of one link's mass [kg]")),
-            "inertia_error": _or_null(_size("largest difference of an element of one link's inertia [kg·m²]")),
-            "position_error": _or_null(_size("largest distance of a tool0 from the DH product [m]")),
-            "angle_error": _or_null(_size("largest angle between them [rad]")),
-            "tolerance": _or_null(_size("what the position error may be: the simulator's arithmetic [m]")),
-            "angle_tolerance": _or_null(_size("what the angle error may be [rad]")),
-            "q": _list({"type": "number"}, "the joint vector of the largest position error [rad or m]"),
-            "poses": _count("joint vectors that were measured"),
+            "simulator": text("its name"),
+            "version": text("its version"),
+            "joints": list_of(
+                {"type": "object"}, "the moving joints it found: name, type, axis, limits, as it has them"
+            ),
+            "mass": or_null({"type": "number", "description": "mass of the arm as it holds it [kg]"}),
+            "mass_error": or_null(size("largest difference of one link's mass [kg]")),
+            "inertia_error": or_null(size("largest difference of an element of one link's inertia [kg·m²]")),
+            "position_error": or_null(size("largest distance of a tool0 from the DH product [m]")),
+            "angle_error": or_null(size("largest angle between them [rad]")),
+            "tolerance": or_null(size("what the position error may be: the simulator's arithmetic [m]")),
+            "angle_tolerance": or_null(size("what the angle error may be [rad]")),
+            "q": list_of({"type": "number"}, "the joint vector of the largest position error [rad or m]"),
+            "poses": count("joint vectors that were measured"),
             "hold": {
                 "type": "object",
                 "properties": {"stayed": {"type": "boolean", "description": "whether the arm stayed in place"}},
                 "description": "the hold test under gravity: seconds, largest displacement, contacts within the arm; "
                 "empty where there was none",
             },
-            "findings": _list({"$ref": "#/$defs/problem"}, "what a person should know"),
+            "findings": list_of({"$ref": "#/$defs/problem"}, "what a person should know"),
             "output": {"type": "string", "description": "what the simulator printed"},
-            "picture": _or_null(_text("name of the picture that it took")),
+            "picture": or_null(text("name of the picture that it took")),
         }
     )
 
 
-def _problem() -> dict[str, Any]:
-    return _object(
+def problem_schema() -> dict[str, Any]:
+    """The schema of a problem, as an entry of `errors` or `notices`."""
+    return object_of(
         {
-            "file": _or_null(_text("the file where it was said")),
-            "line": _or_null({"type": "integer", "minimum": 1}),
-            "column": _or_null({"type": "integer", "minimum": 1}),
-            "joint": _or_null({"type": "string", "description": "the joint concerned"}),
-            "field": _or_null({"type": "string", "description": "the field concerned, such as alpha"}),
-            "found": _or_null({"type": "string", "description": "the text that was found"}),
-            "accepted": _or_null({"type": "string", "description": "what is accepted in its place"}),
-            "message": _text("what is wrong, and what to do"),
+            "file": or_null(text("the file where it was said")),
+            "line": or_null({"type": "integer", "minimum": 1}),
+            "column": or_null({"type": "integer", "minimum": 1}),
+            "place": or_null(text("the place as the file's format names it, such as Sheet2!C4")),
+            "joint": or_null({"type": "string", "description": "the joint concerned"}),
+            "field": or_null({"type": "string", "description": "the field concerned, such as alpha"}),
+            "found": or_null({"type": "string", "description": "the text that was found"}),
+            "accepted": or_null({"type": "string", "description": "what is accepted in its place"}),
+            "message": text("what is wrong, and what to do"),
         }
     )
-
-
-# --- Shorthands of the schema language --------------------------------------------------------------------------------
-
-
-def _object(properties: dict[str, Any], others: dict[str, Any] | None = None) -> dict[str, Any]:
-    """An object that has some properties, and may have others, and no more."""
-    every = {**properties, **(others or {})}
-    return {"type": "object", "properties": every, "required": list(properties), "additionalProperties": False}
-
-
-def _text(description: str) -> dict[str, Any]:
-    return {"type": "string", "description": description}
-
-
-def _count(description: str) -> dict[str, Any]:
-    return {"type": "integer", "minimum": 0, "description": description}
-
-
-def _size(description: str) -> dict[str, Any]:
-    return {"type": "number", "minimum": 0, "description": description}
-
-
-def _list(entry: dict[str, Any], description: str) -> dict[str, Any]:
-    return {"type": "array", "items": entry, "description": description}
-
-
-def _or_null(schema: dict[str, Any]) -> dict[str, Any]:
-    return {"anyOf": [schema, {"type": "null"}]}

@@ -175,6 +175,7 @@ def with_units(table: TableText, manipulator: Manipulator, length_unit: str, ang
         angle_unit=angle_unit,
         base=written.base if table.base else "",
         tool=written.tool if table.tool else "",
+        payload=written.payload if table.payload else "",
         defaults=written.defaults if table.defaults else "",
         rows=rows,
     )

@@ -61,7 +61,10 @@ def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
     rejected = [item for item in items if isinstance(item, Rejected)]
     if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
         return tuple(map(Opened, unsaid))
-    raise InputError([problem for item in rejected for problem in item.problems])
+    raise InputError(
+        [problem for item in rejected for problem in item.problems],
+        [notice for item in rejected for notice in item.notices],
+    )
 
 
 def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, TableText]:
@@ -80,9 +83,16 @@ def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> Open
         completed = _completed(typed, [row.joint for row in arm.rows])
         if read_whole(completed, catalog).manipulator == arm:
             return Opened(completed)
-    table = table_text(arm)
+    table = table_text(_without_meshes(arm))
     again = read_whole(table, catalog).manipulator
     return Opened(table, tuple(_lost(arm, again)) if again else ())
+
+
+def _without_meshes(arm: Manipulator) -> Manipulator:
+    """An arm without what the page does not show: it could not move a mesh along with the frames of a table."""
+    rows = [replace(row, visual=None, collision=None) for row in arm.rows]
+    meshes: dict[str, Any] = dict.fromkeys(("base_visual", "base_collision", "visuals", "collisions"))
+    return replace(arm, rows=tuple(rows), **meshes)
 
 
 def _unsaid(rejected: Rejected, typed: TableText | None, catalog: Catalog) -> TableText | None:

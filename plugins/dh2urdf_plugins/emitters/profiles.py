@@ -15,6 +15,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Arm, Collision, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Problem
+from dh2urdf_plugins.base_bodies import links_at_rest, notices_for_gazebo, notices_of_riders, with_base_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
@@ -63,6 +64,13 @@ class Profile:
         why="in Gazebo nothing but a joint with the world holds a model, and without one it falls over; for other "
         "readers people hold the root themselves, and expect it to be base_link",
     )
+    base_body: bool = _decision(
+        default=False,
+        portable="a base of mass 0, where the table gives it none and every link one",
+        otherwise="a base of 1 kg then",
+        why="sdformat drops a root that weighs nothing, and the whole arm with it; to other readers a mass that nobody "
+        "stated is a mass too many",
+    )
     frame_inertials: bool = _decision(
         default=True,
         portable="an explicit mass and inertia of zero for flange, tool0 and the like",
@@ -97,10 +105,12 @@ PROFILES: dict[ProfileName, Profile] = {
     "ros": Profile(mujoco_element=False),
     "pybullet": Profile(root_inertial=True),
     "mujoco": Profile(base_collision=False),
-    "gazebo": Profile(held=True),
+    "gazebo": Profile(held=True, base_body=True),
     "coppeliasim": Profile(frame_inertials=False, solid_links=True),
     "drake": Profile(transmissions=True, joint_friction=False),
 }
+FOR_GAZEBO_TOO: tuple[ProfileName, ...] = ("portable", "ros")
+"""Profiles whose files are loaded into Gazebo, too."""
 
 
 def adapted(robot: Robot, profile: Profile) -> Robot:
@@ -116,10 +126,17 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
     else:
         # Arms of one kind stay arms of one kind: xacro has one macro for each.
         kinds = {id(arm.kind): _adapted_arm(arm.kind, profile) for arm in robot.arms}
-        bases = {arm.prefix + link for arm in robot.arms for link in _fixed_to_root(arm.kind)}
+        bases = {arm.prefix + link for arm in robot.arms for link in links_at_rest(arm.kind)}
         arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)
         robot = replace(_adapted(robot, profile, bases), arms=arms)
     return _held(robot) if profile.held and robot.root != WORLD else robot
+
+
+def notices_of(robot: Robot, name: ProfileName) -> list[Problem]:
+    """What a person should know of the file of a profile, unless it is for one reader other than Gazebo."""
+    if PROFILES[name].base_body:
+        return [*notices_for_gazebo(robot, filled=True), *notices_of_riders(robot)]
+    return notices_for_gazebo(robot, filled=False) if name in FOR_GAZEBO_TOO else []
 
 
 def append_transmissions(parent: etree._Element, robot: Robot, notation: Notation) -> None:
@@ -138,11 +155,13 @@ def append_transmissions(parent: etree._Element, robot: Robot, notation: Notatio
 
 
 def _adapted_arm(robot: Robot, profile: Profile) -> Robot:
-    robot = _adapted(robot, profile, _fixed_to_root(robot))
+    robot = _adapted(robot, profile, links_at_rest(robot))
     return _with_root_inertial(robot) if profile.root_inertial else robot
 
 
 def _adapted(robot: Robot, profile: Profile, bases: AbstractSet[str]) -> Robot:
+    if profile.base_body:
+        robot = with_base_bodies(robot)
     links = tuple(_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links)
     if profile.joint_friction:
         return replace(robot, links=links)
@@ -163,15 +182,6 @@ def _adapted_link(link: Link, profile: Profile, *, is_base: bool) -> Link:
 def _with_root_inertial(robot: Robot) -> Robot:
     root, *others = robot.links
     return replace(robot, links=(replace(root, inertial=root.inertial or WEIGHTLESS), *others))
-
-
-def _fixed_to_root(robot: Robot) -> frozenset[str]:
-    """The links that no joint moves."""
-    still = {robot.root}
-    for joint in robot.joints:  # Parents before children.
-        if joint.type is JointType.FIXED and joint.parent in still:
-            still.add(joint.child)
-    return frozenset(still)
 
 
 def _held(robot: Robot) -> Robot:

@@ -20,6 +20,7 @@ from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.base_bodies import notices_for_gazebo, with_base_bodies
 from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
 from dh2urdf_plugins.sdf_reader import read_sdf
 
@@ -53,10 +54,16 @@ def emit(robot: Robot, stem: str, options: SdfOptions) -> tuple[EmittedFile]:
     return (EmittedFile(name=f"{stem}.sdf", content=content),)
 
 
+def notices(robot: Robot, _options: SdfOptions) -> list[Problem]:
+    """What a person should know of the file: that its base has a mass which the table does not state."""
+    return notices_for_gazebo(robot, filled=True)
+
+
 class _Model:
     """A robot on its way to SDF, which knows bodies and, fixed to them, frames."""
 
     def __init__(self, robot: Robot, *, fixed: bool) -> None:
+        robot = with_base_bodies(robot)
         self._robot, self._fixed, self._notation = robot, fixed, Notation()
         self._joint_to = {joint.child: joint for joint in robot.joints}
         self._carriers = self._find_carriers()
@@ -240,4 +247,5 @@ EMITTER = Emitter(
     options=SdfOptions,
     emit=emit,
     read_back=read_sdf,
+    notices=notices,
 )

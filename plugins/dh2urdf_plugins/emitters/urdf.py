@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.stages import EmittedFile, Emitter
-from dh2urdf_plugins.emitters.profiles import PROFILE_HELP, PROFILES, ProfileName, adapted, append_transmissions
+from dh2urdf_plugins.emitters.profiles import (
+    PROFILE_HELP,
+    PROFILES,
+    ProfileName,
+    adapted,
+    append_transmissions,
+    notices_of,
+)
 from dh2urdf_plugins.emitters.urdf_tree import Notation, check_lines, serialise, urdf_tree
 from dh2urdf_plugins.urdf_reader import read_urdf
 from dh2urdf_plugins.urdf_scanner import scan_columns
@@ -18,6 +25,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import RobotColumns
     from dh2urdf.robot import Robot
+    from dh2urdf.source import Problem
     from dh2urdf.stages import Inspection
 
 
@@ -67,6 +75,11 @@ def emit_columns(
     ]
 
 
+def notices(robot: Robot, options: UrdfOptions) -> list[Problem]:
+    """What a person should know of the file, such as that Gazebo drops it."""
+    return notices_of(robot, options.profile)
+
+
 def check(path: Path) -> Inspection:
     """What there is to say of a URDF of any origin.
 
@@ -88,4 +101,5 @@ EMITTER = Emitter(
     emit_columns=emit_columns,
     read_columns=scan_columns,
     check=check,
+    notices=notices,
 )

@@ -34,6 +34,7 @@ from dh2urdf_plugins.emitters.profiles import (
     ProfileName,
     adapted,
     append_transmissions,
+    notices_of,
 )
 from dh2urdf_plugins.emitters.urdf_tree import (
     Notation,
@@ -43,7 +44,7 @@ from dh2urdf_plugins.emitters.urdf_tree import (
     append_robot,
     serialise,
 )
-from dh2urdf_plugins.xacro_reader import read_xacro
+from dh2urdf_plugins.xacro_reader import read_foreign_xacro, read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -284,6 +285,11 @@ def one_file(options: XacroOptions) -> XacroOptions:
     return replace(options, single_file=True)
 
 
+def notices(robot: Robot, options: XacroOptions) -> list[Problem]:
+    """What a person should know of the file, such as that Gazebo drops it."""
+    return notices_of(robot, options.profile)
+
+
 def check(path: Path) -> Inspection:
     """What there is to say of a xacro, expanded, of any origin.
 
@@ -302,7 +308,9 @@ EMITTER = Emitter(
     options=XacroOptions,
     emit=emit,
     read_back=read_xacro,
+    read_foreign=read_foreign_xacro,
     one_file=one_file,
     costly_proof=True,
     check=check,
+    notices=notices,
 )

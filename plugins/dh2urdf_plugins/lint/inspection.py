@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import CrashError, InputError, LoaderError, ProofError
-from dh2urdf.isolation import run_in_child
+from dh2urdf.errors import InputError, ProofError
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf.textfiles import read_bytes
@@ -14,7 +13,7 @@ from dh2urdf_plugins.lint.description import Description, Hit
 from dh2urdf_plugins.lint.reading import robot_of
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 from dh2urdf_plugins.lint.tree import Element, NotXmlError, parse
-from dh2urdf_plugins.xacro_reader import expand
+from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,8 +24,6 @@ LONGEST = 2**26
 """Size of a description that is inspected [B]."""
 _PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
 """As many lines as the command `xacro` writes before the robot: lines of findings are those of its output."""
-EXPANSION = 60.0
-"""How long xacro may take for a file [s]: it computes whatever the file asks for."""
 
 
 def inspect_urdf(path: Path) -> Inspection:
@@ -39,19 +36,16 @@ def inspect_urdf(path: Path) -> Inspection:
 
 
 def inspect_xacro(path: Path) -> Inspection:
-    """What there is to say of a xacro, as the real xacro expands it with the defaults of its arguments.
+    """What there is to say of a xacro, as xacro expands it behind a fence, with the defaults of its arguments.
 
     Raises:
         InputError: the file cannot be read.
     """
     read_bytes(path, InputError, limit=LONGEST)
     try:
-        content = run_in_child(expand, path, timeout=EXPANSION).value
+        content = expand_foreign(path)
     except ProofError as error:
         return _only(Hit("xacro-fails", 1, error.problems[0].message), str(path))
-    except (CrashError, LoaderError):
-        message = f"xacro cannot expand it: it crashed, or did not finish within {EXPANSION:g} s"
-        return _only(Hit("xacro-fails", 1, message), str(path))
     return _inspection(path, _PROLOGUE + content, f"{path} (expanded)")
 
 

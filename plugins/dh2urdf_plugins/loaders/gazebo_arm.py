@@ -19,6 +19,7 @@ from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
+from dh2urdf_plugins.base_bodies import with_base_bodies
 from dh2urdf_plugins.loaders.comparison import DOUBLE
 from dh2urdf_plugins.loaders.sdf_model import WORLD
 
@@ -70,7 +71,7 @@ class Arm:
     def _written_bodies(self) -> dict[str, Inertial]:
         """What the links of the model should be: the sums of what they carry."""
         carried: dict[str, list[Inertial]] = {}
-        for link in self.robot.links:
+        for link in with_base_bodies(self.robot).links:  # sdformat has no arm whose base weighs nothing
             carrier, pose = self.carriers[link.name]
             parts = carried.setdefault(carrier, [])
             if link.inertial and link.inertial.mass:

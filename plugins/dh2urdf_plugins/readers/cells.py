@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import NamedTuple, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from dh2urdf.quantities import Dimension, Unit
-from dh2urdf.source import Mark
+
+if TYPE_CHECKING:
+    from dh2urdf.source import Mark
 
 SPACES = " \t\u00a0\u2007\u2009\u202f"
 """White space around a cell."""
@@ -23,19 +25,31 @@ def text_of(value: Value) -> str:
 
 
 class Cell(NamedTuple):
-    """A text of a table and its place."""
+    """A text of a table and its place.
+
+    Attributes:
+        text: the text.
+        mark: its place.
+        of_theta: whether its header says that it bounds theta, which is not q where the row has an offset.
+    """
 
     text: str
     mark: Mark
+    of_theta: bool = False
 
 
-class RowMark(Mark):
-    """A place in a file that has rows and no lines: its line is the number of a row, counted from 1."""
+class Doubt(NamedTuple):
+    """Why the unit of bare numbers is not sure.
 
-    __slots__ = ()
+    Attributes:
+        reason: what else is said, as half a sentence.
+        unit: a unit that they may have.
+        dimension: what that unit measures, where a field has numbers of two kinds.
+    """
 
-    def __str__(self) -> str:
-        return self.file if self.line is None else f"{self.file}, row {self.line}"
+    reason: str
+    unit: str
+    dimension: Dimension | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,25 +57,56 @@ class Units:
     """What a table says of its units and its numbers.
 
     Attributes:
-        length: the unit of lengths; None where nothing declares one, which means m.
-        angle: the unit of angles; None where nothing declares one, which means rad.
+        known: the units of bare numbers, by what they measure; the SI unit where there is none.
         columns: the units that headers declare, by field.
+        doubts: why bare numbers other than 0 have no sure unit, by what they measure or by field.
         decimal_comma: whether a comma may stand for the decimal point.
     """
 
-    length: Unit | None = None
-    angle: Unit | None = None
+    known: Mapping[Dimension, Unit] = field(default_factory=dict)
     columns: Mapping[str, Unit] = field(default_factory=dict)
+    doubts: Mapping[str, Doubt] = field(default_factory=dict)
     decimal_comma: bool = False
+
+    @property
+    def angle(self) -> Unit | None:
+        """The unit of angles; None where nothing declares one, which means rad."""
+        return self.known.get(Dimension.ANGLE)
 
     def of(self, dimension: Dimension) -> Unit | None:
         """The unit of numbers of a dimension that name none."""
-        if dimension is Dimension.LENGTH:
-            return self.length
-        if dimension is Dimension.ANGLE:
-            return self.angle
-        if dimension is Dimension.SPEED and self.length:
-            return Unit(f"{self.length.symbol}/s", dimension, self.length.power)
-        if dimension is Dimension.TURN_RATE and self.angle:
-            return Unit(f"{self.angle.symbol}/s", dimension, degrees=self.angle.degrees)
-        return None
+        unit = self.known.get(dimension)
+        base = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}.get(dimension)
+        if unit is None and base and (measured := self.known.get(base)):
+            return rate_of(measured)
+        return unit
+
+    def sure(self, dimension: Dimension, name: str | None = None) -> Unit | None:
+        """The unit of numbers of a dimension that name none; None where that is the SI unit, or in doubt."""
+        return None if self.doubt(dimension, name) else self.of(dimension)
+
+    def doubt(self, dimension: Dimension, name: str | None = None) -> Doubt | None:
+        """Why the unit of a bare number is not sure; None where it is.
+
+        Args:
+            dimension: what it measures.
+            name: its field, where it has one.
+        """
+        if not self.doubts or name in self.columns:
+            return None
+        doubt = self.doubts.get(name or "")
+        if doubt and doubt.dimension not in (None, dimension) and dimension in self.known:
+            doubt = None  # it is about the field's other kind of numbers, and the unit of this kind is declared
+        return doubt or self.doubts.get(dimension)
+
+    @property
+    def in_functions(self) -> Unit | None:
+        """The unit of a bare number in ``sin``, ``cos`` or ``tan``: degrees, where any angle of the table has them."""
+        angles = [unit for unit in (self.angle, *self.columns.values()) if unit and unit.dimension is Dimension.ANGLE]
+        return next((unit for unit in angles if unit.parts), angles[0] if angles else None)
+
+
+def rate_of(unit: Unit) -> Unit:
+    """A unit of length or angle per second."""
+    rate = Dimension.SPEED if unit.dimension is Dimension.LENGTH else Dimension.TURN_RATE
+    return replace(unit, symbol=f"{unit.symbol}/s", dimension=rate)

@@ -1,91 +1,145 @@
-"""The top of a CSV table: comment lines that say what columns cannot, the delimiter, and the header."""
+"""The top of a CSV table: comment lines, the delimiter, and the header."""
 
 from __future__ import annotations
 
 import csv
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import islice
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.cells import SPACES, Cell
-from dh2urdf_plugins.readers.csv_comments import convention_in_prose, is_comment, statement
-from dh2urdf_plugins.readers.fields import REQUIRED, read_header
-from dh2urdf_plugins.readers.headers import Columns, name_columns
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.cells import SPACES
+from dh2urdf_plugins.readers.comment_lines import as_typed, is_comment, is_open, without_marker
+from dh2urdf_plugins.readers.csv_comments import STATEMENTS
+from dh2urdf_plugins.readers.fields import REQUIRED
+from dh2urdf_plugins.readers.header_words import read_header
+from dh2urdf_plugins.readers.headers import TURN_ROUND, are_joints
+from dh2urdf_plugins.readers.top import MAX_TITLES, is_header
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator, Sequence
 
 DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
 MAX_HEADER = 100_000
 """Length of the header [1]."""
+_COMMENT_LINES = 1000
+"""Lines that a comment, or a header, in quotes may run over [1]."""
+_EMPTY = SPACES + "".join(DELIMITERS) + '"'
+"""What a line consists of that holds nothing."""
 
-_EXCEL_SEPARATOR = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)  # Excel's own way to name the delimiter
-
-
-@dataclass(slots=True)
-class Top:
-    """Everything above the first row.
-
-    Attributes:
-        columns: the header.
-        statements: what comment lines say, by key.
-        comments: comment lines that speak of the one convention or the other in prose.
-    """
-
-    columns: Columns
-    statements: dict[str, Node]
-    comments: list[tuple[Convention, Cell]]
+_EXCEL_SEPARATOR = late_pattern(r'\s*"?sep=(.)"?[\s,;]*', re.IGNORECASE)  # Excel's own way to name the delimiter
 
 
-def read_top(lines: Iterable[str], file: str) -> Top:
-    """Everything above the first row; the lines behind the header are not touched.
+def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | None]]:
+    """The lines above the header and the header with its delimiter: comments of one cell each, and titles in cells.
+
+    The header is the first line that names two of a, alpha, d and theta. Where no line does, it is the line that is
+    most like one, so that a message can say what it lacks.
 
     Raises:
-        TableError: there is no header, or it is wrong, or a comment line is.
+        TableError: there is no header.
     """
-    statements: dict[str, Node] = {}
-    comments: list[tuple[Convention, Cell]] = []
+    held: list[_Line] = []
     delimiter: str | None = None
-    number = 0
-    for number, line in enumerate(lines, start=1):
-        if not line.strip(SPACES + "".join(DELIMITERS)):
+    for number, first in (numbered := enumerate(lines, start=1)):
+        if not first.strip(_EMPTY):
             continue
-        if number == 1 and (match := _EXCEL_SEPARATOR.fullmatch(line)):
-            delimiter = match[1]
+        if number == 1 and (match := _EXCEL_SEPARATOR.fullmatch(first)):
+            delimiter = match[1] if match[1] in DELIMITERS else None
             continue
-        long = len(line) > MAX_HEADER
-        if long and not is_comment(line):
-            message = f"this line should be the header, and has {len(line)} characters"
-            raise TableError(
-                Problem(message=message, mark=Mark(file=file, line=number), accepted=f"at most {MAX_HEADER} characters")
-            )
-        header = line if not is_comment(line) else None if long else commented_header(line)
-        if header is not None:
-            return Top(read_columns(header, number, file, delimiter), statements, comments)
-        if convention := convention_in_prose(line):
-            comments.append((convention, Cell(line.strip(), Mark(file=file, line=number))))
-        if found := statement(line, number, file):
-            key, node = found
-            if key in statements:
-                message = f"a comment line says {key} already, in line {statements[key].line}"
-                raise TableError(Problem(message=message, mark=Mark(file=file, line=number), field=key))
-            statements[key] = node
-    raise TableError(
-        Problem(
-            message="there is no header and there are no rows" if number else "the file is empty: there is no header",
-            mark=Mark(file=file),
-            accepted="a header with at least the columns a, alpha and d, and one row for each joint",
-        )
+        line = _whole(first, numbered)
+        if len(line) > MAX_HEADER and not is_comment(line, top=True):
+            raise TableError(_long_header(line, number, file))
+        header = line
+        if comment := is_comment(line, top=True):
+            header = (commented_header(line) if len(line) <= MAX_HEADER else None) or ""
+        found = delimiter or delimiter_of(header)
+        if found and is_header(row := _cells(header, number, file, found)):
+            yield from ((above, None) for above in _above(held, file, found))
+            yield row, found
+            return
+        held.append(_Line(number, line, comment))
+        if sum(not above.comment for above in held) > MAX_TITLES:
+            break
+    titles = [above for above in held if not above.comment]
+    if not titles:
+        yield from ((above, None) for above in _above(held, file, None))
+        raise TableError(_nothing(file, empty=not held))
+    likely = max(titles, key=lambda title: _known(title.text))
+    found = delimiter or delimiter_of(likely.text)
+    if found is None:
+        raise TableError(_no_header(likely.text, likely.number, file))
+    yield from ((above, None) for above in _above(held[: held.index(likely)], file, found))
+    yield _cells(likely.text, likely.number, file, found), found
+
+
+class _Line(NamedTuple):
+    """A line above the header.
+
+    Attributes:
+        number: counted from 1.
+        text: the line, or several where a cell in quotes runs over them.
+        comment: whether it begins as a comment does.
+    """
+
+    number: int
+    text: str
+    comment: bool
+
+
+def _whole(line: str, lines: Iterator[tuple[int, str]]) -> str:
+    """A line with those that follow, as far as a cell in quotes runs on into them."""
+    is_cut = is_open if is_comment(line, top=True) else _is_odd
+    for _, more in islice(lines, _COMMENT_LINES) if is_cut(line) else ():
+        line += f"\n{more}"
+        if not is_cut(line) or len(line) > MAX_HEADER:
+            break
+    return line
+
+
+def _is_odd(line: str) -> bool:
+    return line.count('"') % 2 == 1 and any(f'{before}"' in f",{line}" for before in DELIMITERS)
+
+
+def _known(line: str) -> int:
+    """How many columns of a line name a field."""
+    return max(len({h.field.name for h in map(read_header, split(line, each)) if h.field}) for each in DELIMITERS)
+
+
+def _nothing(file: str, *, empty: bool) -> Problem:
+    return Problem(
+        message="the file is empty: there is no header" if empty else "there is no header and there are no rows",
+        mark=Mark(file=file),
+        accepted="a header with at least the columns a, alpha and d, and one row for each joint",
+    )
+
+
+def _above(lines: Iterable[_Line], file: str, delimiter: str | None) -> Iterator[CellRow]:
+    """The lines above a header: comments of one cell each, and titles in cells."""
+    for number, line, comment in lines:
+        if not comment and delimiter:
+            yield _cells(line, number, file, delimiter)
+            continue
+        for index, text in enumerate(as_typed(line, delimiter)):
+            yield CellRow([text], Mark(file=file, line=number + index))
+
+
+def _long_header(line: str, number: int, file: str) -> Problem:
+    return Problem(
+        message=f"this line should be the header, and has {len(line)} characters",
+        mark=Mark(file=file, line=number),
+        accepted=f"at most {MAX_HEADER} characters",
     )
 
 
 def split(line: str, delimiter: str) -> list[str]:
-    """The cells of one line."""
-    return [cell.strip(SPACES) for cell in next(csv.reader([line], delimiter=delimiter), [])]
+    """The cells of one line; a space before a quote is none of the cell."""
+    lines = [f"{part}\n" for part in line.split("\n")]  # of a cell in quotes, perhaps
+    cells = next(csv.reader(lines, delimiter=delimiter, skipinitialspace=True), [])
+    return [cell.strip(SPACES) for cell in cells]
 
 
 def starts_of(line: str, delimiter: str) -> list[int]:
@@ -121,33 +175,29 @@ def commented_header(line: str) -> str | None:
     The first column may be called ``#``, or the header as a whole may be commented out, as numpy writes it.
     """
     found: dict[str, set[str]] = {}
-    for text in (line, line.replace("#", " ", 1)):
+    for text in (line, without_marker(line)):
         headers = map(read_header, split(text, delimiter_of(text) or ","))
         found[text] = {header.field.name for header in headers if header.field}
     best = max(found, key=lambda text: len(found[text]))
     return best if found[best].issuperset(REQUIRED) else None
 
 
-def read_columns(line: str, number: int, file: str, delimiter: str | None = None) -> Columns:
-    """What a header says.
-
-    Args:
-        line: the header.
-        number: its line.
-        file: the file.
-        delimiter: what stands between cells, where a line above says it.
-
-    Raises:
-        TableError: everything that is wrong with it.
-    """
-    delimiter = delimiter if delimiter in DELIMITERS else delimiter_of(line)
-    if delimiter is None:
-        raise TableError(_no_header(line, number, file))
+def _cells(line: str, number: int, file: str, delimiter: str) -> CellRow:
+    """The cells of a line."""
     starts = starts_of(line, delimiter)
-    headers = split(line, delimiter)
-    places = [starts[min(index, len(starts) - 1)] for index in range(len(headers))]
+    cells = split(line, delimiter)
+    places = [starts[min(index, len(starts) - 1)] for index in range(len(cells))]
     marks = [Mark(file=file, line=number, column=place) for place in places]
-    return name_columns(headers, marks, Mark(file=file, line=number), delimiter)
+    return CellRow(cells, Mark(file=file, line=number), marks)
+
+
+def row_below(lines: Sequence[str], number: int, file: str, delimiter: str) -> tuple[CellRow, int] | None:
+    """The first of some lines that holds anything, as cells, and how many lines end with it; None for a comment."""
+    for count, line in enumerate(lines, start=1):
+        if line.strip(_EMPTY):
+            short = len(line) <= MAX_HEADER and not is_comment(line, top=True)
+            return (_cells(line, number + count, file, delimiter), count) if short else None
+    return None
 
 
 def _no_header(line: str, number: int, file: str) -> Problem:
@@ -157,7 +207,17 @@ def _no_header(line: str, number: int, file: str) -> Problem:
         found=line,
         accepted="a header with at least the columns a, alpha and d, such as `joint,type,a,alpha,d,theta`, with one "
         "delimiter: comma, semicolon or tab",
-        suggestion="columns aligned with spaces or bars cannot be told apart; put commas between them"
-        if "  " in line or "|" in line
-        else None,
+        suggestion=_advice(line),
     )
+
+
+def _advice(line: str) -> str | None:
+    """What to do about a line that is no header."""
+    text = line.strip(SPACES + ',\t"')
+    if (found := re.match(r"[^\W\d]+", text)) and found[0].casefold() in STATEMENTS and ":" in text:
+        return f"write `# {text}`: what holds for all rows stands in comment lines"
+    if any(are_joints(split(line, delimiter)) for delimiter in DELIMITERS):
+        return TURN_ROUND
+    if "  " in line or "|" in line:
+        return "columns aligned with spaces or bars cannot be told apart; put commas between them"
+    return None

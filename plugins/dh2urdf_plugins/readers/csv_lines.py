@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import csv
 from collections import deque
-from itertools import accumulate, chain
+from itertools import accumulate, chain, islice
 from typing import TYPE_CHECKING, NoReturn
 
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.cells import SPACES
-from dh2urdf_plugins.readers.csv_comments import is_comment, statement
+from dh2urdf_plugins.readers.comment_lines import (
+    SIGNS,
+    Comment,
+    as_typed,
+    fills_row,
+    is_comment,
+    joined,
+    looks_like_row,
+    marks_a_comment,
+    sign_of,
+)
+from dh2urdf_plugins.readers.csv_comments import comment_below
 from dh2urdf_plugins.readers.csv_header import starts_of
 from dh2urdf_plugins.readers.text import line_blocks
 
@@ -26,8 +37,10 @@ class CsvLines:
         quoted: number and text of the latest lines with quotes: where a cell of these starts, the lengths of the
             cells before it do not tell.
         quotes_in_block: whether the latest block has any.
-        row_form: the delimiter and the number of columns, where a comment that looks like a row is worth a notice.
+        signs_in_block: whether the latest block has a sign that a comment begins with.
+        required: the columns that every row fills: a comment that does so looks like a row, and is worth a notice.
         notices: of such comments, the first ones.
+        comments: those below the header that nobody has looked at yet.
     """
 
     def __init__(self, path: Path) -> None:
@@ -37,8 +50,10 @@ class CsvLines:
         self.quotes_in_block = False
         self.blocks = line_blocks(path)
         self.rest: Iterator[str] = iter(())
-        self.row_form: tuple[str, int] | None = None
+        self.signs_in_block = False
+        self.required: Sequence[int] = ()
         self.notices: list[Problem] = []
+        self.comments: list[Comment] = []
 
     def __iter__(self) -> Iterator[str]:
         """The lines as they are, one by one: the top of the file."""
@@ -48,49 +63,64 @@ class CsvLines:
                 self.number += 1
                 yield line
 
-    def _below_header(self) -> Iterator[tuple[int, list[str]]]:
+    def ahead(self) -> list[str]:
+        """The lines that follow the one that was read last, as many as were read from the file at once."""
+        lines = list(self.rest) or next(self.blocks, [])
+        self.rest = iter(lines)
+        return lines
+
+    def skip(self, count: int) -> None:
+        """Passes over lines that `ahead` has shown."""
+        self.number += len(list(islice(self.rest, count)))
+
+    def _below_header(self, delimiter: str) -> Iterator[tuple[int, list[str]]]:
         """Blocks of the lines below the one that was read last, each with the number of its first line."""
         for block in chain((list(self.rest),), self.blocks):
             start = self.number + 1
             self.number += len(block)
-            yield start, self._prepared(block, start)
+            yield start, self._prepared(block, start, delimiter)
 
-    def _prepared(self, block: list[str], start: int) -> list[str]:
+    def _prepared(self, block: list[str], start: int, delimiter: str) -> list[str]:
         text = "".join(block)
         self.quotes_in_block = '"' in text
         if self.quotes_in_block:
             self.quoted.extend((start + index, line) for index, line in enumerate(block) if '"' in line)
             block = [line + "\n" for line in block]  # a cell in quotes keeps the end of the line
-        if "#" not in text:
+        self.signs_in_block = any(sign in text for sign in SIGNS)
+        if not self.signs_in_block:
             return block
-        return ["" if "#" in line and self._is_comment(line, start + k) else line for k, line in enumerate(block)]
+        return [
+            "" if is_comment(line) and self._passes_over(line, start + k, delimiter) else line
+            for k, line in enumerate(block)
+        ]
 
-    def _is_comment(self, line: str, number: int) -> bool:
-        if not is_comment(line):
-            return False
-        if statement(line, number, self.file):
-            raise TableError(
-                Problem(
-                    message=f"{shown(line.strip())} stands below the header, and would not hold for the rows above",
-                    mark=Mark(file=self.file, line=number),
-                    accepted="such lines above the header",
-                )
-            )
-        if self.row_form and len(self.notices) < SCREENFUL and line.count(self.row_form[0]) + 1 == self.row_form[1]:
+    def _passes_over(self, line: str, number: int, delimiter: str) -> bool:
+        """Passes over a comment below the header.
+
+        Raises:
+            TableError: it says something, which would not hold for the rows above.
+        """
+        mark = Mark(file=self.file, line=number)
+        self.comments += [comment_below(text, mark) for text in as_typed(line, delimiter)]
+        if len(self.notices) < SCREENFUL and looks_like_row(line, delimiter, self.required):
             self.notices.append(
                 Problem(
-                    message=f"{shown(line.strip())} is a comment, since it begins with #, and no row",
+                    message=f"{shown(line.strip())} is a comment, since it begins with {sign_of(line)}, and no row",
                     severity="notice",
-                    mark=Mark(file=self.file, line=number),
+                    mark=mark,
                     found=line,
                     suggestion="put the first cell in quotes if this is a row",
                 )
             )
         return True
 
+    def _is_quoted_comment(self, cells: Sequence[str]) -> bool:
+        """Whether a row whose first cell stood in quotes is a comment that a spreadsheet has put into cells."""
+        return bool(cells) and marks_a_comment(cells[0]) and not fills_row(cells, self.required)
+
     def records(self, delimiter: str) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
         """Batches of rows, and the line at which each row starts."""
-        blocks = self._below_header()
+        blocks = self._below_header(delimiter)
         for start, lines in blocks:
             if not self.quotes_in_block and max(map(len, lines), default=0) < csv.field_size_limit():
                 yield range(start, start + len(lines)), list(csv.reader(lines, delimiter=delimiter))
@@ -101,7 +131,11 @@ class CsvLines:
             try:
                 while reader.line_num < source.count:
                     starts.append(start + reader.line_num)
-                    batch.append(next(reader))
+                    cells = next(reader)
+                    if self.signs_in_block and self._is_quoted_comment(cells):
+                        self._passes_over(joined(cells, decimal_comma=delimiter != ","), starts[-1], delimiter)
+                        cells = []
+                    batch.append(cells)
             except csv.Error as error:
                 self._refuse_cell(error, starts[-1])
             yield starts, batch

@@ -6,11 +6,12 @@ import csv
 import io
 from typing import TYPE_CHECKING
 
+from dh2urdf.source import Mark
 from dh2urdf.table_text import Place, TableText, WrittenTable, yaml_word
-from dh2urdf_plugins.readers.cells import SPACES
-from dh2urdf_plugins.readers.csv_header import read_top
-from dh2urdf_plugins.readers.csv_lines import CsvLines
-from dh2urdf_plugins.readers.table_words import statements_of, units_of
+from dh2urdf_plugins.readers.cells import SPACES, text_of
+from dh2urdf_plugins.readers.csv_rows import CsvRows
+from dh2urdf_plugins.readers.table_words import statements_of, units_of, units_text
+from dh2urdf_plugins.readers.top import read_top
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -47,18 +48,17 @@ def texts(path: Path) -> Iterator[TableText]:
     Raises:
         TableError: the file is no table, or its header is wrong.
     """
-    lines = CsvLines(path)
-    top = read_top(lines, str(path))
-    columns = top.columns
+    source = CsvRows(path)
+    top = read_top(source, Mark(file=str(path)))
+    columns = source.start(top.columns)
     fields = [field if field not in ("index", "flip") else None for field in columns.fields]
     units = _common_units(columns.units)
     if {"robot", "convention", "flip"}.intersection(filter(None, columns.fields)) or units is None:
         return
-    delimiter = columns.delimiter or ","
     rows = []
-    for _, batch in lines.records(delimiter):
+    for _, batch in source.batches():
         for cells in batch:
-            named = zip(fields, (cell.strip(SPACES) for cell in cells), strict=False)
+            named = zip(fields, (text_of(cell).strip(SPACES) for cell in cells), strict=False)
             if row := {field: text for field, text in named if field and text}:
                 rows.append(row)
     said = statements_of(top.statements, default_name=path.stem)
@@ -70,8 +70,8 @@ def _top(table: TableText) -> dict[str, str]:
     """What comment lines say, by key, in their order."""
     said = {"name": yaml_word(table.name) if table.name.strip() else "", "convention": table.convention}
     if (table.length_unit, table.angle_unit) != ("m", "rad"):
-        said["length_unit"] = f"{{length: {table.length_unit}, angle: {table.angle_unit}}}"
-    said |= {"base": table.base, "tool": table.tool, "defaults": table.defaults}
+        said["length_unit"] = units_text(table)
+    said |= {"base": table.base, "tool": table.tool, "payload": table.payload, "defaults": table.defaults}
     return {field: text for field, text in said.items() if text.strip()}
 
 

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
-from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED, UNHELD_GEOMETRY, Header, misspelt, read_header
+from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED
+from dh2urdf_plugins.readers.header_words import Header, bounds_theta, misspelt, parts_of, read_header
+from dh2urdf_plugins.readers.unknown_columns import Refusal, ignored, refusal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from dh2urdf_plugins.readers.cells import Units
+    from collections.abc import Sequence
 
 _FEW = 5
-_KHALIL = ("sigma", "σ", "gamma", "γ", "mu", "μ", "b")
+_INDEX_J = late_pattern(r"[jⱼ][\s)}\]]*(?:[\[(].*)?$", re.IGNORECASE)
+"""The index of Khalil and Kleinfinger."""
+_KHALIL = ("sigma", "gamma", "mu", "b")
+_NUMBERED = late_pattern(r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|asse|giunto|[ajq])?[\s_.#]*[0-9]{1,2}")
+TURN_ROUND = "the joints seem to stand in columns: turn the table round, so that each joint has a row"
+"""What to do about a table whose header names joints."""
 _MINUS = ("-", "−", "–")
 
 
@@ -27,46 +34,60 @@ class Columns:
     Attributes:
         mark: the place of the header.
         headers: the header of each column, as it is written.
-        delimiter: what stands between cells; None where cells are no text of one line.
+        decimal_comma: whether a comma may stand for the decimal point.
+        quoted_commas: whether it may do so in a cell that is a text of its own, such as one in quotes between commas.
         fields: the field of each column, or None.
         units: the units that headers declare, by field.
-        unheld: columns of geometry that no field holds, with the reason.
+        marks: the place of each header.
+        unheld: columns that name no field and are refused where they hold anything.
+        silent: columns that name no field and are left out, as long as they have held nothing.
         modified: the column whose header means the modified convention.
         meant: fields that misspelt headers probably mean.
-        notices: columns that are left out.
+        ignored: columns that their author wants to be left out.
+        notices: what is to be said of the header.
         numbers: the columns whose cells are numbers already, or all text.
+        of_theta: columns of limits whose headers call them bounds of theta.
     """
 
     mark: Mark
     headers: list[str]
-    delimiter: str | None = None
+    decimal_comma: bool = False
+    quoted_commas: bool = False
     fields: list[str | None] = field(default_factory=list)
     units: dict[str, Unit] = field(default_factory=dict)
-    unheld: dict[int, str] = field(default_factory=dict)
+    marks: list[Mark] = field(default_factory=list)
+    unheld: dict[int, Refusal] = field(default_factory=dict)
+    silent: set[int] = field(default_factory=set)
     modified: int | None = None
     meant: list[str] = field(default_factory=list)
+    ignored: set[int] = field(default_factory=set)
     notices: list[Problem] = field(default_factory=list)
     numbers: frozenset[int] = frozenset()
+    of_theta: set[int] = field(default_factory=set)
 
     @property
-    def decimal_comma(self) -> bool:
-        """Whether a comma may stand for the decimal point."""
-        return self.delimiter not in (None, ",")
+    def names(self) -> list[str]:
+        """The fields that the columns hold, in their order, those that share cells one by one."""
+        return [part for name in self.fields if name for part in parts_of(FIELDS[name])]
+
+    def header_of(self, name: str) -> str:
+        """The header of the column that holds a field."""
+        holding = (k for k, field_ in enumerate(self.fields) if field_ and name in parts_of(FIELDS[field_]))
+        return self.headers[next(holding)]
 
 
-def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark, delimiter: str | None = None) -> Columns:
+def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> Columns:
     """What headers say.
 
     Args:
         headers: the header of each column.
         marks: the place of each.
         mark: the place of all of them.
-        delimiter: what stands between cells.
 
     Raises:
         TableError: everything that is wrong with them.
     """
-    columns = Columns(mark, list(headers), delimiter)
+    columns = Columns(mark, list(headers), marks=list(marks))
     problems: list[Problem] = []
     first: dict[str, int] = {}
     indexed: int | None = None
@@ -78,56 +99,71 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark, deli
             continue
         name = header.field.name
         _measure(columns, header, text, place, problems)
-        key = "sign" if name == "flip" else name
-        if key in first:
-            problems.append(
-                Problem(
-                    message=f"two columns are {key}: {shown(columns.headers[first[key]])} and {shown(text)} (a "
-                    "duplicate)",
-                    mark=place,
-                    field=name,
-                    found=text,
-                    accepted="one column for each field",
-                )
-            )
-        first.setdefault(key, index)
+        keys = ("sign",) if name == "flip" else parts_of(header.field)
+        twins = [key for key in keys if first.setdefault(key, index) != index]
+        problems += [_twins(columns, index, first[twin], twin) for twin in twins[:1]]
         if header.link == "i-1" and name in ("a", "alpha"):
             columns.modified = index
         elif header.link == "i-1":
-            problems.append(
-                Problem(
-                    message=f"{shown(text)}: neither convention takes {name} of the link before",
-                    mark=place,
-                    field=name,
-                    found=text,
-                    accepted="a_{i-1} and alpha_{i-1} (the modified convention), with d_i and theta_i",
-                )
-            )
+            problems.append(_of_link_before(text, name, place))
         elif header.link == "i" and name in ("a", "alpha"):
             indexed = index
     if columns.modified is not None and indexed is not None:
-        one, other = columns.headers[columns.modified], columns.headers[indexed]
-        problems.append(
-            Problem(
-                message=f"{shown(one)} is of the link before and {shown(other)} of the link itself: neither convention "
-                "mixes them",
-                mark=columns.mark,
-                field="convention",
-                accepted="a_{i-1} and alpha_{i-1} (modified), or a_i and alpha_i (standard)",
-            )
-        )
+        problems.append(_mixed_links(columns, columns.modified, indexed))
     problems += _foreign_r(columns)
+    if columns.ignored:
+        columns.notices.append(
+            ignored([headers[index] for index in sorted(columns.ignored)], marks[min(columns.ignored)])
+        )
     known = {*columns.fields, *columns.meant}
     problems.extend(_missing(name, columns) for name in REQUIRED if name not in known)
     if problems:
-        raise TableError(problems)
+        raise TableError(problems, columns.notices)
     return columns
+
+
+def _of_link_before(text: str, name: str, mark: Mark) -> Problem:
+    return Problem(
+        message=f"{shown(text)}: neither convention takes {name} of the link before",
+        mark=mark,
+        field=name,
+        found=text,
+        accepted="a_{i-1} and alpha_{i-1} (the modified convention), with d_i and theta_i",
+    )
+
+
+def _mixed_links(columns: Columns, before: int, itself: int) -> Problem:
+    one, other = columns.headers[before], columns.headers[itself]
+    return Problem(
+        message=f"{shown(one)} is of the link before and {shown(other)} of the link itself: neither convention mixes "
+        "them",
+        mark=columns.mark,
+        field="convention",
+        accepted="a_{i-1} and alpha_{i-1} (modified), or a_i and alpha_i (standard)",
+    )
+
+
+def _twins(columns: Columns, index: int, other: int, name: str) -> Problem:
+    """A field that two columns hold."""
+    text, first = columns.headers[index], columns.headers[other]
+    symbol = {text.casefold(), first.casefold()} & {"r"}
+    return Problem(
+        message=f"two columns are {name}: {shown(first)} and {shown(text)} (a duplicate)",
+        mark=columns.marks[index],
+        field=columns.fields[index],
+        found=text,
+        accepted="one column for each field",
+        suggestion="if r is the centre of mass, call it com" if symbol and name == "a" else None,
+    )
 
 
 def _unknown(columns: Columns, header: Header, index: int, mark: Mark, problems: list[Problem]) -> None:
     text = columns.headers[index]
-    if header.key in UNHELD_GEOMETRY:
-        columns.unheld[index] = UNHELD_GEOMETRY[header.key]
+    why = refusal(text, header)
+    if header.ignored:
+        columns.ignored.add(index)
+    elif why and why.zero:
+        columns.unheld[index] = why
     elif (near := misspelt(header.key)) is not None:
         columns.meant.append(near.name)
         problems.append(
@@ -140,11 +176,10 @@ def _unknown(columns: Columns, header: Header, index: int, mark: Mark, problems:
                 suggestion=f"did you mean {near.name!r}?",
             )
         )
-    elif text:
-        message = f"the column {shown(text)} is left out: no field is called so"
-        columns.notices.append(
-            Problem(message=message, severity="notice", mark=mark, found=text, accepted=_accepted_headers())
-        )
+    elif why:
+        columns.unheld[index] = why
+    else:
+        columns.silent.add(index)
 
 
 def _measure(columns: Columns, header: Header, text: str, mark: Mark, problems: list[Problem]) -> None:
@@ -155,6 +190,8 @@ def _measure(columns: Columns, header: Header, text: str, mark: Mark, problems: 
     if text.startswith(_MINUS):
         problems.append(_negated(text, name, mark))
     _declare_unit(columns, header, name, mark, problems)
+    if bounds_theta(header):
+        columns.of_theta.add(len(columns.fields) - 1)
 
 
 def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, problems: list[Problem]) -> None:
@@ -162,11 +199,12 @@ def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, probl
         return
     field_ = FIELDS[name]
     dimensions = [dimension for dimension in (field_.dimension, field_.linear) if dimension]
+    problem: Problem | None = None
     for dimension in dimensions:
         try:
-            columns.units[name] = find_unit(header.unit, dimension)
+            unit = find_unit(header.unit, dimension)
         except QuantityError as error:
-            problem = Problem(
+            problem = problem or Problem(
                 message=error.message,
                 mark=mark,
                 field=name,
@@ -175,22 +213,37 @@ def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, probl
                 suggestion=error.suggestion,
             )
         else:
+            columns.units.update(dict.fromkeys(parts_of(field_), unit))
             return
-    if dimensions and dimensions != [Dimension.NUMBER]:
+    if problem and dimensions == [Dimension.NUMBER]:
+        if not is_unit(header.unit):  # `sign [+-1]` is a remark
+            return
+        message = f"the header has the unit {shown(header.unit)}, and {name} has none"
+        problem = replace(problem, message=message, accepted=f"`{name}`, with 1 or -1 in the cells")
+    if problem:
         problems.append(problem)
 
 
 def _missing(name: str, columns: Columns) -> Problem:
     words = ", ".join(FIELDS[name].headers)
     others = [text for text, field_ in zip(columns.headers, columns.fields, strict=True) if text and field_ is None]
+    suggestion = f"no field is called {', '.join(map(shown, others[:_FEW]))}" if others else None
+    if are_joints(columns.headers):
+        suggestion = TURN_ROUND
     return Problem(
         message=f"there is no column for {name} in the header",
         mark=columns.mark,
         field=name,
         accepted=f"one of the headers {words}; its unit may follow, as in `{name} "
         f"[{'deg' if name == 'alpha' else 'mm'}]`",
-        suggestion=f"no field is called {', '.join(map(shown, others[:_FEW]))}" if others else None,
+        suggestion=suggestion,
     )
+
+
+def are_joints(headers: Sequence[str]) -> bool:
+    """Whether headers are the joints of an arm, whose fields stand in rows."""
+    others = [text.strip().casefold() for text in headers[1:] if text.strip()]
+    return len(others) > 1 and all(map(_NUMBERED.fullmatch, others))
 
 
 def _negated(text: str, name: str, mark: Mark) -> Problem:
@@ -205,13 +258,13 @@ def _negated(text: str, name: str, mark: Mark) -> Problem:
 
 def _foreign_r(columns: Columns) -> list[Problem]:
     """Refuses `r` beside the other letters of Khalil and Kleinfinger, to whom r is what is d here, and d what is a."""
+    if "a" not in columns.fields or "d" not in columns.fields:
+        return []
     keys = [read_header(text).key for text in columns.headers]
     letters = [text for text, key in zip(columns.headers, keys, strict=True) if key in _KHALIL]
-    if "a" not in columns.fields or "d" not in columns.fields or not letters:
-        return []
-    index = columns.fields.index("a")
-    header = columns.headers[index]
-    if not header.casefold().startswith("r"):
+    header, other = columns.header_of("a"), columns.header_of("d")
+    letters += [other] if all(map(_INDEX_J.search, (header, other))) else []
+    if not letters or not header.casefold().startswith("r"):
         return []
     return [
         Problem(
@@ -227,83 +280,3 @@ def _foreign_r(columns: Columns) -> list[Problem]:
 
 def _accepted_headers() -> str:
     return ", ".join(FIELDS)
-
-
-def unit_problems(columns: Columns, declared: Iterable[tuple[Unit, Mark] | None]) -> list[Problem]:
-    """What is wrong with headers' units beside the units declared for the whole table."""
-    problems = []
-    for said in declared:
-        for name, unit in columns.units.items():
-            if said and unit.dimension is said[0].dimension and unit != said[0]:
-                header = columns.headers[columns.fields.index(name)]
-                problems.append(
-                    Problem(
-                        message=f"the header {shown(header)} declares {unit.symbol}, and {said[1]} declares "
-                        f"{said[0].symbol}",
-                        mark=columns.mark,
-                        field=name,
-                        found=header,
-                        accepted="one unit for a column",
-                    )
-                )
-    return problems
-
-
-def undeclared_units(columns: Columns, units: Units) -> list[Problem]:
-    """Notices of columns without a unit beside columns that have another one than the SI unit."""
-    notices = _followers(columns, units)
-    for dimension, names, si in ((Dimension.LENGTH, ("a", "d"), "m"), (Dimension.ANGLE, ("alpha", "theta"), "rad")):
-        foreign = {columns.units[name].symbol for name in names if name in columns.units} - {si}
-        notices += [
-            Problem(
-                message=f"{name} has no unit and is read in {si}, while another {dimension.plain} is in {min(foreign)}",
-                severity="notice",
-                mark=columns.mark,
-                field=name,
-                suggestion=f"declare it: `{name} [{min(foreign)}]`",
-            )
-            for name in names
-            if not units.of(dimension) and foreign and name in columns.fields and name not in columns.units
-        ]
-    return notices
-
-
-_GEOMETRY = {Dimension.LENGTH: ("a", "d"), Dimension.ANGLE: ("alpha", "theta")}
-_RATES = {Dimension.LENGTH: Dimension.SPEED, Dimension.ANGLE: Dimension.TURN_RATE}
-
-
-def headers_unit(columns: Columns, dimension: Dimension) -> Unit | None:
-    """The unit that the headers of all columns of geometry declare; None where one has none, they differ, or it is SI.
-
-    Offsets, limits, centres of mass and radii without a unit of their own follow it.
-    """
-    units = [columns.units.get(name) for name in _GEOMETRY[dimension] if name in columns.fields]
-    unit = units[0] if units and all(unit == units[0] for unit in units) else None
-    return unit if unit and (unit.power or unit.degrees) else None
-
-
-def _followers(columns: Columns, units: Units) -> list[Problem]:
-    """A notice of the columns that follow the unit of others."""
-    followed = {
-        dimension: unit
-        for dimension in _GEOMETRY
-        if not units.of(dimension) and (unit := headers_unit(columns, dimension))
-    }
-    measured = {name: {FIELDS[name].dimension, FIELDS[name].linear} for name in columns.fields if name}
-    names = [
-        name
-        for name, dimensions in measured.items()
-        if name not in columns.units and any({dimension, _RATES[dimension]} & dimensions for dimension in followed)
-    ]
-    if not names:
-        return []
-    return [
-        Problem(
-            message=f"no unit is declared for {', '.join(names)}: the units of the geometry hold, "
-            f"{' and '.join(unit.symbol for unit in followed.values())}",
-            severity="notice",
-            mark=columns.mark,
-            field=names[0],
-            suggestion="declare the unit in each header",
-        )
-    ]

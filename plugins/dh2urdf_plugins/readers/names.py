@@ -19,9 +19,6 @@ TIP_FRAMES = ("flange", "tool0")
 """Links of ours at the end of the arm."""
 RESERVED = ("world", "base_link", "base_link_inertia", *TIP_FRAMES)
 """Links that every robot description of ours has; `world` is the simulators' own."""
-END_NAMES = frozenset({"flange", "toolflange", "tool", "tool0", "ee", "eef", "eelink", "tcp", "gripper", "endeffector"})
-"""Names, without case and separators, of rows that hardly are revolute joints."""
-
 _NUMBERED = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
 _CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}

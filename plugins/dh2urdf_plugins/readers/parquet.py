@@ -6,6 +6,8 @@ is read as the cells of a CSV file are. What comment lines say there, metadata o
 
 from __future__ import annotations
 
+import math
+import struct
 from collections import Counter
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,25 +16,30 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import MissingDependencyError, TableError
-from dh2urdf.source import Problem, did_you_mean, shown
-from dh2urdf.stages import Reader, Rejected
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stages import Reader
+from dh2urdf.table_text import CellRow
 from dh2urdf.textfiles import check_file
-from dh2urdf_plugins.readers.cells import RowMark, text_of
-from dh2urdf_plugins.readers.csv_comments import STATEMENTS
-from dh2urdf_plugins.readers.fields import FIELDS
-from dh2urdf_plugins.readers.headers import name_columns
-from dh2urdf_plugins.readers.row_table import RowTable
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.cells import text_of
+from dh2urdf_plugins.readers.comment_phrases import unit_of_measure
+from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT, STATEMENTS
+from dh2urdf_plugins.readers.fields import FIELDS, GROUPS
+from dh2urdf_plugins.readers.header_words import read_header
+from dh2urdf_plugins.readers.records import make_marks
+from dh2urdf_plugins.readers.table import TableOptions, read_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.provenance import Trace
+    from dh2urdf.stages import Rejected
     from dh2urdf_plugins.readers.cells import Value
+    from dh2urdf_plugins.readers.comment_lines import Comment
     from dh2urdf_plugins.readers.headers import Columns
-    from dh2urdf_plugins.readers.row_table import Row
+    from dh2urdf_plugins.readers.row_source import Row
 
 METADATA = "dh2urdf."
 """What the keys begin with of metadata that say something of all rows."""
@@ -44,12 +51,13 @@ _BUFFER = 2**17
 """Bytes of a column that are held at once [B]; pyarrow alone would hold all that stand in a row group."""
 
 
-def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
+def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a Parquet file.
 
     Args:
         path: the file.
         options: what the table does not say itself.
+        trace: takes what the cells of each manipulator say, where it is wanted.
 
     Yields:
         Each manipulator, or what is wrong with it.
@@ -64,12 +72,12 @@ def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
         raise MissingDependencyError("reader 'parquet'", "pyarrow", "dh2urdf[parquet]") from None
     check_file(path, TableError)
     with path.open("rb") as binary:
-        with _reporting_errors(RowMark(file=str(path)), "this is no Parquet file that can be read"):
+        with _reporting_errors(Mark(file=str(path)), "this is no Parquet file that can be read"):
             file = ParquetFile(binary, buffer_size=_BUFFER, pre_buffer=False)
             fields = list(file.schema_arrow)
         said = _statements(file.metadata.metadata or {}, str(path))
-        rows = _ParquetRows(file, fields, str(path))
-        yield from RowTable(path, options, rows.columns, said, rows).manipulators()
+        file_rows = _ParquetRows(file, fields, str(path))
+        yield from read_table(file_rows, str(path), options, name=path.stem, statements=said, trace=trace)
 
 
 READER: Reader[TableOptions] = Reader(
@@ -78,6 +86,7 @@ READER: Reader[TableOptions] = Reader(
     read=read,
     options=TableOptions,
     suffixes=(".parquet",),
+    trace=read,
 )
 
 
@@ -91,13 +100,14 @@ def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
     for word, text in metadata.items():
         name = word.decode(errors="replace")
         if not name.startswith(METADATA):
+            _refuse_without_prefix(name, text.decode(errors="replace"), file)
             continue
         key = name.removeprefix(METADATA)
         if key not in STATEMENTS:
             raise TableError(
                 Problem(
                     message=f"the metadata say {shown(name)}, which nothing is called",
-                    mark=RowMark(file=file),
+                    mark=Mark(file=file),
                     found=name,
                     accepted=", ".join(f"{METADATA}{key}" for key in STATEMENTS),
                     suggestion=did_you_mean(name, [f"{METADATA}{key}" for key in STATEMENTS]),
@@ -105,82 +115,187 @@ def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
             )
         if not text.strip():
             message = f"the metadata {shown(name)} are empty"
-            raise TableError(Problem(message=message, mark=RowMark(file=file), field=key, accepted="a value, as YAML"))
+            raise TableError(Problem(message=message, mark=Mark(file=file), field=key, accepted="a value, as YAML"))
         said[key] = load_yaml(text, f"{file}, metadata {name}", TableError)
     return said
 
 
+def _refuse_without_prefix(name: str, text: str, file: str) -> None:
+    """Refuses metadata that seem to say something of the table, under a key that nothing reads.
+
+    Raises:
+        TableError: they do.
+    """
+    key = "units" if unit_of_measure(name, text[:MAX_STATEMENT]) else name.casefold()
+    if key in STATEMENTS and key != "name":
+        raise TableError(
+            Problem(
+                message=f"the metadata say {shown(name)}, and only keys that begin with {METADATA} are read",
+                mark=Mark(file=file),
+                found=name,
+                accepted=f"the key {METADATA}{key}, or no such key",
+            )
+        )
+
+
 class _ParquetRows:
-    """The rows of a file.
+    """The rows of a file; the key of a row is its number, counted from 1.
 
     Attributes:
-        columns: its columns, without those that are not read.
-        notices: always none.
+        notices: of columns of few digits.
+        comments: always none.
     """
 
     def __init__(self, file: Any, fields: list[Any], path: str) -> None:  # noqa: ANN401 - a ParquetFile and its columns
         self.file = file
+        self.fields = fields
         self.path = path
         self.notices: list[Problem] = []
-        mark = RowMark(file=path)
-        columns = name_columns([field.name for field in fields], [mark] * len(fields), mark)
-        _refuse_twins(columns)
-        kept = [k for k, field in enumerate(fields) if _is_read(columns, k, field.type)]
-        kinds = [fields[k].type for k in kept]
-        self.columns = _some(columns, kept, kinds)
-        self.cells = {
-            header: _numbers if index in self.columns.numbers else _texts
-            for index, header in enumerate(self.columns.headers)
-        }
+        self.comments: list[Comment] = []
+        self.cells: list[Callable[[Any], Sequence[Value]]] = []
+        self.short: dict[int, str] = {}
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The names of the columns: a file has nothing above them."""
+        names = [field.name for field in self.fields]
+        _refuse_twins(names, Mark(file=self.path))
+        marks = [Mark(file=self.path, place=f"column {name}") for name in names]
+        headers = [_with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
+        yield CellRow(headers, Mark(file=self.path), marks)
+
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns of the rows to come.
+
+        Raises:
+            TableError: one of them holds moments, lists or the like.
+        """
+        kinds = [field.type for field in self.fields]
+        kept = [index for index in range(len(kinds)) if index not in columns.ignored]
+        _refuse_others(columns, kinds, kept)
+        numbers = frozenset(index for index in kept if _holds_numbers(columns.fields[index], kinds[index]))
+        for index, kind in enumerate(kinds):
+            self.cells.append(_unread if index not in kept else _numbers if index in numbers else _texts)
+            if index in numbers and str(kind) in _DIGITS:
+                self.short[index] = str(kind)
+        return replace(columns, numbers=numbers, quoted_commas=True)
 
     def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
         """Some hundred rows at a time, with their numbers."""
-        batches = self.file.iter_batches(_BATCH, columns=list(self.cells), use_threads=False)
+        names = [field.name for field in self.fields]
+        read = [name for name, cells_of in zip(names, self.cells, strict=True) if cells_of is not _unread]
+        batches = self.file.iter_batches(_BATCH, columns=read, use_threads=False)
         start = 1
         while True:
-            with _reporting_errors(self.mark(start), "the file is broken from here on"):
+            with _reporting_errors(
+                Mark(file=self.path, line=start, place=f"row {start}"), "the file is broken from here on"
+            ):
                 batch = next(batches, None)
                 if batch is None:
                     return
-                cells = [cells_of(batch.column(header)) for header, cells_of in self.cells.items()]
+                none = [""] * batch.num_rows
+                cells = [
+                    none if cells_of is _unread else cells_of(batch.column(name))
+                    for name, cells_of in zip(names, self.cells, strict=True)
+                ]
+            self._look_at_digits(cells)
             rows = zip(*cells, strict=True)
             while part := list(islice(rows, _PART)):
                 yield range(start, start + len(part)), part
                 start += len(part)
 
-    def mark(self, line: int) -> RowMark:
-        """A row."""
-        return RowMark(file=self.path, line=line)
+    def _look_at_digits(self, cells: Sequence[Sequence[Value]]) -> None:
+        """A notice of columns that hold other numbers than were written there: 0.1 is 0.10000000149 in 32 bits."""
+        found: dict[int, float] = {}
+        for index, kind in self.short.items():
+            code = _DIGITS[kind]
+            numbers = (cell for cell in dict.fromkeys(cells[index]) if isinstance(cell, float))
+            if (number := next((number for number in numbers if not _is_as_written(number, code)), None)) is not None:
+                found[index] = number
+        for index, number in found.items():
+            field = self.fields[index]
+            kind = self.short.pop(index)
+            self.notices.append(
+                Problem(
+                    message=f"the column {shown(field.name)} holds {kind}, in which "
+                    f"{_as_written(number, _DIGITS[kind])} is {number!r}: the numbers are read as they are there",
+                    severity="notice",
+                    mark=Mark(file=self.path, place=f"column {field.name}"),
+                    suggestion="write the column as float64",
+                )
+            )
 
-    def marks(self, line: int, texts: Sequence[str]) -> list[RowMark]:
-        """A row, for each of its cells."""
-        return [self.mark(line)] * len(texts)
+    def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
+        """The places of rows."""
+        return make_marks(self.path, keys, "row ")
 
-    def row_problem(self, line: int, texts: Sequence[str], number: int) -> None:  # noqa: ARG002 - as of every source
+    def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:  # noqa: ARG002 - as of each source
+        """The place of each cell of a row."""
+        return [
+            Mark(file=self.path, line=key, column=index, place=f"row {key}, column {field.name}")
+            for index, field in enumerate(self.fields, start=1)
+        ]
+
+    def row_problems(self, key: int, texts: Sequence[str], number: int) -> tuple[()]:  # noqa: ARG002 - as of each source
         """Nothing: every row has a cell in every column."""
-        return
+        return ()
 
 
 # --- Columns ----------------------------------------------------------------------------------------------------------
 
 
-def _is_read(columns: Columns, index: int, kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
-    """Whether a column is a field, or geometry that no field holds, or text that may be types under another name."""
-    if columns.fields[index] is not None or index in columns.unheld:
-        return True
-    return "type" not in columns.fields and _is_text(kind)
+_UNIT_KEYS = ("unit", "units")
+"""Keys under which the metadata of a column have its unit."""
+_DIGITS = {"float": "f", "float32": "f", "halffloat": "e", "float16": "e"}
+"""Kinds of numbers of fewer digits than a float64, as pyarrow calls them, with their codes of the module struct."""
 
 
-def _refuse_twins(columns: Columns) -> None:
+def _with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyarrow
+    """The header of a column: its name, and the unit that its metadata say.
+
+    Raises:
+        TableError: the name says another unit.
+    """
+    metadata = {key.decode(errors="replace").casefold(): text for key, text in (field.metadata or {}).items()}
+    units = {metadata[key].decode(errors="replace").strip() for key in _UNIT_KEYS if key in metadata} - {""}
+    name = str(field.name)
+    if not units:
+        return name
+    said = read_header(name).unit
+    if len(units) > 1 or (said and said != min(units).casefold()):
+        others = " and ".join(map(shown, sorted(units)))
+        besides = f", and its name says {said}" if said else ""
+        message = f"the metadata of the column {shown(name)} say {others}{besides}"
+        raise TableError(Problem(message=message, mark=mark, found=others, accepted="one unit for a column"))
+    return name if said else f"{name} [{min(units)}]"
+
+
+def _as_written(number: float, code: str) -> float:
+    """The shortest number that becomes this one when it is stored in fewer bits."""
+    candidates = (float(f"{number:.{digits}g}") for digits in range(1, 17))
+    return next((short for short in candidates if _stored(short, code) == number), number)
+
+
+def _stored(number: float, code: str) -> float:
+    try:
+        return float(struct.unpack(code, struct.pack(code, number))[0])
+    except OverflowError:
+        return math.inf
+
+
+def _is_as_written(number: float, code: str) -> bool:
+    return not math.isfinite(number) or _as_written(number, code) == number
+
+
+def _refuse_twins(names: Sequence[str], mark: Mark) -> None:
     """Refuses columns that cannot be told apart.
 
     Raises:
         TableError: two have one name.
     """
-    twins = [header for header, count in Counter(columns.headers).items() if count > 1]
+    twins = [name for name, count in Counter(names).items() if count > 1]
     if twins:
         message = f"two columns are called {shown(twins[0])}"
-        raise TableError(Problem(message=message, mark=columns.mark, found=twins[0], accepted="names that differ"))
+        raise TableError(Problem(message=message, mark=mark, found=twins[0], accepted="names that differ"))
 
 
 def _is_text(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
@@ -190,45 +305,41 @@ def _is_text(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
 def _is_number(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
     from pyarrow import types
 
+    if types.is_dictionary(kind):
+        kind = kind.value_type
     return bool(types.is_integer(kind) or types.is_floating(kind))
 
 
-def _some(columns: Columns, kept: list[int], kinds: list[Any]) -> Columns:
-    """Some of the columns of a table.
+def _holds_numbers(field: str | None, kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
+    return bool(field and FIELDS[field].dimension) and _is_number(kind)
+
+
+def _refuse_others(columns: Columns, kinds: Sequence[Any], kept: Sequence[int]) -> None:
+    """Refuses columns that are read and hold moments, lists or the like.
 
     Raises:
-        TableError: one of them holds moments, lists or the like.
+        TableError: there are some.
     """
-    some = replace(
-        columns,
-        headers=[columns.headers[index] for index in kept],
-        fields=[columns.fields[index] for index in kept],
-        unheld={kept.index(index): reason for index, reason in columns.unheld.items()},
-        modified=None if columns.modified is None else kept.index(columns.modified),
-    )
     problems = [
         Problem(
-            message=f"the column {shown(header)} holds {kind}",
-            mark=columns.mark,
-            field=name,
-            found=str(kind),
+            message=f"the column {shown(columns.headers[index])} holds {kinds[index]}",
+            mark=Mark(file=columns.mark.file, place=f"column {columns.headers[index]}"),
+            field=columns.fields[index],
+            found=str(kinds[index]),
             accepted="numbers or text",
         )
-        for header, name, kind in zip(some.headers, some.fields, kinds, strict=True)
-        if not _is_accepted(kind)
+        for index in kept
+        if columns.fields[index] and not _is_accepted(kinds[index], columns.fields[index])
     ]
     if problems:
         raise TableError(problems)
-    numbers = [
-        bool(name and FIELDS[name].dimension) and _is_number(kind)
-        for name, kind in zip(some.fields, kinds, strict=True)
-    ]
-    return replace(some, numbers=frozenset(index for index, is_number in enumerate(numbers) if is_number))
 
 
-def _is_accepted(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
+def _is_accepted(kind: Any, field: str | None) -> bool:  # noqa: ANN401 - a type of pyarrow
     from pyarrow import types
 
+    while field in GROUPS and (types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)):
+        kind = kind.value_type
     if types.is_dictionary(kind):
         kind = kind.value_type
     return bool(
@@ -239,9 +350,17 @@ def _is_accepted(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
 def _numbers(array: Any) -> Sequence[Value]:  # noqa: ANN401 - an array of pyarrow
     import pyarrow as pa
 
+    if pa.types.is_dictionary(array.type):
+        array = array.dictionary_decode()
+
     # A whole number that no double can hold becomes the nearest one, as it does when it is read as text.
     numbers: list[float | None] = array.cast(pa.float64(), safe=False).to_pylist()
     return ["" if number is None else number for number in numbers]
+
+
+def _unread(_array: Any) -> list[str]:  # noqa: ANN401 - an array of pyarrow
+    """What stands for the cells of a column that is not read."""
+    return []
 
 
 def _texts(array: Any) -> list[str]:  # noqa: ANN401 - an array of pyarrow
@@ -259,7 +378,7 @@ def _word(value: Any) -> str:  # noqa: ANN401 - whatever a cell holds
 
 
 @contextmanager
-def _reporting_errors(mark: RowMark, what: str) -> Iterator[None]:
+def _reporting_errors(mark: Mark, what: str) -> Iterator[None]:
     """Turn what pyarrow says of a file into an error of the table.
 
     Raises:

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.plausibility import LONGEST_ARM, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.row_cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
-from dh2urdf_plugins.readers.tables import LONGEST_ARM, MEASURABLE_ARM
+from dh2urdf_plugins.readers.table_units import refuse_doubt
+from dh2urdf_plugins.readers.tables import MEASURABLE_ARM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -79,6 +81,11 @@ class TransformReader:
                     suggestion="if its xyz is in mm, declare it: `units: {length: mm}`, or write '300 mm'",
                 )
             )
+        unit = self.units.of(Dimension.LENGTH)
+        if unit and not unit.is_si and 0 < distance < SMALLEST_LENGTH:
+            message = f"{what} is {1000 * distance:.4g} mm away, and the unit of lengths is {unit.symbol}"
+            suggestion = "if its xyz is in metres, say so: '0.3 m'"
+            self.add(Problem(message=message, severity="notice", mark=node.mark, field=what, suggestion=suggestion))
         return False
 
     def _error(
@@ -116,7 +123,7 @@ class TransformReader:
 
     def number(self, node: Node, field: str, dimension: Dimension) -> float | None:
         """A number in the table's unit; None where it is none."""
-        return self._number(node, field, dimension, self.units.of(dimension))
+        return self._number(node, field, dimension, self.units.sure(dimension))
 
     def _number(self, node: Node, field: str, dimension: Dimension, unit: Unit | None) -> float | None:
         if node.text is None or node.value is None or isinstance(node.value, bool):
@@ -124,7 +131,8 @@ class TransformReader:
             self._error(node.mark, field, message, found=node.text, accepted="a number")
             return None
         try:
-            quantity = evaluate(node.text, dimension, unit)
+            quantity = evaluate(node.text, dimension, unit, angle=self.units.in_functions)
+            refuse_doubt(quantity, node.text, dimension, self.units)
         except QuantityError as error:
             self._error(
                 node.mark, field, error.message, found=node.text, accepted=error.accepted, suggestion=error.suggestion
@@ -152,6 +160,16 @@ class TransformReader:
             message = f"{shown(node.text)} is more than a thousand turns"
             self._error(node.mark, field, message, found=node.text, accepted=ACCEPTED_ANGLE)
             return None
+        if (
+            dimension is Dimension.ANGLE
+            and unit
+            and unit.degrees
+            and not quantity.has_unit
+            and are_radians(quantity.value)
+        ):
+            message = f"{shown(node.text)} is a part of π, and the unit of angles is deg"
+            suggestion = f"if it is in rad, say so: '{node.text.strip()} rad'"
+            self.add(Problem(message=message, severity="notice", mark=node.mark, field=field, suggestion=suggestion))
         return quantity.value
 
     def _matrix(self, node: Node, what: str) -> RigidTransform | None:
@@ -160,7 +178,7 @@ class TransformReader:
         if len(rows) != _SIZE or any(not isinstance(row, list) or len(row) != _SIZE for row in rows):
             self._error(node.mark, what, f"{what} is a list, and not one of four rows of four", accepted=ACCEPTED)
             return None
-        length = self.units.of(Dimension.LENGTH)
+        length = self.units.sure(Dimension.LENGTH)
         numbers: list[float] = []
         for index, item in enumerate(elements):
             translation = index in (3, 7, 11)

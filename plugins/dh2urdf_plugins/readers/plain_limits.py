@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import math
-from operator import le
+from operator import le, sub
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType, Limits
+from dh2urdf.quantities import Dimension
 from dh2urdf_plugins.readers.cells import SPACES, text_of
-from dh2urdf_plugins.readers.plain_numbers import REMEMBERED, PlainNumbers, plain_quantity
+from dh2urdf_plugins.readers.plain_numbers import REMEMBERED, PlainNumbers, names_foreign_unit, plain_quantity
+from dh2urdf_plugins.readers.plausibility import (
+    FASTEST_SLIDE,
+    FASTEST_TURN,
+    LONGEST_ARM,
+    NARROWEST_RANGE,
+    STRONGEST,
+    WIDEST_LIMIT,
+)
 from dh2urdf_plugins.readers.records import make_limits
 from dh2urdf_plugins.readers.rows import NO_LIMITS, REMARKABLE_LIMIT
-from dh2urdf_plugins.readers.tables import LONGEST_ARM
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf_plugins.readers.cells import Units, Value
 
@@ -33,8 +41,10 @@ class PlainLimits:
         self.columns = {name: columns[name] for name in LIMITS if name in columns}
         self.numbers = {name: PlainNumbers(name, units) for name in self.columns}
         self.bounds = tuple(
-            math.inf if units.angle or name in units.columns else REMARKABLE_LIMIT for name in ("lower", "upper")
+            WIDEST_LIMIT if units.angle or name in units.columns else REMARKABLE_LIMIT for name in ("lower", "upper")
         )
+        # A speed of joints that turn, or that slide, has no unit but that of its cell.
+        self.bare_speed = {linear: is_bare_speed(units, columns, linear=linear) for linear in (False, True)}
         self.known: dict[tuple[Any, ...], Limits] = {}
 
     def read(self, words: Sequence[str], columns: Sequence[Sequence[Any]]) -> list[Limits] | None:
@@ -85,7 +95,9 @@ class PlainLimits:
                 return None
         elif lower or upper:
             return None
-        if min(velocity or [1.0]) <= 0 or min(effort or [1.0]) <= 0:
+        slides, turns = JointType.PRISMATIC in kinds, JointType.REVOLUTE in kinds
+        ranges = map(sub, upper, lower) if upper and lower and turns else ()
+        if not _are_usual(ranges, velocity or (), effort or (), linear=slides):
             return None
         count = max(map(len, numbers.values()))
         nothing = [None] * count
@@ -103,12 +115,36 @@ class PlainLimits:
                 values[name] = value
         if not values:
             return NO_LIMITS
+        if self.bare_speed[linear] and any(
+            names_foreign_unit(text_of(cell), name, linear=linear)
+            for name, cell in zip(self.columns, cells, strict=True)
+            if name in ("lower", "upper")
+        ):
+            return None
         lower, upper, velocity, effort = map(values.get, LIMITS)
         smallest, largest = (LONGEST_ARM, LONGEST_ARM) if linear else self.bounds
         bounded = lower is not None and upper is not None and -smallest <= lower <= upper <= largest
         free = lower is None and upper is None
         if kind is JointType.FIXED or not (free or (bounded and kind is not JointType.CONTINUOUS)):
             return None
-        if any(number is not None and number <= 0 for number in (velocity, effort)):
+        ranges = () if linear or lower is None or upper is None else (upper - lower,)
+        speeds, efforts = (() if number is None else (number,) for number in (velocity, effort))
+        if not _are_usual(ranges, speeds, efforts, linear=linear):
             return None
         return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
+
+
+def _are_usual(ranges: Iterable[float], speeds: Sequence[float], efforts: Sequence[float], *, linear: bool) -> bool:
+    """Whether ranges of joints that turn, and speeds and efforts, are of a size that needs no word."""
+    fastest = FASTEST_SLIDE if linear else FASTEST_TURN
+    return (
+        min(ranges, default=1.0) >= NARROWEST_RANGE
+        and 0 < min(speeds, default=1.0) <= max(speeds, default=1.0) < fastest
+        and 0 < min(efforts, default=1.0) <= max(efforts, default=1.0) <= STRONGEST
+    )
+
+
+def is_bare_speed(units: Units, columns: Mapping[str, int], *, linear: bool) -> bool:
+    """Whether a table has speeds whose unit nothing but their cells can say."""
+    dimension = Dimension.SPEED if linear else Dimension.TURN_RATE
+    return "velocity" in columns and "velocity" not in units.columns and units.of(dimension) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,8 @@ REMEMBERED = 10_000
 """Texts, or sets of texts, whose meaning is remembered [1]."""
 LINE_END = "\n"
 """What a cell in quotes may hold, and no plain one does."""
+_TINY = re.compile("[eE]-[0-9]{3}")
+"""An exponent, or what looks like one, of numbers too small for a double."""
 
 
 class PlainNumbers:
@@ -59,6 +62,8 @@ class PlainNumbers:
         text = "".join(column)  # `float` reads 1_0 and digits of other scripts too
         if "_" in text or LINE_END in text or not text.isascii():
             return None
+        if 0.0 in numbers and _TINY.search(text) and not all(map(_is_held, column, numbers)):
+            return None
         return [number + 0.0 for number in numbers] if "-" in text and 0.0 in numbers else numbers
 
     def _by_text(self, column: Sequence[Any]) -> list[float] | None:
@@ -90,19 +95,37 @@ def plain_quantity(text: str, units: Units, name: str, *, linear: bool = False) 
         return None
     if unit is None and text.isascii() and "_" not in text:
         with suppress(ValueError):
-            if math.isfinite(number := float(text)):  # as most are; `evaluate` takes eight times as long
+            number = float(text)  # as most are; `evaluate` takes eight times as long
+            if math.isfinite(number) and _is_held(text, number):
                 return number + 0.0
     try:
-        quantity = evaluate(text.strip(SPACES), dimension, unit)
+        quantity = evaluate(text.strip(SPACES), dimension, unit, angle=units.in_functions)
     except QuantityError:
         return None
     return None if quantity.variable else quantity.value
 
 
-def foreign_unit(units: Units, name: str) -> Unit | None:
-    """The unit of a column, None where it is the SI unit."""
-    unit = units.columns.get(name) or units.of(FIELDS[name].dimension or Dimension.NUMBER)
-    return unit if unit and (unit.power or unit.degrees) else None
+def names_foreign_unit(text: str, name: str, *, linear: bool = False) -> bool:
+    """Whether a cell that is a quantity names another unit than the SI unit."""
+    field = FIELDS[name]
+    with suppress(QuantityError):
+        return evaluate(
+            text.strip(SPACES), (field.linear if linear else None) or field.dimension or Dimension.NUMBER
+        ).foreign
+    return False
+
+
+def foreign_unit(units: Units, name: str, *, linear: bool = False) -> Unit | None:
+    """The unit of a column, or of its cells in the rows of prismatic joints; None where it is the SI unit."""
+    field = FIELDS[name]
+    dimension = (field.linear if linear else None) or field.dimension or Dimension.NUMBER
+    unit = units.columns.get(name) or units.of(dimension)
+    return unit if unit and not unit.is_si else None
+
+
+def _is_held(text: str, number: float) -> bool:
+    """Whether a double holds a decimal number: `float` makes 0 of 1e-400."""
+    return bool(number) or not text.lower().partition("e")[0].strip(f"{SPACES}+-0.")
 
 
 def _converter(unit: Unit | None) -> Callable[[Sequence[Any]], list[float]]:
@@ -112,7 +135,18 @@ def _converter(unit: Unit | None) -> Callable[[Sequence[Any]], list[float]]:
     """
     if unit is None:
         return lambda column: list(map(float, column))
-    if unit.degrees:
-        return lambda column: [float(text) / 90 * HALF_PI for text in column]
+    if (parts := unit.parts) is not None:
+        return lambda column: [float(text) / parts * HALF_PI for text in column]
+    if unit.factor != 1:
+        return _no_decimals
     suffix = f"e{unit.power}"  # a text with an exponent of its own becomes no number, and is read as an expression
     return lambda column: [float(text + suffix) for text in column]
+
+
+def _no_decimals(_column: Sequence[Any]) -> list[float]:
+    """Leaves a column to be read text by text, where a number is more than its digits and a power of ten.
+
+    Raises:
+        ValueError: always, as for a text that is no decimal number.
+    """
+    raise ValueError

@@ -9,20 +9,25 @@ from __future__ import annotations
 
 import math
 from itertools import accumulate, chain
-from operator import add, methodcaller
+from math import remainder
+from operator import add, gt, methodcaller
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import HALF_PI, quarter_turns
-from dh2urdf_plugins.readers.cells import text_of
-from dh2urdf_plugins.readers.fields import joint_type
-from dh2urdf_plugins.readers.names import END_NAMES, MAX_NAME, RESERVED, are_out_of_order
+from dh2urdf_plugins.readers.cells import SPACES, text_of
+from dh2urdf_plugins.readers.decimal_signs import PlainPoints
+from dh2urdf_plugins.readers.fields import FIELDS, joint_type
+from dh2urdf_plugins.readers.joint_rows import NUMBER
+from dh2urdf_plugins.readers.names import MAX_NAME, RESERVED, are_out_of_order
 from dh2urdf_plugins.readers.plain_limits import LIMITS, PlainLimits
-from dh2urdf_plugins.readers.plain_numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit
+from dh2urdf_plugins.readers.plain_numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
+from dh2urdf_plugins.readers.plausibility import SMALL_ANGLE, SMALLEST_LENGTH, are_radians, longest_plain
 from dh2urdf_plugins.readers.records import make_rows
 from dh2urdf_plugins.readers.row_cells import FULL_TURN, LARGEST_ANGLE
+from dh2urdf_plugins.readers.row_names import are_joints
 from dh2urdf_plugins.readers.rows import NEARLY
-from dh2urdf_plugins.readers.tables import LONGEST_ARM
+from dh2urdf_plugins.readers.unknown_columns import unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -40,36 +45,52 @@ _HASH = methodcaller("startswith", "#")
 class PlainRows:
     """Reads the rows of manipulators that stand behind each other, where they are plain."""
 
-    def __init__(self, columns: Columns, units: Units, place: Mark) -> None:
-        """Takes the columns and units of the table and the place of any row, once for all of its rows."""
-        self.place = place
+    def __init__(self, columns: Columns, units: Units, shortest: float) -> None:
+        """Takes what holds for all rows of a table.
+
+        Args:
+            columns: its columns.
+            units: the units of its numbers.
+            shortest: how long an arm is at least so that there is nothing to say of it [m].
+        """
         self.units = units
+        self.shortest = shortest
         self.width = len(columns.fields)
         self.holding_numbers = columns.numbers
         self.column = {name: index for index, name in enumerate(columns.fields) if name}
-        self.nameless = [index for index, header in enumerate(columns.headers) if not header]
+        self.silent = columns.silent  # to be spoken of as soon as one of them holds anything
+        others = set(range(self.width)) - {*self.column.values(), *columns.ignored}
+        self.others = {index: set[str]() for index in sorted(others - columns.unheld.keys())}
         # Without a column of types, one that no field knows may hold them.
-        known = "type" in self.column or all(
-            name or not text for name, text in zip(columns.fields, columns.headers, strict=True)
-        )
-        self.usable = known and not columns.unheld and not set(self.column) - {*_WORDS, *_GEOMETRY, *LIMITS}
+        known = "type" in self.column or not any(columns.headers[index] for index in self.others)
+        turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
+        plain = known and not (turned or columns.unheld) and not set(self.column) - {*_WORDS, *_GEOMETRY, *LIMITS}
         self.numbers = {name: PlainNumbers(name, units) for name in _GEOMETRY if name in self.column}
-        # A column that is an angle in one row and a length in the next has two units, unless they are SI units.
-        several = ("offset", "lower", "upper", "velocity")
-        self.slides = not any(foreign_unit(units, name) for name in several if name in self.column)
+        # A column that is an angle in one row and a length in the next is read as one only where both are in SI units,
+        # and as angles only where its header does not say otherwise.
+        mixed = [name for name in self.column if FIELDS[name].linear]
+        self.usable = plain and all(_header_fits(units, name) for name in mixed) and not _doubtful(units, self.column)
+        self.slides = not any(
+            name in units.columns or foreign_unit(units, name) or foreign_unit(units, name, linear=True)
+            for name in mixed
+        ) and not _doubtful(units, mixed, linear=True)
         self.alpha_bound = LARGEST_ANGLE if units.angle or "alpha" in units.columns else FULL_TURN
+        foreign = {name: unit for name in self.numbers if (unit := foreign_unit(units, name))}
+        self.degrees = {name for name, unit in foreign.items() if unit.degrees}
+        self.foreign_lengths = {"a", "d"} & foreign.keys()
         self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE}  # the word of a table without types
         self.names: set[tuple[tuple[str, ...], tuple[str, ...]]] = set()
         self.limits = PlainLimits(self.column, units, self.kinds)
+        self.points = PlainPoints(self.column, units)
 
     def read(
-        self, rows: Sequence[Sequence[Value]], lines: Iterable[int], sizes: Sequence[int]
+        self, rows: Sequence[Sequence[Value]], marks: Iterable[Mark], sizes: Sequence[int]
     ) -> list[tuple[DHRow, ...]] | None:
         """The rows of each manipulator, or None where one of them is not surely plain.
 
         Args:
             rows: the cells of each row.
-            lines: the line of each row.
+            marks: the place of each row.
             sizes: how many rows each manipulator has.
         """
         if not self.usable or set(map(len, rows)) != {self.width}:
@@ -80,7 +101,7 @@ class PlainRows:
                 columns[index] = tuple(map(text_of, columns[index]))
         words = columns[self.column["type"]] if "type" in self.column else ("",) * len(rows)
         names = self._names(columns, sizes)
-        if not self._are_kinds(words) or names is None or any(map(any, (columns[k] for k in self.nameless))):
+        if not self._are_kinds(words) or names is None or not self._are_left_out(columns):
             return None
         zeros = [0.0] * len(rows)
         values: dict[str, list[float]] = {}
@@ -91,14 +112,29 @@ class PlainRows:
         a, alpha, d = values["a"], values["alpha"], values["d"]
         theta, offset = values.get("theta", zeros), values.get("offset", zeros)
         limits = self.limits.read(words, columns)
-        if limits is None or not (self._are_plain_angles(values) and _are_plain_lengths(a, d, sizes)):
+        if limits is None or not (self._are_plain_angles(values) and self._are_plain_lengths(a, d, sizes)):
             return None
         kinds = [self.kinds[word] for word in words]
-        if "offset" in values and not self._are_plain_offsets(kinds, offset):
+        plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
+        if not (plain and self.points.are_sure(columns, sizes)):
             return None
-        made = make_rows(self.place, zip(*names, kinds, a, alpha, d, theta, offset, limits, lines, strict=True))
+        made = make_rows(zip(*names, kinds, a, alpha, d, theta, offset, limits, marks, strict=True))
         ends = accumulate(sizes)
         return [tuple(made[end - size : end]) for size, end in zip(sizes, ends, strict=True)]
+
+    def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
+        """Whether the columns that name no field hold nothing to speak of: what was spoken of, and no quantities."""
+        for index, known in self.others.items():
+            if index in self.silent:
+                if any(columns[index]):
+                    return False
+                continue
+            new = set(columns[index]) - known
+            if any(unit_of(text.strip(SPACES)) for text in new):
+                return False
+            if len(known) < REMEMBERED:
+                known.update(new)
+        return True
 
     # --- Words
 
@@ -153,8 +189,8 @@ class PlainRows:
             and list(map(str.strip, names)) == list(names)
             and not are_out_of_order(joints)
             and not any(map(_HASH, names))
-            # A row named flange is a question where no type is given.
-            and ("type" in self.column or not any("".join(filter(str.isalnum, name)) in END_NAMES for name in alike))
+            and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints
+            and are_joints(alike, typed="type" in self.column)
         )
 
     # --- Numbers
@@ -168,22 +204,52 @@ class PlainRows:
             if not (math.isfinite(sum(angles)) and -bounds[name] <= min(angles) and max(angles) <= bounds[name]):
                 return False
             # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.
-            near = [x for x in angles if abs(x / HALF_PI - round(x / HALF_PI)) <= NEARLY * abs(x)]
+            near = [x for x in angles if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
             if not all(x == 0 or quarter_turns(x) is not None for x in near):
+                return False
+            if name in self.degrees and any(are_radians(x) for x in angles if -SMALL_ANGLE < x < SMALL_ANGLE):
                 return False
         return True
 
-    def _are_plain_offsets(self, kinds: Sequence[JointType], offset: Sequence[float]) -> bool:
-        """Whether no fixed joint has an offset, and no prismatic one an expression, which may name an angle's unit."""
-        if JointType.PRISMATIC in kinds and self.numbers["offset"].has_expressions:
-            return False
+    def _are_plain_offsets(self, kinds: Sequence[JointType], offset: Sequence[float], cells: Sequence[Any]) -> bool:
+        """Whether no fixed joint has an offset, and no offset names a unit that may matter elsewhere in its row."""
+        if self.numbers["offset"].has_expressions:
+            if JointType.PRISMATIC in kinds:
+                return False
+            if self.limits.bare_speed[False] and any(
+                names_foreign_unit(text_of(cell), "offset") for cell in set(cells)
+            ):
+                return False
         return not any(value and kind is JointType.FIXED for kind, value in zip(kinds, offset, strict=True))
 
+    def _are_plain_lengths(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+        """Whether every arm is of a length that needs no word, and its numbers are of such."""
+        totals = list(map(sum, _by_arm(list(map(add, map(abs, a), map(abs, d))), sizes)))
+        if math.isnan(sum(totals)) or min(totals) < self.shortest:
+            return False
+        if max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))):
+            return False
+        for column in (column for name, column in (("a", a), ("d", d)) if name in self.foreign_lengths):
+            largest = (max(map(abs, numbers)) for numbers in _by_arm(column, sizes))
+            if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
+                return False
+        return True
 
-def _are_plain_lengths(a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
-    """Whether every arm is of a length that needs no word."""
-    lengths = list(map(add, map(abs, a), map(abs, d)))
-    if max(lengths) * max(sizes) <= LONGEST_ARM:
-        return not math.isnan(sum(lengths))
-    ends = accumulate(sizes)
-    return all(sum(lengths[end - size : end]) <= LONGEST_ARM for size, end in zip(sizes, ends, strict=True))
+
+def _by_arm(column: Sequence[float], sizes: Sequence[int]) -> Iterable[Sequence[float]]:
+    """The numbers of a column, arm by arm."""
+    if len(set(sizes)) == 1:
+        return zip(*[iter(column)] * sizes[0], strict=True)
+    return (column[end - size : end] for size, end in zip(sizes, accumulate(sizes), strict=True))
+
+
+def _header_fits(units: Units, name: str) -> bool:
+    """Whether the unit of a column's header, where it has one, is that of a joint that turns."""
+    unit = units.columns.get(name)
+    return unit is None or unit.dimension is FIELDS[name].dimension
+
+
+def _doubtful(units: Units, names: Iterable[str], *, linear: bool = False) -> bool:
+    """Whether bare numbers of some fields have no sure unit in rows of joints that turn, or of those that slide."""
+    dimensions = {name: FIELDS[name].linear if linear else FIELDS[name].dimension for name in names}
+    return any(dimension and units.doubt(dimension, name) for name, dimension in dimensions.items())

@@ -41,21 +41,37 @@ class _Manipulator:
     __slots__ = tuple(field.name for field in fields(Manipulator))
 
 
-def make_rows(place: Mark, rows: Iterable[tuple[Any, ...]]) -> list[DHRow]:
-    """Rows with nothing beyond their geometry and limits.
+def make_marks(file: str, lines: Iterable[int], before: str | None = None) -> list[Mark]:
+    """The places of rows.
 
     Args:
-        place: the place of any of them; each has another line.
-        rows: joint, link, type, a, alpha, d, theta, offset, limits and line of each.
+        file: their file.
+        lines: the line of each.
+        before: what the name of a place has before its number, where the file has no lines: `row `; see `Mark.place`.
     """
     made: list[Any] = []
-    file, kind_of_mark = place.file, type(place)
-    for joint, link, kind, a, alpha, d, theta, offset, limits, line in rows:
+    place = None
+    for line in lines:
         mark: Any = _Mark()
         mark.file = file
         mark.line = line
         mark.column = None
-        mark.__class__ = kind_of_mark
+        if before is not None:
+            place = f"{before}{line}"
+        mark.place = place
+        mark.__class__ = Mark
+        made.append(mark)
+    return made
+
+
+def make_rows(rows: Iterable[tuple[Any, ...]]) -> list[DHRow]:
+    """Rows with nothing beyond their geometry and limits.
+
+    Args:
+        rows: joint, link, type, a, alpha, d, theta, offset, limits and mark of each.
+    """
+    made: list[Any] = []
+    for joint, link, kind, a, alpha, d, theta, offset, limits, mark in rows:
         row: Any = _Row()
         row.joint = joint
         row.link = link
@@ -93,7 +109,7 @@ def make_manipulators(model: Manipulator, arms: Iterable[tuple[str, tuple[DHRow,
     """Manipulators of some names and rows that are like another one in everything else."""
     convention, base, tool, geometry = model.convention, model.base, model.tool, model.geometry
     density, base_mass, base_geometry, notices = model.density, model.base_mass, model.base_geometry, model.notices
-    base_visual, base_collision = model.base_visual, model.base_collision
+    base_visual, base_collision, payload = model.base_visual, model.base_collision, model.payload
     visuals, collisions = model.visuals, model.collisions
     made: list[Any] = []
     for name, rows in arms:
@@ -106,6 +122,7 @@ def make_manipulators(model: Manipulator, arms: Iterable[tuple[str, tuple[DHRow,
         arm.geometry = geometry
         arm.density = density
         arm.base_mass = base_mass
+        arm.payload = payload
         arm.base_geometry = base_geometry
         arm.base_visual = base_visual
         arm.base_collision = base_collision

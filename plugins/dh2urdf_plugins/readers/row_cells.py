@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.fields import FIELDS, Field
 from dh2urdf_plugins.readers.names import name_fault
+from dh2urdf_plugins.readers.table_units import unit_advice
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dh2urdf.quantities import Unit
-    from dh2urdf_plugins.readers.cells import Cell, Units
+    from dh2urdf_plugins.readers.cells import Cell, Doubt, Units
 
 FULL_TURN = 2 * math.pi
 LARGEST_ANGLE = 1000 * FULL_TURN
@@ -30,17 +31,24 @@ class RowCells:
         units: the units of the table.
         problems: what was found so far, errors and notices.
         errors: how many of them are errors.
+        bare: the first cell of each field that was read in the SI unit since nothing says its unit.
     """
 
     def __init__(self, units: Units) -> None:
         """Starts a manipulator in a table of these units."""
         self.units = units
+        self._angle = units.in_functions
         self.problems: list[Problem] = []
         self.errors = 0
+        self.bare: dict[str, Cell] = {}
+        self._foreign: set[str] = set()  # of the row: fields whose cells name another unit than the SI unit
+        self._bare: set[str] = set()  # of the row: fields that are read in the SI unit since nothing says their unit
         self._cells: Mapping[str, Cell] = {}
         self._mark: Mark | None = None
         self._joint = ""
         self._number = 0
+        self._unit_said: set[str] = set()  # of the row: fields whose unit somebody says, or that are refused for it
+        self._read_in: dict[str, str] = {}  # of the row: the unit of every number that names none
 
     def add(self, problem: Problem) -> None:
         """Notes a problem."""
@@ -107,14 +115,23 @@ class RowCells:
         unit = self.units.columns.get(name)
         foreign = unit is not None and unit.dimension is not dimension
         if unit is None:
-            unit = self.units.of(dimension)
+            unit = self.units.sure(dimension, name)
         try:
-            quantity = evaluate(text, dimension, None if foreign else unit, decimal_comma=self.units.decimal_comma)
+            quantity = evaluate(
+                text,
+                dimension,
+                None if foreign else unit,
+                decimal_comma=self.units.decimal_comma,
+                angle=self._angle,
+            )
         except QuantityError as error:
             self._error(error.message, name, accepted=error.accepted, suggestion=error.suggestion)
             return Quantity(0.0)
-        if foreign and unit and quantity.value and not quantity.has_unit:
-            self._foreign_unit(name, what, dimension, unit)
+        if not quantity.has_unit:
+            self._read_in[name] = unit.symbol if unit else ""
+        if quantity.has_unit or name in self.units.columns or self.units.sure(dimension, name):
+            self._unit_said.add(name)
+        self._look_at_unit(name, dimension, quantity, unit)
         if quantity.variable and not self._variable_fits(name, quantity, variables):
             return Quantity(0.0)
         if dimension is Dimension.ANGLE and name in _TURNS and abs(quantity.value) > LARGEST_ANGLE:
@@ -122,13 +139,37 @@ class RowCells:
             return Quantity(0.0)
         return quantity
 
+    def _look_at_unit(self, name: str, dimension: Dimension, quantity: Quantity, unit: Unit | None) -> None:
+        """Refuses a bare number whose unit is another dimension's, or not sure; remembers which cells have one."""
+        if quantity.foreign:
+            self._foreign.add(name)
+        if not quantity.value or quantity.has_unit or quantity.is_radians(dimension):
+            return
+        if unit and not dimension.holds(unit.dimension):
+            self._foreign_unit(name, FIELDS[name], dimension, unit)
+        elif doubt := self.units.doubt(dimension, name):
+            self._doubtful_unit(name, dimension, doubt)
+        elif unit is None:
+            self.bare.setdefault(name, self._cells[name])
+            self._bare.add(name)
+
     def _foreign_unit(self, name: str, what: Field, dimension: Dimension, unit: Unit) -> None:
         kind = "prismatic" if dimension is what.linear else "revolute"
         self._error(
             f"{shown(self._cells[name].text)} stands in a column of {unit.symbol}, and {name} of a {kind} joint is "
             f"{dimension}",
             name,
-            accepted="0, or a number with its own unit, such as '100 mm' or '90 deg'",
+            accepted=f"0, or a number with its own unit: {accepted_units(dimension)}",
+        )
+
+    def _doubtful_unit(self, name: str, dimension: Dimension, doubt: Doubt) -> None:
+        text = self._cells[name].text
+        self._unit_said.add(name)  # so that nothing else asks for a unit
+        self._error(
+            f"{shown(text)} has no unit, and {doubt.reason}",
+            name,
+            accepted=f"0, or a number whose unit is said: {accepted_units(dimension)}",
+            suggestion=unit_advice(doubt, dimension, text),
         )
 
     def _variable_fits(self, name: str, quantity: Quantity, variables: tuple[str, ...]) -> bool:

@@ -1,7 +1,8 @@
 """A table with one row per joint, one manipulator or a million behind each other: the same for every file of rows.
 
 The file is never held as a whole: its rows come in batches, and the rows of one manipulator are read together, by
-`plain_rows` where nothing about them is remarkable, and with all care where something is.
+`plain_rows` where nothing about them is remarkable, and with all care where something is. A sample of the former is
+read in both ways, and compared.
 """
 
 from __future__ import annotations
@@ -10,88 +11,40 @@ from collections import Counter
 from dataclasses import replace
 from itertools import chain, groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-from dh2urdf.errors import TableError
+from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.quantities import Dimension
 from dh2urdf.seen import SeenNames
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.cells import SPACES, Cell, Units, text_of
+from dh2urdf_plugins.readers.cells import SPACES, Cell, text_of
+from dh2urdf_plugins.readers.comment_phrases import prose_problems
+from dh2urdf_plugins.readers.csv_comments import below_header, statement, unread_values
 from dh2urdf_plugins.readers.fields import convention_of
-from dh2urdf_plugins.readers.headers import headers_unit, undeclared_units, unit_problems
 from dh2urdf_plugins.readers.names import MAX_NAME
 from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf_plugins.readers.plain_sample import HEAD, PlainSample, compare
+from dh2urdf_plugins.readers.plausibility import shortest_plain
 from dh2urdf_plugins.readers.records import make_manipulators
+from dh2urdf_plugins.readers.row_source import Rows
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.table_cells import TableCells, check_index
-from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, stopped, too_many_joints
+from dh2urdf_plugins.readers.table_cells import TableCells
+from dh2urdf_plugins.readers.table_units import unit_notices, unit_problems
+from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, read_rows, stopped, too_many_joints
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import DHRow
+    from dh2urdf.provenance import Trace
+    from dh2urdf.source import Mark
     from dh2urdf_plugins.readers.cells import Value
-    from dh2urdf_plugins.readers.headers import Columns
-
-Row: TypeAlias = "Sequence[Value]"
-"""The cells of a row, one for each column."""
-
-
-class RowSource(Protocol):
-    """A file of rows, as its format gives them.
-
-    Attributes:
-        notices: what is to be said of the rows so far, beyond what stands in them.
-    """
-
-    notices: list[Problem]
-
-    def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
-        """Some hundred rows at a time, and the number of the line at which each starts."""
-
-    def mark(self, line: int) -> Mark:
-        """The place of a row."""
-
-    def marks(self, line: int, texts: Sequence[str]) -> Sequence[Mark]:
-        """The place of each cell of a row."""
-
-    def row_problem(self, line: int, texts: Sequence[str], number: int) -> Problem | None:
-        """Why the cells of a row, whose number within its manipulator is given, are not those of the columns."""
-
-
-class _Rows:
-    """The rows of one manipulator as they stand in the file.
-
-    Attributes:
-        name: the manipulator's name.
-        lines: the line of each row.
-        cells: the cells of each row; of more than are read, some are left out.
-        count: how many rows there are.
-        torn: whether other rows of the same manipulator stand elsewhere.
-        nameless: whether the robot column is empty in some of them.
-    """
-
-    __slots__ = ("cells", "count", "lines", "name", "nameless", "torn")
-
-    def __init__(self, name: str, lines: Iterable[int] = (), cells: Iterable[Row] = ()) -> None:
-        self.name = name
-        self.lines = list(lines)
-        self.cells = list(cells)
-        self.count = len(self.cells)
-        self.torn = False
-        self.nameless = False
-
-    def extend(self, lines: Sequence[int], cells: Sequence[Row]) -> None:
-        """Adds rows, as many as are needed to see that there are too many."""
-        room = max(0, MAX_JOINTS - len(self.cells))
-        self.lines.extend(lines[:room])
-        self.cells.extend(cells[:room])
-        self.count += len(cells)
+    from dh2urdf_plugins.readers.comment_lines import Comment
+    from dh2urdf_plugins.readers.row_source import Row, RowSource
+    from dh2urdf_plugins.readers.top import Top
 
 
 class RowTable:
@@ -103,49 +56,46 @@ class RowTable:
     """
 
     def __init__(
-        self, path: Path, options: TableOptions, columns: Columns, said: Mapping[str, Node], source: RowSource
+        self, name: Cell, options: TableOptions, top: Top, source: RowSource, trace: Trace | None = None
     ) -> None:
         """Takes what stands above the rows.
 
         Args:
-            path: the file.
+            name: what a manipulator is called where the table does not say it, and the place of the whole table.
             options: what the table does not say itself.
-            columns: its headers.
-            said: what it says of all rows, by key.
+            top: its headers, and what it says of all rows.
             source: its rows.
+            trace: takes what the cells of each manipulator say, where it is wanted: all are read with care then.
 
         Raises:
             TableError: what is said contradicts itself, or means nothing.
         """
-        self.path = path
-        self.file = str(path)
+        self.whole = name.mark
         self.source = source
-        self.columns = columns
+        self.columns = columns = source.start(top.columns)
         self.statements = Statements()
-        self.notices: list[Problem] = [*columns.notices]
-        self.name = self._state(said, options)
-        units = self.statements.units()
-        self.notices += undeclared_units(columns, units)
-        self.units = Units(
-            length=units.length or headers_unit(columns, Dimension.LENGTH),
-            angle=units.angle or headers_unit(columns, Dimension.ANGLE),
-            columns=columns.units,
-            decimal_comma=columns.decimal_comma,
-        )
+        self.notices: list[Problem] = [*top.notices, *columns.notices]
+        self.name = self._state(top.statements, options) or name
+        self.units = self.statements.units()
+        stated = {dimension: unit for dimension, (unit, _) in self.statements.stated.items()}
+        self.notices += unit_notices(columns, stated, self.units)
         self.robot_column = self._column("robot")
         self.convention_column = self._column("convention")
+        self.trace = trace
         self.plain_table = self.statements.convention is not None or self.convention_column is not None
+        self.plain_table &= trace is None
         self.has_type = "type" in columns.fields
-        self.cells = TableCells(columns)
+        self.cells = TableCells(columns, self.units)
         self.remarked = 0
-        self.plain = PlainRows(columns, self.units, source.mark(0))
+        self.plain = PlainRows(columns, self.units, shortest_plain(self.statements))
+        self.sample = PlainSample()
         self.seen = SeenNames()
 
     def _column(self, name: str) -> int | None:
         return self.columns.fields.index(name) if name in self.columns.fields else None
 
-    def _state(self, said: Mapping[str, Node], options: TableOptions) -> Cell:
-        """Takes what the table, its headers and the options say of all rows; gives the manipulator's name."""
+    def _state(self, said: Mapping[str, Node], options: TableOptions) -> Cell | None:
+        """Takes what the table, its headers and the options say of all rows; gives the name that the table says."""
         columns, problems = self.columns, list[Problem]()
         if units := said.get("units"):
             self.statements.say_units(units, problems.append)
@@ -160,19 +110,49 @@ class RowTable:
                 )
             self.statements.say_which(Convention.MODIFIED, header, problems.append)
         self.statements.say_options(options, problems.append)
-        problems += unit_problems(columns, (self.statements.length, self.statements.angle))
+        problems += unit_problems(columns, self.statements.stated.values())
+        self.statements.columns = columns
         for what in ("base", "tool"):
             if node := said.get(what):
                 self.statements.say_transform(node, what, problems.append)
+        if payload := said.get("payload"):
+            self.statements.say_payload(payload, problems.append)
         self.statements.say_option_transforms(options, problems.append)
         if defaults := said.get("defaults"):
             self.statements.say_defaults(defaults, problems.append)
         errors = [problem for problem in problems if problem.severity == "error"]
         if errors:
-            raise TableError(errors)
+            others = [problem for problem in problems if problem.severity == "notice"]
+            raise TableError(errors, [*self.notices, *others])
         self.notices += problems
-        name = said.get("name")
-        return Cell(name.text or "", name.mark) if name else Cell(self.path.stem, Mark(file=self.file))
+        return self._said_name(said.get("name"))
+
+    def _said_name(self, name: Node | None) -> Cell | None:
+        if name and "robot" in self.columns.fields:
+            message = f"the name {shown(name.text or '')} has no effect: the column robot names each manipulator"
+            self.notices.append(Problem(message=message, severity="notice", mark=name.mark, field="name"))
+        return Cell(name.text or "", name.mark) if name else None
+
+    def judge(self, comments: Iterable[Comment], *, below: bool = False) -> None:
+        """Notes what comments say that the table does not.
+
+        Args:
+            comments: those that say nothing under a key.
+            below: whether they stand below the header.
+
+        Raises:
+            TableError: a comment contradicts the table, or says below the header what holds for all rows.
+        """
+        problems: list[Problem] = []
+        for comment in comments:
+            found = prose_problems(comment, self.statements, self.columns)
+            problems += [below_header(comment)] if below and found and statement(comment) else found
+            problems += unread_values(comment)
+        errors = [problem for problem in problems if problem.severity == "error"]
+        notices = [problem for problem in problems if problem.severity == "notice"]
+        if errors:
+            raise TableError(errors, [*self.notices, *notices])
+        self.notices += notices[:SCREENFUL]
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
@@ -183,35 +163,38 @@ class RowTable:
             any_rows = any_rows or bool(groups)
             self.notices += self.source.notices[self.remarked :]
             self.remarked = len(self.source.notices)
+            if self.source.comments:
+                self.judge(self.source.comments, below=True)
+                self.source.comments.clear()
             while groups and (self.notices or not self.plain_table):
                 yield self._careful(groups.pop(0))
             yield from self._plain(groups) or map(self._any, groups)
         if not any_rows:
-            yield self._careful(_Rows(self.name.text))
+            yield self._careful(Rows(self.name.text))
 
-    def _groups(self) -> Iterator[list[_Rows]]:
+    def _groups(self) -> Iterator[list[Rows]]:
         """The rows of manipulators that are complete, batch by batch."""
-        rows = _Rows(self.name.text)
-        for lines, batch in self.source.batches():
+        rows = Rows(self.name.text)
+        for keys, batch in self.source.batches():
             finished = []
-            for name, some_lines, some_rows in self._by_robot(lines, batch):
-                if not name and rows.lines:  # a cell that a spreadsheet has merged with the one above, perhaps
+            for name, some_keys, some_rows in self._by_robot(keys, batch):
+                if not name and rows.keys:  # a cell that a spreadsheet has merged with the one above, perhaps
                     rows.nameless = True
-                elif name != rows.name or not rows.lines:
+                elif name != rows.name or not rows.keys:
                     finished.append(rows)
-                    rows = _Rows(name, some_lines, some_rows)
+                    rows = Rows(name, some_keys, some_rows)
                     continue
-                rows.extend(some_lines, some_rows)
+                rows.extend(some_keys, some_rows)
             yield self._whole(finished, rows)
         yield self._whole([rows])
 
     def _by_robot(
-        self, lines: Sequence[int], batch: Sequence[Row]
-    ) -> Iterator[tuple[str, Sequence[int], Sequence[Row]]]:
+        self, keys: Sequence[Any], batch: Sequence[Row]
+    ) -> Iterator[tuple[str, Sequence[Any], Sequence[Row]]]:
         """Runs of rows with the same name of the manipulator."""
         column = self.robot_column
         if column is None:
-            yield self.name.text, lines, batch
+            yield self.name.text, keys, batch
             return
         key: Callable[[Row], Value] = itemgetter(column)
         if batch and min(map(len, batch)) <= column:
@@ -223,12 +206,12 @@ class RowTable:
         start = 0
         for name, some in groupby(batch, key):
             rows = list(some)
-            yield text_of(name).strip(SPACES), lines[start : start + len(rows)], rows
+            yield text_of(name).strip(SPACES), keys[start : start + len(rows)], rows
             start += len(rows)
 
-    def _whole(self, groups: list[_Rows], *unfinished: _Rows) -> list[_Rows]:
+    def _whole(self, groups: list[Rows], *unfinished: Rows) -> list[Rows]:
         """Marks the manipulators whose rows do not all stand together, as far as a batch shows it in time."""
-        groups = [rows for rows in groups if rows.lines]
+        groups = [rows for rows in groups if rows.keys]
         if self.robot_column is not None:
             count = Counter(rows.name for rows in (*groups, *unfinished))
             names = [rows.name for rows in groups]
@@ -238,11 +221,11 @@ class RowTable:
             self.seen.add(names)
         return groups
 
-    def _any(self, rows: _Rows) -> Manipulator | Rejected:
+    def _any(self, rows: Rows) -> Manipulator | Rejected:
         plain = self._plain([rows])
         return plain[0] if plain else self._careful(rows)
 
-    def _plain(self, groups: list[_Rows]) -> list[Manipulator] | None:
+    def _plain(self, groups: list[Rows]) -> list[Manipulator] | None:
         """Manipulators about which there is nothing to say, read fast; None where there may be something."""
         for rows in groups:
             name = rows.name
@@ -256,13 +239,18 @@ class RowTable:
             ):
                 return None
         cells = list(chain.from_iterable(rows.cells for rows in groups))
-        lines = chain.from_iterable(rows.lines for rows in groups)
-        if not cells or (read := self.plain.read(cells, lines, [len(rows.lines) for rows in groups])) is None:
+        marks = self.source.row_marks(chain.from_iterable(rows.keys for rows in groups))
+        sizes = [len(rows.keys) for rows in groups]
+        if not cells or (read := self.plain.read(cells, marks, sizes)) is None:
             return None
         if (statements := self._agreed(cells)) is None:
             return None
-        model = statements.manipulator("", (), None)
-        return make_manipulators(model, zip([rows.name for rows in groups], read, strict=True))
+        model = statements.manipulator(groups[0].name, read[0][:1], None)
+        arms = make_manipulators(model, zip([rows.name for rows in groups], read, strict=True))
+        if (index := self.sample.choose(sizes)) is not None:
+            head = Rows(groups[index].name, groups[index].keys[:HEAD], groups[index].cells[:HEAD])
+            compare(arms[index], self._read_with_care(head, TableCells(self.columns, self.units)), head.count)
+        return arms
 
     def _agreed(self, cells: list[Row]) -> Statements | None:
         """What holds for all of some rows, the convention included; None where they say several, or an unknown one."""
@@ -274,69 +262,63 @@ class RowTable:
         (convention, *others) = conventions
         if others or convention is None or (stated and stated[0] is not convention):
             return None
-        return replace(self.statements, convention=(convention, Mark(file=self.file)))
+        return replace(self.statements, convention=(convention, self.whole))
 
     # --- Rows, with care ----------------------------------------------------------------------------------------------
 
-    def _careful(self, rows: _Rows) -> Manipulator | Rejected:
+    def _careful(self, rows: Rows) -> Manipulator | Rejected:
         """A manipulator, or everything that is wrong with it."""
-        reader = RowReader(self.units, type_is_given=self.has_type)
+        result = self._read_with_care(rows, self.cells, self.trace)
+        self.plain_table &= not self.cells.signs.has_commas
+        self.notices = []  # what is to be said of the file is said once, with the first manipulator
+        return result
+
+    def _read_with_care(
+        self, rows: Rows, table_cells: TableCells, trace: Trace | None = None
+    ) -> Manipulator | Rejected:
+        reader = RowReader(self.units, type_is_given=self.has_type, traced=trace is not None)
         for notice in self.notices:
             reader.add(notice)
-        mark = self.source.mark(rows.lines[0]) if rows.lines else Mark(file=self.file)
+        mark = self._mark(rows.keys[0]) if rows.keys else self.whole
         name = self.name
-        if self.robot_column is not None and rows.lines:
-            marks = self.source.marks(rows.lines[0], list(map(text_of, rows.cells[0])))
+        if self.robot_column is not None and rows.keys:
+            marks = self.source.marks(rows.keys[0], list(map(text_of, rows.cells[0])))
             name = Cell(rows.name, marks[min(self.robot_column, len(marks) - 1)])
         if rows.count > MAX_JOINTS:
             too_many = too_many_joints(rows.count, mark).about(robot=rows.name)
-            return Rejected(name=rows.name, problems=(too_many,), mark=mark)
+            return Rejected(name=rows.name, problems=(too_many,), mark=mark, notices=tuple(self.notices))
         if rows.torn:
             reader.add(_torn(name))
         statements = replace(self.statements)
-        read = self._read_rows(rows, statements, reader)
-        if problem := self.cells.ambiguous_number():
+        read = self._read_rows(rows, statements, reader, table_cells)
+        for problem in table_cells.problems():
             reader.add(problem)
-        self.plain_table &= not self.cells.has_decimal_commas
-        result = manipulator(name, statements, read, reader, mark)
-        if isinstance(result, Manipulator):
-            self.notices = []  # what is to be said of the file is said once, with the first manipulator
-        return result
+        return manipulator(name, statements, read, reader, mark, trace=trace)
 
-    def _read_rows(self, rows: _Rows, statements: Statements, reader: RowReader) -> list[DHRow | None]:
+    def _read_rows(
+        self, rows: Rows, statements: Statements, reader: RowReader, table_cells: TableCells
+    ) -> list[DHRow | None]:
         """The rows as far as they can be read, and what they say of the convention."""
-        read: list[DHRow | None] = []
-        numbered = self._numbered(rows)
-        for number, (line, row) in enumerate(zip(rows.lines, rows.cells, strict=True), start=1):
-            mark, texts = self.source.mark(line), list(map(text_of, row))
-            if problem := self.source.row_problem(line, texts, number):
-                reader.add(problem)
-                read.append(None)
-                continue
-            cells = self.cells.read(texts, self.source.marks(line, texts), mark, number, reader)
-            if cells is None:
-                read.append(None)
-                continue
-            if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
-                reader.add(_nameless(robot, rows.name, number))
-            if convention := cells.pop("convention", None):
-                statements.say_convention(convention, reader.add)
-            index = cells.pop("index", None)
-            if index and numbered:
-                check_index(index, number, reader)
-            elif index:
-                cells["joint"] = index
-            read.append(reader.read(number, cells, mark))
+        found: list[tuple[dict[str, Cell] | None, Mark]] = []
+        for number, (key, row) in enumerate(zip(rows.keys, rows.cells, strict=True), start=1):
+            mark, texts = self._mark(key), list(map(text_of, row))
+            found.append((None, mark))
+            if problems := list(self.source.row_problems(key, texts, number)):
+                for problem in problems:
+                    reader.add(problem)
+            elif cells := table_cells.read(row, self.source.marks(key, texts), mark, number, reader):
+                if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
+                    reader.add(_nameless(robot, rows.name, number))
+                if convention := cells.pop("convention", None):
+                    statements.say_convention(convention, reader.add)
+                found[-1] = (cells, mark)
             if stopped(reader):
-                break
-        return read
+                return [None]
+        return read_rows(found, reader)
 
-    def _numbered(self, rows: _Rows) -> bool:
-        """Whether the index column holds numbers; where there is no joint column it may hold names instead."""
-        column = self._column("index")
-        if column is None or "joint" in self.columns.fields or not rows.cells or len(rows.cells[0]) <= column:
-            return True
-        return text_of(rows.cells[0][column]).strip(SPACES).isdecimal()
+    def _mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of the source's own
+        (mark,) = self.source.row_marks([key])
+        return mark
 
 
 def _nameless(robot: Cell, name: str, number: int) -> Problem:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import inertia_problem
+from dh2urdf.provenance import Said
+from dh2urdf.quantities import Dimension, accepted_units
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.readers.fields import (
@@ -19,13 +22,13 @@ from dh2urdf_plugins.readers.fields import (
     flip_of,
     joint_type,
 )
-from dh2urdf_plugins.readers.names import END_NAMES, TIP_FRAMES, RowNames
+from dh2urdf_plugins.readers.names import TIP_FRAMES, RowNames
 from dh2urdf_plugins.readers.row_cells import FULL_TURN, RowCells
+from dh2urdf_plugins.readers.table_units import SI
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from dh2urdf.quantities import Quantity
     from dh2urdf_plugins.readers.cells import Cell, Units
 
 MAX_PROBLEMS = 1000
@@ -47,11 +50,13 @@ class RowReader(RowCells):
     Attributes:
         type_is_given: whether the table has types at all, so that an empty one is worth a notice.
         names: the names of the rows so far.
+        said: what the cells of the rows so far say, where a trace is wanted; None where it is not.
     """
 
-    def __init__(self, units: Units, *, type_is_given: bool = True) -> None:
+    def __init__(self, units: Units, *, type_is_given: bool = True, traced: bool = False) -> None:
         """Starts a manipulator; see the attributes."""
         super().__init__(units)
+        self.said: list[dict[str, Said]] | None = [] if traced else None
         self.type_is_given = type_is_given
         self.names: list[RowNames] = []
 
@@ -64,7 +69,8 @@ class RowReader(RowCells):
             mark: the row's place.
         """
         before = self.errors
-        self._cells, self._mark, self._number = cells, mark, number
+        self._cells, self._mark, self._number, self._read_in = cells, mark, number, {}
+        self._foreign, self._bare, self._unit_said = set(), set(), set()
         self._joint = f"joint_{number}"
         self._joint = self._name("joint", self._joint)
         link = self._name("link", f"link_{number}")
@@ -80,7 +86,10 @@ class RowReader(RowCells):
         a = self._quantity("a").value
         alpha = self._alpha()
         d, theta, offset, sign = self._joint_variable(kind)
-        row = DHRow(
+        if kind is not JointType.PRISMATIC and (theta or offset or sign < 0):
+            self._refuse_bounds_of_theta()
+        row = partial(  # What is wrong with an argument is known when all of them are there.
+            DHRow,
             joint=self._joint,
             link=link,
             type=kind,
@@ -100,7 +109,15 @@ class RowReader(RowCells):
             armature=self._friction("armature", kind),
             mark=mark,
         )
-        return row if self.errors == before else None
+        if self.said is not None:
+            self.said.append(
+                {
+                    name: Said(text=cell.text, mark=cell.mark, unit=self._read_in.get(name))
+                    for name, cell in cells.items()
+                    if cell.text
+                }
+            )
+        return row() if self.errors == before else None
 
     # --- Words --------------------------------------------------------------------------------------------------------
 
@@ -118,14 +135,7 @@ class RowReader(RowCells):
                 near = did_you_mean(cell.text, [word for word in TYPE_CHOICES if len(word) > 1])
                 self._error(f"{shown(cell.text)} is no type of joint", "type", accepted=ACCEPTED_TYPES, suggestion=near)
             return kind or JointType.REVOLUTE
-        if "".join(filter(str.isalnum, self._joint.casefold())) in END_NAMES:
-            self._error(
-                f"the row {shown(self._joint)} has no type, and by its name it hardly is a revolute joint",
-                "type",
-                accepted=ACCEPTED_TYPES,
-                suggestion="write fixed if nothing moves there, or revolute if it does",
-            )
-        elif self.type_is_given:
+        if self.type_is_given:
             self._notice("the type is empty; the joint is taken as revolute", "type")
         return JointType.REVOLUTE
 
@@ -133,7 +143,7 @@ class RowReader(RowCells):
 
     def _alpha(self) -> float:
         quantity = self._quantity("alpha")
-        if abs(quantity.value) > FULL_TURN and not self._angle_unit("alpha", quantity):
+        if abs(quantity.value) > FULL_TURN and "alpha" not in self._unit_said:
             self._error(
                 f"{shown(self._cells['alpha'].text)} is more than a full turn in rad, and no unit is declared for it",
                 "alpha",
@@ -144,10 +154,6 @@ class RowReader(RowCells):
         else:
             self._nearly_quarter_turn("alpha", quantity.value)
         return quantity.value
-
-    def _angle_unit(self, name: str, quantity: Quantity) -> bool:
-        """Whether somebody said what unit an angle is in."""
-        return quantity.has_unit or name in self.units.columns or self.units.angle is not None
 
     def _nearly_quarter_turn(self, name: str, angle: float) -> None:
         turns = round(angle / HALF_PI)
@@ -165,14 +171,13 @@ class RowReader(RowCells):
         moves = kind is not JointType.FIXED
         d = self._quantity("d", variables=_LINEAR_VARIABLES if linear else ())
         theta = self._quantity("theta", variables=_ROTARY_VARIABLES if moves and not linear else ())
-        said_offset = self._quantity("offset", linear=linear)
-        offset = said_offset.value
+        offset = self._quantity("offset", linear=linear).value
         sign = self._sign()
         if abs(theta.value) > FULL_TURN:
             self._notice(
                 f"{shown(self._cells['theta'].text)} is more than a full turn",
                 "theta",
-                None if self._angle_unit("theta", theta) else "if these are degrees, say so: `theta [deg]`",
+                None if "theta" in self._unit_said else "if these are degrees, say so: `theta [deg]`",
             )
         else:
             self._nearly_quarter_turn("theta", theta.value)
@@ -180,7 +185,7 @@ class RowReader(RowCells):
             self._notice(
                 f"{shown(self._cells['offset'].text)} is more than a full turn",
                 "offset",
-                None if self._angle_unit("offset", said_offset) else "if these are degrees, say so: `offset [deg]`",
+                None if "offset" in self._unit_said else "if these are degrees, say so: `offset [deg]`",
             )
         elif not linear:
             self._nearly_quarter_turn("offset", offset)
@@ -226,9 +231,10 @@ class RowReader(RowCells):
         if kind is JointType.FIXED:
             self._not_for("a fixed joint does not move", names)
             return NO_LIMITS
-        velocity, effort = self._positive("velocity", linear=linear), self._positive("effort")
+        velocity, effort = self._positive("velocity", linear=linear), self._positive("effort", linear=linear)
         if kind is JointType.CONTINUOUS:
             self._not_for("a continuous joint has no bounds", ("lower", "upper"))
+            self._speed_beside(linear=linear)
             return Limits(velocity=velocity, effort=effort)
         errors = self.errors
         lower, upper = (self._optional(name, linear=linear) for name in ("lower", "upper"))
@@ -238,19 +244,40 @@ class RowReader(RowCells):
                 self._error(f"there is {have} and no {name}", name, accepted="both lower and upper, or neither")
             elif number is not None and not linear and abs(number) > LARGEST_LIMIT:
                 self._limit_in_degrees(name)
-            elif number is not None and not linear and abs(number) > REMARKABLE_LIMIT and not self._says_unit(name):
+            elif number is not None and not linear and abs(number) > REMARKABLE_LIMIT and name not in self._unit_said:
                 text = shown(self._cells[name].text)
                 self._notice(f"{text} is more than two turns in rad", name, f"if these are degrees: `{name} [deg]`")
         if lower is not None and upper is not None and lower > upper and self.errors == errors:
             found = f"{shown(self._cells['lower'].text)} is above upper, {shown(self._cells['upper'].text)}"
             self._error(f"lower, {found}", "lower", accepted="lower at most upper", suggestion="are they exchanged?")
+        self._speed_beside(linear=linear)
         return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
-    def _says_unit(self, name: str) -> bool:
-        return self._angle_unit(name, self._quantity(name))
+    def _speed_beside(self, *, linear: bool) -> None:
+        """Refuses a speed without a unit where the joint's own cells name another than the SI unit."""
+        cell = self._cells.get("velocity")
+        beside = next((name for name in ("lower", "upper", "offset") if name in self._foreign), None)
+        if beside is None or cell is None or "velocity" not in self._bare:
+            return
+        dimension = Dimension.SPEED if linear else Dimension.TURN_RATE
+        self._error(
+            f"{shown(cell.text)} has no unit, and {beside} is {shown(self._cells[beside].text)}",
+            "velocity",
+            accepted=f"a number whose unit is said: {accepted_units(dimension)}",
+            suggestion=f"write '{cell.text} {'mm/s' if linear else 'deg/s'}' or '{cell.text} {SI[dimension]}'",
+        )
+
+    def _refuse_bounds_of_theta(self) -> None:
+        for name in ("lower", "upper"):
+            if not self._absent(name) and self._cells[name].of_theta:
+                self._error(
+                    f"{shown(self._cells[name].text)} may bound theta or the joint variable q, which differ here",
+                    name,
+                    accepted="columns lower and upper, which bound q: before sign, offset and theta are applied",
+                )
 
     def _limit_in_degrees(self, name: str) -> None:
-        if not self._says_unit(name):
+        if name not in self._unit_said:
             self._error(
                 f"{shown(self._cells[name].text)} is more than ten turns in rad, and no unit is declared for it",
                 name,
@@ -299,7 +326,7 @@ class RowReader(RowCells):
                 accepted="both, or neither: they are computed from the link's shape and density then",
             )
         inertia = Inertia(**{name: self._quantity(name).value for name in INERTIA_FIELDS})
-        if self.errors == before and (broken := inertia_problem(inertia)):
+        if self.errors == before and (broken := inertia_problem(inertia, zeros=True)):
             self._error(broken, "inertia", accepted="the inertia of a body about its centre of mass, or none")
         return inertia
 

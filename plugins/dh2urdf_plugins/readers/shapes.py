@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.manipulator import LinkGeometry
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf_plugins.readers.table_units import refuse_doubt
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -40,19 +41,22 @@ class ShapeReader:
             radius=self.positive(radius, f"{what}.radius", Dimension.LENGTH) if radius else None,
         )
 
-    def positive(self, node: Node, what: str, dimension: Dimension) -> float | None:
-        """A number above 0."""
-        accepted = "a number above 0"
+    def positive(self, node: Node, what: str, dimension: Dimension, *, or_zero: bool = False) -> float | None:
+        """A number above 0, or 0 where that means something."""
+        accepted = "a number of 0 or more" if or_zero else "a number above 0"
         if node.text is None or node.value is None or isinstance(node.value, bool):
             self._error(node, what, f"{what} is {node.describe()}", accepted)
             return None
         try:
-            quantity = evaluate(node.text, dimension, self.units.of(dimension))
+            quantity = evaluate(node.text, dimension, self.units.sure(dimension), angle=self.units.in_functions)
+            refuse_doubt(quantity, node.text, dimension, self.units)
         except QuantityError as error:
             self._error(node, what, error.message, error.accepted, error.suggestion)
             return None
-        if quantity.variable or quantity.value <= 0:
-            self._error(node, what, f"{what}, {shown(node.text)}, is not positive", accepted)
+        if quantity.variable or quantity.value < 0 or (quantity.value == 0 and not or_zero):
+            self._error(
+                node, what, f"{what}, {shown(node.text)}, is {'negative' if or_zero else 'not positive'}", accepted
+            )
         return quantity.value
 
     def _error(self, node: Node, field: str, message: str, accepted: str, suggestion: str | None = None) -> None:

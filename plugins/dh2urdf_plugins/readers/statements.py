@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator
-from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
+from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, Payload
+from dh2urdf.provenance import Said
+from dh2urdf.quantities import Dimension, QuantityError, Unit, accepted_units, find_unit, is_unit
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.units import UNITS, unit_word
 from dh2urdf_plugins.readers.cells import Cell, Units
 from dh2urdf_plugins.readers.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOICES, convention_of
+from dh2urdf_plugins.readers.headers import Columns
 from dh2urdf_plugins.readers.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
+from dh2urdf_plugins.readers.payloads import PayloadReader
 from dh2urdf_plugins.readers.placements import TransformReader
 from dh2urdf_plugins.readers.shapes import ShapeReader, refuse_unknown_keys
+from dh2urdf_plugins.readers.table_units import KEY_OF, UNIT_KEYS, table_units
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -35,13 +41,19 @@ class TableOptions:
     convention: str | None = field(
         default=None, metadata={"help": "standard (classic, distal) or modified (Craig, proximal)"}
     )
-    length_unit: str | None = field(default=None, metadata={"help": "unit of lengths: m, cm, mm or µm; m by default"})
+    length_unit: str | None = field(default=None, metadata={"help": "unit of lengths: m, cm, mm, in …; m by default"})
     angle_unit: str | None = field(default=None, metadata={"help": "unit of angles: rad or deg; rad by default"})
+    units: str | dict[str, Any] | list[Any] | None = field(
+        default=None, metadata={"help": "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}"}
+    )
     base: str | dict[str, Any] | list[Any] | None = field(
         default=None, metadata={"help": "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}"}
     )
     tool: str | dict[str, Any] | list[Any] | None = field(
         default=None, metadata={"help": "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"}
+    )
+    payload: str | dict[str, Any] | None = field(
+        default=None, metadata={"help": "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"}
     )
 
     def __post_init__(self) -> None:
@@ -68,31 +80,35 @@ class Statements:
 
     Attributes:
         convention: the convention and where it is said.
-        length: the unit of lengths and where it is declared.
-        angle: the unit of angles and where it is declared.
+        stated: the units that are declared, by what they measure, and where.
+        columns: the headers of the table, where it has some.
         base: the base transform.
         tool: the tool transform.
         geometry: shape of the links.
         density: density of links without a mass [kg/m³].
-        base_mass: mass of the base's body [kg].
+        base_mass: mass of the base's body [kg]; 0 for none.
+        payload: what the arm carries at tool0.
         base_geometry: shape of the base's body.
         base_meshes: meshes of the base's body.
         visuals: whether links are seen.
         collisions: whether links touch.
+        placed: where base, tool and payload are said.
     """
 
     convention: tuple[Convention, Mark] | None = None
-    length: tuple[Unit, Mark] | None = None
-    angle: tuple[Unit, Mark] | None = None
+    stated: dict[Dimension, tuple[Unit, Mark]] = field(default_factory=dict)
+    columns: Columns | None = None
     base: RigidTransform | None = None
     tool: RigidTransform | None = None
     geometry: LinkGeometry = LinkGeometry()
     density: float | None = None
     base_mass: float | None = None
+    payload: Payload | None = None
     base_geometry: LinkGeometry = LinkGeometry()
     base_meshes: Meshes = Meshes()
     visuals: bool | None = None
     collisions: bool | None = None
+    placed: dict[str, Mark] = field(default_factory=dict)
 
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
@@ -107,6 +123,7 @@ class Statements:
             geometry=self.geometry,
             density=self.density,
             base_mass=self.base_mass,
+            payload=self.payload,
             base_geometry=self.base_geometry,
             base_visual=self.base_meshes.visual,
             base_collision=self.base_meshes.collision,
@@ -116,9 +133,20 @@ class Statements:
             notices=notices,
         )
 
+    def traced(self, name: Cell) -> dict[str, Said]:
+        """What is said of all rows, and where."""
+        said = {"name": Said(text=name.text, mark=name.mark)}
+        if self.convention:
+            said["convention"] = Said(text=str(self.convention[0]), mark=self.convention[1])
+        for what, mark in self.placed.items():
+            said[what] = Said(text=None, mark=mark)
+        for dimension, (unit, mark) in self.stated.items():
+            said[f"units.{dimension.name.lower()}"] = Said(text=unit.symbol, mark=mark)
+        return said
+
     def units(self) -> Units:
         """The units of numbers that name none."""
-        return Units(length=self.length and self.length[0], angle=self.angle and self.angle[0])
+        return table_units({dimension: unit for dimension, (unit, _) in self.stated.items()}, self.columns)
 
     def say_convention(self, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes a word for the convention."""
@@ -156,73 +184,84 @@ class Statements:
                 )
             )
 
-    def say_unit(self, cell: Cell, dimension: Dimension, add: Callable[[Problem], None]) -> None:
-        """Takes a declaration of the unit of lengths or of angles."""
-        name = "angle" if dimension is Dimension.ANGLE else "length"
-        try:
-            unit = find_unit(cell.text, dimension)
-        except QuantityError as error:
+    def say_unit(self, cell: Cell, key: str, add: Callable[[Problem], None]) -> None:
+        """Takes a declaration of a unit.
+
+        Args:
+            cell: the word for it.
+            key: what it is the unit of, as `UNIT_KEYS` has it.
+            add: takes what is wrong with it.
+        """
+        unit: Unit | None = None
+        fault: QuantityError | None = None
+        for dimension in UNIT_KEYS[key]:
+            try:
+                unit = unit or find_unit(cell.text, dimension)
+            except QuantityError as error:
+                fault = fault or error
+        if fault and not unit:
             add(
                 Problem(
-                    message=error.message,
+                    message=fault.message,
                     mark=cell.mark,
-                    field=f"units.{name}",
+                    field=f"units.{key}",
                     found=cell.text,
-                    accepted=error.accepted,
-                    suggestion=error.suggestion,
+                    accepted=", ".join(map(accepted_units, UNIT_KEYS[key])),
+                    suggestion=fault.suggestion,
                 )
             )
+        if not unit:
             return
-        said = self.angle if name == "angle" else self.length
-        if said and said[0] != unit:
+        said = self.stated.setdefault(unit.dimension, (unit, cell.mark))
+        if said[0] != unit:
             add(
                 Problem(
                     message=f"{shown(cell.text)} contradicts the unit {said[0].symbol} that {said[1]} declares",
                     mark=cell.mark,
-                    field=f"units.{name}",
+                    field=f"units.{key}",
                     found=cell.text,
-                    accepted=f"one unit of {name} for the whole table",
+                    accepted=f"one unit of {key} for the whole table",
                 )
             )
-        elif name == "angle":
-            self.angle = (unit, cell.mark)
-        else:
-            self.length = (unit, cell.mark)
 
     def say_units(self, node: Node, add: Callable[[Problem], None]) -> None:
-        """Takes `units`: a mapping of length and angle, or bare words such as ``mm, deg``."""
-        keys = {"length": Dimension.LENGTH, "angle": Dimension.ANGLE}
+        """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
         if isinstance(node.value, dict):
             for key, item in node.value.items():
-                if key not in keys:
+                if key not in UNIT_KEYS:
                     add(
                         Problem(
                             message=f"{shown(key)} is nothing that has a unit of its own",
                             mark=node.key_mark(key),
                             field=f"units.{key}",
                             found=key,
-                            accepted="length, angle",
-                            suggestion=did_you_mean(key, keys),
+                            accepted=", ".join(UNIT_KEYS),
+                            suggestion=_MEANT_KEYS.get(key.casefold()) or did_you_mean(key, UNIT_KEYS),
                         )
                     )
-                elif item.text is None:
+                    continue
+                several = len(UNIT_KEYS[key]) > 1
+                words = _words_of_units(item) if several or not isinstance(item.value, list) else []
+                if not words:
                     message = f"units.{key} is {item.describe()}"
                     add(Problem(message=message, mark=item.mark, field=f"units.{key}", accepted="the name of a unit"))
-                else:
-                    self.say_unit(Cell(item.text, item.mark), keys[key], add)
+                for word in words:
+                    self.say_unit(word, key, add)
             return
-        words = (node.text or "").replace(",", " ").replace(";", " ").split()
-        for word in words if words and all(map(is_unit, words)) else ():
-            angle = word.casefold() in ("rad", "deg", "°", "radian", "radians", "degree", "degrees")
-            self.say_unit(Cell(word, node.mark), Dimension.ANGLE if angle else Dimension.LENGTH, add)
-        if not words or not all(map(is_unit, words)):
+        words = _words_of_units(node)
+        known = [UNITS.get(unit_word(word.text)) for word in words]
+        for word, unit in zip(words, known, strict=True):
+            if unit and all(known):
+                self.say_unit(word, KEY_OF.get(unit.dimension, "length"), add)
+        if not words or not all(known):
             add(
                 Problem(
                     message=f"units is {node.describe()}",
                     mark=node.mark,
                     field="units",
                     found=node.text,
-                    accepted="{length: mm, angle: deg}, with m, cm, mm or µm and rad or deg",
+                    accepted=f"units such as mm, deg, or a mapping such as {{length: mm, angle: deg}}, with the keys "
+                    f"{', '.join(UNIT_KEYS)}",
                 )
             )
 
@@ -232,16 +271,18 @@ class Statements:
         transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
         if body:
             self.say_body(node, add)
-        if transform is None:
+        only_body = body and isinstance(node.value, dict) and not node.value.keys() & {"xyz", "rpy"}
+        if transform is None or only_body:
             return
         said = self.base if what == "base" else self.tool
         if said is not None and said != transform:
-            message = f"{what} is said twice, and not alike: in the table and in {OPTIONS}"
-            add(Problem(message=message, mark=node.mark, field=what, found=node.text, accepted=f"one {what}"))
+            self._said_twice(what, node, add)
         elif what == "base":
             self.base = transform
+            self.placed[what] = node.mark
         else:
             self.tool = transform
+            self.placed[what] = node.mark
 
     def say_options(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
         """Takes the convention and the units of the options; base and tool follow when the units are known."""
@@ -249,9 +290,11 @@ class Statements:
         if options.convention is not None:
             self.say_convention(Cell(options.convention, mark), add)
         if options.length_unit is not None:
-            self.say_unit(Cell(options.length_unit, mark), Dimension.LENGTH, add)
+            self.say_unit(Cell(options.length_unit, mark), "length", add)
         if options.angle_unit is not None:
-            self.say_unit(Cell(options.angle_unit, mark), Dimension.ANGLE, add)
+            self.say_unit(Cell(options.angle_unit, mark), "angle", add)
+        if options.units is not None and (node := _option_node("units", options.units, add)):
+            self.say_units(node, add)
 
     def say_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
         """Takes `defaults`: the links' geometry and density."""
@@ -264,7 +307,7 @@ class Statements:
         if geometry := node.value.get("geometry"):
             self.geometry = shapes.geometry(geometry, "defaults.geometry")
         if density := node.value.get("density"):
-            self.density = shapes.positive(density, "defaults.density", Dimension.NUMBER)
+            self.density = shapes.positive(density, "defaults.density", Dimension.DENSITY)
 
     def say_what_is_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
         """Takes `visuals` and `collisions`: all or none."""
@@ -279,20 +322,64 @@ class Statements:
             return
         shapes = ShapeReader(self.units(), add)
         if mass := node.value.get("mass"):
-            self.base_mass = shapes.positive(mass, "base.mass", Dimension.MASS)
+            self._say_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
         if geometry := node.value.get("geometry"):
             self.base_geometry = shapes.geometry(geometry, "base.geometry")
         self.base_meshes = MeshReader(self.units(), add).read(node.value, "base.")
 
+    def _say_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
+        if self.base_mass is not None and mass is not None and self.base_mass != mass:
+            self._said_twice("base.mass", node, add)
+        self.base_mass = mass
+
+    def say_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
+        """Takes `payload`: what the arm carries at tool0."""
+        payload = PayloadReader(self.units(), add).read(node)
+        if self.payload is not None and payload is not None and self.payload != payload:
+            self._said_twice("payload", node, add)
+        if payload is not None:
+            self.payload, self.placed["payload"] = payload, node.mark
+
+    @staticmethod
+    def _said_twice(what: str, node: Node, add: Callable[[Problem], None]) -> None:
+        message = f"{what} is said twice, and not alike: in the table and in {OPTIONS}"
+        add(Problem(message=message, mark=node.mark, field=what, found=node.text, accepted=f"one {what}"))
+
     def say_option_transforms(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
-        """Takes base and tool of the options."""
-        for what, value in (("base", options.base), ("tool", options.tool)):
-            if value is not None:
-                text = value if isinstance(value, str) else json.dumps(value)
-                try:
-                    node = load_yaml(text if text.strip() else "~", OPTIONS, TableError)
-                except TableError as error:
-                    for problem in error.problems:
-                        add(replace(problem, field=what))
-                    continue
-                self.say_transform(node, what, add)
+        """Takes base, tool and payload of the options."""
+        for what, value in (("base", options.base), ("tool", options.tool), ("payload", options.payload)):
+            if value is not None and (node := _option_node(what, value, add)):
+                if what == "payload":
+                    self.say_payload(node, add)
+                else:
+                    self.say_transform(node, what, add)
+
+
+_MEANT_KEYS = {
+    **dict.fromkeys(("torque", "force", "friction"), "did you mean 'effort'?"),
+    **dict.fromkeys(("speed", "rate"), "did you mean 'velocity'?"),
+    **dict.fromkeys(("lengths", "distance"), "did you mean 'length'?"),
+    **dict.fromkeys(("angles", "rotation"), "did you mean 'angle'?"),
+    **dict.fromkeys(("masses", "weight"), "did you mean 'mass'?"),
+}
+"""What people call the keys of `units`, which one of their letters does not show."""
+
+
+def _words_of_units(node: Node) -> list[Cell]:
+    """The units that a text or a list names: at its commas, or at its spaces where that makes units of all."""
+    if isinstance(node.value, list):
+        return [word for item in node.value for word in _words_of_units(item)]
+    parts = [part.strip() for part in re.split("[,;]", node.text or "") if part.strip()] if node.value else []
+    words = [word for part in parts for word in ([part] if is_unit(part) else part.split())]
+    return [Cell(word, node.mark) for word in words]
+
+
+def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callable[[Problem], None]) -> Node | None:
+    """The value of an option as YAML; None where it is none."""
+    text = value if isinstance(value, str) else json.dumps(value)
+    try:
+        return load_yaml(text if text.strip() else "~", OPTIONS, TableError)
+    except TableError as error:
+        for problem in error.problems:
+            add(replace(problem, field=what))
+        return None

@@ -2,81 +2,107 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate, is_unit
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import is_unit
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.readers.cells import SPACES, Cell
-from dh2urdf_plugins.readers.csv_comments import SPREADSHEET_ERROR
-from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED, joint_type
+from dh2urdf_plugins.readers.cell_groups import ACCEPTED, split_cell
+from dh2urdf_plugins.readers.cells import SPACES, Cell, text_of
+from dh2urdf_plugins.readers.comment_lines import SPREADSHEET_ERROR
+from dh2urdf_plugins.readers.decimal_signs import DecimalSigns, turns
+from dh2urdf_plugins.readers.fields import FIELDS, GROUPS, REQUIRED, joint_type
+from dh2urdf_plugins.readers.joint_rows import LABEL
+from dh2urdf_plugins.readers.row_names import kind_of
+from dh2urdf_plugins.readers.unknown_columns import is_zero, left_out, refused, with_unit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf_plugins.readers.cells import Units, Value
     from dh2urdf_plugins.readers.headers import Columns
     from dh2urdf_plugins.readers.rows import RowReader
 
-_GROUPED = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")
-_WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+")
-_WITH_POINT = re.compile(r"[+-]?[0-9]*\.[0-9]+")
-_LONGEST_INDEX = 9
+_DECIMAL_COMMA = late_pattern(r"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*[^\W\d_]{0,3}°?")
 
 
 class TableCells:
     """Tells the cells of rows apart, and notes what is wrong with them as cells."""
 
-    def __init__(self, columns: Columns) -> None:
-        """Takes the columns of the table."""
+    def __init__(self, columns: Columns, units: Units) -> None:
+        """Takes the columns of the table, and its units."""
         self.columns = columns
         self.has_type = "type" in columns.fields
-        self._comma: Cell | None = None
-        self._point: Cell | None = None
-        self._grouped: tuple[Cell, int] | None = None
-
-    @property
-    def has_decimal_commas(self) -> bool:
-        """Whether a number with a decimal comma has been seen."""
-        return self._comma is not None
+        self.left_out = set[int]()
+        self.refused: dict[int, Problem] = {}  # of the manipulator: the first cell of each column that is refused
+        self.signs = DecimalSigns(turns(columns.fields, units))
 
     def read(
-        self, texts: Sequence[str], marks: Sequence[Mark], mark: Mark, number: int, reader: RowReader
+        self, row: Sequence[Value], marks: Sequence[Mark], mark: Mark, number: int, reader: RowReader
     ) -> dict[str, Cell] | None:
         """The cells of a row by field, or None where they cannot be told apart.
 
         Args:
-            texts: the cells as they stand in the file.
+            row: the cells as they stand in the file.
             marks: the place of each.
             mark: the place of the row.
             number: the number of the row within its manipulator.
             reader: what takes the problems.
         """
-        columns, joint = self.columns, f"joint_{number}"
+        columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
         if number == 1 and self._are_units(texts):
             reader.add(self._row_of_units(texts, mark))
             return None
         if [text.strip(SPACES) for text in texts[: len(columns.headers)]] == columns.headers:
             reader.add(self._header_again(mark, number))
             return None
-        cells = {}
+        cells = self._label(texts, marks)
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
-            if name is None and index not in columns.unheld:
-                self._look_for_types(text, index, mark, number, reader)
+            if index in columns.ignored:
                 continue
-            cell = Cell(text.strip(SPACES), marks[index])
+            cell = Cell(text.strip(SPACES), marks[index], index in columns.of_theta)
+            if name is None and index not in columns.unheld:
+                self._left_out(cell, index, number, mark, reader)
+                continue
             if "\n" in cell.text:
                 reader.add(_several_lines(cell, name, joint))
                 return None
             if name is None:
-                self._unheld(cell, index, joint, reader)
+                self._refuse(index, refused(cell, columns.headers[index], columns.unheld[index], joint, number=number))
                 continue
             if name in ("joint", "link") and SPREADSHEET_ERROR.match(cell.text):
                 reader.add(_spreadsheet_error(cell, name, joint))
-            cells[name] = cell
-            if columns.decimal_comma and FIELDS[name].dimension is not None:
-                self._look_for_commas(cell, number)
+            found = self._split(cell, name, number, reader) if name in GROUPS else {name: cell}
+            for part, of_part in found.items():
+                is_text = FIELDS[part].dimension is not None and isinstance(row[index], str)
+                cells[part] = self._number(of_part, part, number) if is_text else of_part
         return cells
+
+    def _number(self, cell: Cell, name: str, number: int) -> Cell:
+        """A number as text, whose decimal sign is remembered where it may be a comma.
+
+        Between commas a number with a decimal comma stands in quotes: so a German spreadsheet writes it.
+        """
+        if self.columns.decimal_comma:
+            self.signs.note(cell, name, number)
+        elif self.columns.quoted_commas and "," in cell.text and _DECIMAL_COMMA.fullmatch(cell.text):
+            self.signs.note(cell, name, number)
+            return cell._replace(text=cell.text.replace(",", "."))
+        return cell
+
+    def _refuse(self, index: int, problem: Problem | None) -> None:
+        """Keeps what is wrong with a column that names no field: its first cell that is not 0, or its first one."""
+        first = self.refused.get(index)
+        if problem and (first is None or (is_zero(first.found or "") and not is_zero(problem.found or ""))):
+            self.refused[index] = problem
+
+    def _label(self, texts: Sequence[str], marks: Sequence[Mark]) -> dict[str, Cell]:
+        """What a column that no field knows calls the row, where no joint is called so."""
+        for name, text, mark in zip(self.columns.fields, texts, marks, strict=False):
+            if name is None and kind_of(text.strip(SPACES)):
+                return {LABEL: Cell(text.strip(SPACES), mark)}
+        return {}
 
     def _are_units(self, texts: Sequence[str]) -> bool:
         """Whether what stands in the columns of geometry are units, and nothing else."""
@@ -100,9 +126,9 @@ class TableCells:
         )
 
     def _header_again(self, mark: Mark, number: int) -> Problem:
-        line = self.columns.mark.line
+        place = self.columns.mark.in_file
         return Problem(
-            message=f"row {number} is the header{f' of line {line}' if line else ''} again",
+            message=f"row {number} is the header{f' of {place}' if place else ''} again",
             mark=mark,
             joint=f"joint_{number}",
             accepted="one header; tables of several manipulators have a column robot",
@@ -129,66 +155,44 @@ class TableCells:
             )
         )
 
-    def _unheld(self, cell: Cell, index: int, joint: str, reader: RowReader) -> None:
-        """Refuses geometry that no field holds, where there is any."""
-        if _is_zero(cell.text):
-            return
-        header = self.columns.headers[index]
+    def _left_out(self, cell: Cell, index: int, number: int, mark: Mark, reader: RowReader) -> None:
+        """Notes that a column that names no field holds something, and refuses quantities in it."""
+        self._look_for_types(cell.text, index, mark, number, reader)
+        if cell.text and index in self.columns.silent:
+            self.left_out.add(index)
+        self._refuse(index, with_unit(cell, self.columns.headers[index], f"joint_{number}"))
+
+    def problems(self) -> list[Problem]:
+        """What is wrong with a manipulator's columns, once for each, and its numbers; forgets the manipulator.
+
+        The notice of columns that are left out comes with the first manipulator that has something in them.
+        """
+        found, columns = sorted(self.left_out), self.columns
+        problems = [*self.refused.values(), *filter(None, [self.signs.problem()])]
+        columns.silent.difference_update(found)
+        self.left_out.clear()
+        self.refused.clear()
+        if found:
+            problems.append(left_out([(index, columns.headers[index]) for index in found], columns.marks[found[0]]))
+        return problems
+
+    def _split(self, cell: Cell, name: str, number: int, reader: RowReader) -> dict[str, Cell]:
+        """The cells of the fields that share a cell."""
+        parts = split_cell(FIELDS[name], cell.text, decimal_comma=self.columns.decimal_comma)
+        if isinstance(parts, dict):
+            return {part: cell._replace(text=text) for part, text in parts.items()}
         reader.add(
             Problem(
-                message=f"{shown(header)} is {self.columns.unheld[index]}, which no column holds, and it is "
-                f"{shown(cell.text)}",
+                message=parts.message,
                 mark=cell.mark,
-                joint=joint,
-                field=header,
+                joint=f"joint_{number}",
+                field=name,
                 found=cell.text,
-                accepted="0 in this column, or a table of a, alpha, d and theta (or offset) without it",
+                accepted=ACCEPTED[name],
+                suggestion=parts.suggestion,
             )
         )
-
-    def _look_for_commas(self, cell: Cell, number: int) -> None:
-        """Remembers the first of each form in which a number may have a decimal sign, or a sign between thousands."""
-        text = cell.text
-        if self._comma is None and _WITH_COMMA.fullmatch(text):
-            self._comma = cell
-        if self._point is None and _WITH_POINT.fullmatch(text):
-            self._point = cell
-        if self._grouped is None and _GROUPED.fullmatch(text):
-            self._grouped = (cell, number)
-
-    def ambiguous_number(self) -> Problem | None:
-        """What is wrong with a manipulator's numbers where one may have a sign between thousands; forgets them."""
-        grouped, self._grouped = self._grouped, None
-        if grouped is None:
-            return None
-        cell, number = grouped
-        word, other, decimal = ("point", self._comma, "comma") if "." in cell.text else ("comma", self._point, "point")
-        if other is None:
-            return None
-        return Problem(
-            message=f"{shown(cell.text)} can be read in two ways, since {shown(other.text)} in line "
-            f"{other.mark.line} has a decimal {decimal}: the {word} may separate thousands",
-            mark=cell.mark,
-            joint=f"joint_{number}",
-            found=cell.text,
-            accepted="decimal commas alone, or decimal points alone, without separators of thousands",
-        )
-
-
-def check_index(index: Cell, number: int, reader: RowReader) -> None:
-    """Refuses the index of a row that is not the row's number."""
-    if index.text.isdecimal() and len(index.text) <= _LONGEST_INDEX and int(index.text) == number:
-        return
-    reader.add(
-        Problem(
-            message=f"the index is {shown(index.text)}, and this is row {number}",
-            mark=index.mark,
-            joint=f"joint_{number}",
-            field="index",
-            found=index.text,
-            accepted="1, 2, 3 … in the order of the rows, from the base outwards",
-        )
-    )
+        return {}
 
 
 def _spreadsheet_error(cell: Cell, name: str, joint: str) -> Problem:
@@ -213,10 +217,3 @@ def _several_lines(cell: Cell, name: str | None, joint: str) -> Problem:
         accepted="a cell on one line",
         suggestion="is its closing quote missing?",
     )
-
-
-def _is_zero(text: str) -> bool:
-    try:
-        return not text or evaluate(text.replace(",", "."), Dimension.NUMBER) == Quantity(0.0)
-    except QuantityError:
-        return False

@@ -1,19 +1,25 @@
-"""What a table says of all of its rows, as texts: name, convention, units, base, tool and defaults."""
+"""What a table says of all of its rows, as texts: name, convention, units, base, tool, payload and defaults."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from dh2urdf.table_text import yaml_word
-from dh2urdf_plugins.readers.fields import convention_of
+from dh2urdf_plugins.readers.fields import INERTIA_FIELDS, convention_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from dh2urdf.documents import Node
+    from dh2urdf.table_text import TableText
 
 _LENGTHS = ("m", "cm", "mm", "µm")
 _ANGLES = ("rad", "deg")
+_CHOSEN = ("length", "angle")
+"""Keys of `units` that a `TableText` has a choice of."""
+_WITHOUT_CHOICE = {"inertia": "kg·m²", "effort": "[Nm, N]", "damping": "[N·m·s/rad, N·s/m]"}
+_MEASURED = {"inertia": (*INERTIA_FIELDS, "armature"), "effort": ("effort", "friction"), "damping": ("damping",)}
+"""What a `TableText` has in SI units, whatever its lengths are in: units by key, and fields that have them."""
 
 
 def statements_of(statements: Mapping[str, Node], *, default_name: str) -> dict[str, str] | None:
@@ -28,13 +34,15 @@ def statements_of(statements: Mapping[str, Node], *, default_name: str) -> dict[
     if convention is not None:
         word = convention_of(convention.text or "")
         said["convention"] = str(word) if word else convention.text or ""
-    for key in ("base", "tool", "defaults"):
+    for key in ("base", "tool", "payload", "defaults", "visuals", "collisions"):
         if key in statements:
             said[key] = flow_text(statements[key])
     if (units := statements.get("units")) is not None:
-        nodes = units.value.values() if isinstance(units.value, dict) else ()
-        words = [node.text or "" for node in nodes] or (units.text or "").replace(",", " ").split()
-        found = units_of(words)
+        entries = units.value if isinstance(units.value, dict) else {}
+        if any(flow_text(node) != _WITHOUT_CHOICE.get(key) for key, node in entries.items() if key not in _CHOSEN):
+            return None
+        words = [entries[key].text or "" for key in _CHOSEN if key in entries] if entries else []
+        found = units_of(words or (units.text or "").replace(",", " ").split())
         if found is None:
             return None
         said |= found
@@ -49,6 +57,15 @@ def units_of(words: Iterable[str]) -> dict[str, str] | None:
         if key is None or found.setdefault(key, word) != word:
             return None
     return found
+
+
+def units_text(table: TableText) -> str:
+    """What a table says of its units, as a mapping of YAML: those of its choice, and what else it has numbers of."""
+    said = {"length": table.length_unit, "angle": table.angle_unit}
+    if (table.length_unit, table.angle_unit) != ("m", "rad"):
+        used = table.columns()
+        said |= {key: _WITHOUT_CHOICE[key] for key, fields in _MEASURED.items() if {*fields}.intersection(used)}
+    return f"{{{', '.join(f'{key}: {unit}' for key, unit in said.items())}}}"
 
 
 def flow_text(node: Node) -> str:

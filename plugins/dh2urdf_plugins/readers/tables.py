@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import DHRow, JointType, Manipulator
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.joint_rows import settle, total_problem
 from dh2urdf_plugins.readers.names import name_fault, name_problems
+from dh2urdf_plugins.readers.plausibility import arm_length, plausibility
 from dh2urdf_plugins.readers.rows import MAX_PROBLEMS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.provenance import Trace
     from dh2urdf_plugins.readers.cells import Cell
     from dh2urdf_plugins.readers.rows import RowReader
     from dh2urdf_plugins.readers.statements import Statements
 
 MAX_JOINTS = 5000
 """Joints of one manipulator [1]: a hundred times those of the longest arms that are built, and made in seconds."""
-LONGEST_ARM = 100.0
-"""Length of an arm that a careful person would look at twice [m]."""
 MEASURABLE_ARM = 1e9
 """Length of an arm beyond which a double cannot tell micrometres apart [m]."""
-HEAVIEST_LINK = 1e5
-"""Mass of a link that a careful person would look at twice [kg]."""
 
 
 def manipulator(
@@ -34,6 +32,8 @@ def manipulator(
     rows: Sequence[DHRow | None],
     reader: RowReader,
     mark: Mark,
+    *,
+    trace: Trace | None = None,
 ) -> Manipulator | Rejected:
     """The manipulator that statements and rows make, or everything that is wrong with it.
 
@@ -43,8 +43,11 @@ def manipulator(
         rows: the rows; None where there is an error in one.
         reader: what read the rows, with the problems so far.
         mark: the manipulator's place.
+        trace: takes what the cells say, where it is wanted.
     """
     add = reader.add
+    if trace is not None:
+        trace.rows, trace.table = tuple(reader.said or ()), statements.traced(name)
     if fault := name_fault(name.text):
         add(Problem(message=fault[0], mark=name.mark, field="name", found=name.text, accepted=fault[1]))
     if statements.convention is None and not any(problem.field == "convention" for problem in reader.problems):
@@ -66,14 +69,13 @@ def manipulator(
     if reader.names:
         for problem in name_problems(reader.names):
             add(problem)
-    if arm:
-        for problem in _extents(arm, statements):
-            add(problem)
+    _look_at_sizes(arm, statements, reader)
     problems = [problem.about(robot=name.text, mark=mark) for problem in sorted(reader.problems, key=_place)]
     if reader.errors:
-        return Rejected(
-            name=name.text, problems=tuple(problem for problem in problems if problem.severity == "error"), mark=mark
+        errors, notices = (
+            tuple(problem for problem in problems if problem.severity == severity) for severity in ("error", "notice")
         )
+        return Rejected(name=name.text, problems=errors, mark=mark, notices=notices)
     return statements.manipulator(name.text, tuple(arm), mark, tuple(problems))
 
 
@@ -94,18 +96,13 @@ def too_many_joints(count: int, mark: Mark) -> Problem:
     )
 
 
-def arm_length(rows: Sequence[DHRow]) -> float:
-    """The length of the stretched arm at q = 0 [m]."""
-    return sum(abs(row.a) + abs(row.d) for row in rows)
-
-
-def _extents(rows: Sequence[DHRow], statements: Statements) -> list[Problem]:
+def _look_at_sizes(rows: Sequence[DHRow], statements: Statements, reader: RowReader) -> None:
+    """Refuses an arm too long to be computed with, and notes what is hardly meant."""
     length = arm_length(rows)
-    problems = []
     if length > MEASURABLE_ARM:
         longest = max(rows, key=lambda row: max(abs(row.a), abs(row.d)))
         field = "a" if abs(longest.a) >= abs(longest.d) else "d"
-        problems.append(
+        reader.add(
             Problem(
                 message=f"{field} is {getattr(longest, field):g} m, and the arm is {length:.4g} m long: positions on "
                 "it cannot be computed to a micrometre",
@@ -115,45 +112,26 @@ def _extents(rows: Sequence[DHRow], statements: Statements) -> list[Problem]:
                 accepted=f"an arm of at most {MEASURABLE_ARM:g} m",
             )
         )
-    elif length > LONGEST_ARM:
-        problems.append(
-            Problem(
-                message=f"the arm is {length:.4g} m long",
-                severity="notice",
-                mark=rows[0].mark,
-                suggestion=None
-                if statements.length
-                else "if its lengths are in mm, declare it: `a [mm]`, `units: {length: mm}` or `--length-unit mm`",
-            )
-        )
-    for row in rows:
-        if row.com and math.hypot(*row.com) > max(length, 1.0):
-            message = (
-                f"the centre of mass is {math.hypot(*row.com):.4g} m from the joint's frame, and the whole arm is "
-                f"{length:.4g} m long"
-            )
-            problems.append(_notice(row, "com", message))
-        if row.mass and row.mass > HEAVIEST_LINK:
-            problems.append(_notice(row, "mass", f"the link weighs {row.mass:.4g} kg"))
-        if row.radius and row.radius > max(length, 1.0):
-            problems.append(_notice(row, "radius", f"the link is {row.radius:.4g} m thick"))
-        if (
-            row.type is JointType.PRISMATIC
-            and max(map(abs, (row.limits.lower or 0, row.limits.upper or 0))) > LONGEST_ARM
-        ):
-            problems.append(_notice(row, "lower", "the joint slides further than 100 m"))
-    return problems
+    for problem in plausibility(rows, statements, reader.units) if rows and not reader.errors else ():
+        reader.add(problem)
 
 
-def _notice(row: DHRow, field: str, message: str) -> Problem:
-    return Problem(
-        message=message,
-        severity="notice",
-        mark=row.mark,
-        joint=row.joint,
-        field=field,
-        suggestion="is it in another unit?",
-    )
+def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowReader) -> list[DHRow | None]:
+    """The rows of a manipulator; None for each in which there is an error.
+
+    Args:
+        rows: the cells of each row by field, and its place; None where they cannot be told apart.
+        reader: what reads them.
+    """
+    read: list[DHRow | None] = []
+    for number, (cells, mark) in enumerate(rows, start=settle(rows, reader)):
+        row = None if cells is None else reader.read(number, cells, mark)
+        if row and (problem := total_problem(row, read)):
+            reader.add(problem)
+        read.append(row)
+        if stopped(reader):
+            break
+    return read
 
 
 def stopped(reader: RowReader) -> bool:

@@ -47,8 +47,11 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
 
 def _encoding(sample: bytes, path: Path) -> str:
     for magic, what in _OTHER_FILES:
+        advice = "save the sheet as CSV (UTF-8)"
+        if magic.startswith(b"PK"):
+            advice = f"name it .xlsx if it is a workbook, or {advice}"
         if sample.startswith(magic):
-            _refuse(f"this is {what}, not a text file", path, suggestion="save the sheet as CSV (UTF-8)")
+            _refuse(f"this is {what}, not a text file", path, suggestion=advice)
     if sample.startswith(codecs.BOM_UTF8):
         return "utf-8-sig"
     if sample.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):

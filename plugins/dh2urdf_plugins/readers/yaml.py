@@ -8,17 +8,22 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import stream_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.readers import yaml_texts
+from dh2urdf_plugins.readers.cell_groups import ACCEPTED, TENSOR, GroupError, are_equal, split_cell
 from dh2urdf_plugins.readers.cells import Cell
-from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, INERTIA_FIELDS, UNHELD_GEOMETRY, read_header
+from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, GROUPS, INERTIA_FIELDS
+from dh2urdf_plugins.readers.header_words import bounds_theta, parts_of, read_header
 from dh2urdf_plugins.readers.meshes import MESH_KEYS, Meshes, MeshReader
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, stopped
+from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, read_rows
+from dh2urdf_plugins.readers.unheld import UNHELD
+from dh2urdf_plugins.readers.unknown_columns import ignored, meant_key, refusal, refused
+from dh2urdf_plugins.readers.yaml_forms import no_mapping, no_robots
 from dh2urdf_plugins.readers.yaml_schema import table_schema
 
 if TYPE_CHECKING:
@@ -27,31 +32,36 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Item, Node
     from dh2urdf.manipulator import DHRow
+    from dh2urdf.provenance import Trace
     from dh2urdf.source import Mark
 
-KEYS = ("name", "convention", "units", "base", "tool", "defaults", "visuals", "collisions", "joints")
+KEYS = ("name", "convention", "units", "base", "tool", "payload", "defaults", "visuals", "collisions", "joints")
 """Keys of a manipulator."""
 
 _LIMITS = ("lower", "upper", "velocity", "effort")
 _NOT_IN_A_JOINT = ("robot", "convention", "index")
 _JOINT_KEYS = (
     "name",
-    *(name for name in FIELDS if name not in (*_NOT_IN_A_JOINT, *_LIMITS, *COM_FIELDS, *INERTIA_FIELDS, "joint")),
-    "limits",
-    "com",
-    "inertia",
+    *(
+        name
+        for name in FIELDS
+        if name not in (*_NOT_IN_A_JOINT, *_LIMITS, *COM_FIELDS, *INERTIA_FIELDS, *GROUPS, "joint")
+    ),
+    *GROUPS,
     *MESH_KEYS,
 )
 _NAMES = ("joint", "link")
-_TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
+_KEYS = {"limits": _LIMITS, "com": COM_FIELDS, "inertia": INERTIA_FIELDS}
+"""Keys of the mappings of several fields."""
 
 
-def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
+def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a YAML or JSON file.
 
     Args:
         path: the file.
         options: what the table does not say itself.
+        trace: takes what the cells of each manipulator say, where it is wanted.
 
     Yields:
         Each manipulator, or what is wrong with it.
@@ -66,28 +76,21 @@ def read(path: Path, options: TableOptions) -> Iterator[Manipulator | Rejected]:
     for item in stream_yaml(text, file, TableError, items_of="robots", longest_list=MAX_JOINTS):
         if previous is not None:
             count += 1
-            yield _Table(previous, f"{path.stem}_{count}", options).manipulator()
+            yield _Table(previous, f"{path.stem}_{count}", options).manipulator(trace)
         previous = item
     if previous is None:
         return
     root = previous.node
     if not isinstance(root.value, dict):
-        raise TableError([*previous.problems, _no_mapping(root)])
+        raise TableError([*previous.problems, no_mapping(root, KEYS)])
     if "robots" not in root.value:
-        yield _Table(previous, path.stem, options).manipulator()
+        yield _Table(previous, path.stem, options).manipulator(trace)
         return
     problems = list(previous.problems)
     refuse_unknown_keys(root, ("robots",), "a file with several manipulators", problems.append)
     robots = root.value["robots"]
     if not count and not problems:
-        problems.append(
-            Problem(
-                message=f"robots is {'an empty list' if isinstance(robots.value, list) else robots.describe()}",
-                mark=robots.mark,
-                field="robots",
-                accepted="a list of manipulators, each with name, convention and joints",
-            )
-        )
+        problems.append(no_robots(robots))
     if problems:
         raise TableError(problems)
 
@@ -96,22 +99,13 @@ READER: Reader[TableOptions] = Reader(
     name="yaml",
     summary="tables as YAML or JSON, one manipulator or a list of them",
     read=read,
+    trace=read,
     options=TableOptions,
     suffixes=(".yaml", ".yml", ".json"),
     schema=table_schema,
     write=yaml_texts.write,
     texts=yaml_texts.texts,
 )
-
-
-def _no_mapping(root: Node) -> Problem:
-    commas = isinstance(root.value, str) and "," in root.value
-    return Problem(
-        message=f"a table is a mapping with the key joints, and this is {root.describe()}",
-        mark=root.mark,
-        accepted=f"the keys {', '.join(KEYS)}, or robots with a list of such mappings",
-        suggestion="this looks like CSV: give the file the suffix .csv" if commas else None,
-    )
 
 
 class _Table:
@@ -123,20 +117,24 @@ class _Table:
         self.statements = Statements()
         self.entries = item.node.value if isinstance(item.node.value, dict) else {}
         self.problems: list[Problem] = list(item.problems)
+        self.ignored: dict[str, Mark] = {}
+        self.unknown: set[str] = set()  # keys that were refused: of the joints that have one, the first is enough
         self.name = self._word("name") or Cell(default_name, item.node.mark)
 
-    def manipulator(self) -> Manipulator | Rejected:
+    def manipulator(self, trace: Trace | None = None) -> Manipulator | Rejected:
         """The manipulator, or everything that is wrong with it."""
         if not isinstance(self.node.value, dict):
-            problem = _no_mapping(self.node)
+            problem = no_mapping(self.node, KEYS)
             return Rejected(name=self.name.text, problems=(*self.problems, problem), mark=self.node.mark)
         refuse_unknown_keys(self.node, KEYS, "a manipulator", self.problems.append)
         self._state()
-        reader = RowReader(self.statements.units(), type_is_given=False)
+        reader = RowReader(self.statements.units(), type_is_given=False, traced=trace is not None)
         rows = self._rows(reader)
+        if self.ignored:
+            self.problems.append(ignored(self.ignored, next(iter(self.ignored.values())), "key"))
         for problem in self.problems:
             reader.add(problem)
-        return manipulator(self.name, self.statements, rows, reader, self.node.mark)
+        return manipulator(self.name, self.statements, rows, reader, self.node.mark, trace=trace)
 
     def _word(self, field: str) -> Cell | None:
         """A text as it stands in the file; numbers and truth values too, since names keep their source text."""
@@ -173,6 +171,8 @@ class _Table:
         for what in ("base", "tool"):
             if node := entries.get(what):
                 statements.say_transform(node, what, add)
+        if payload := entries.get("payload"):
+            statements.say_payload(payload, add)
         statements.say_option_transforms(self.options, add)
         statements.say_what_is_drawn(entries, add)
         if defaults := entries.get("defaults"):
@@ -205,7 +205,7 @@ class _Table:
         if defaults is not None and isinstance(defaults.value, dict):
             for key in self._joint_keys(defaults):
                 self._take(common, defaults, key, defaults.value[key], "defaults")
-        rows: list[DHRow | None] = []
+        found: list[tuple[dict[str, Cell] | None, Mark]] = []
         for number, node in enumerate(joints.value, start=1):
             if not isinstance(node.value, dict):
                 self._error(
@@ -216,14 +216,14 @@ class _Table:
                     accepted="a mapping such as {name: shoulder, type: revolute, a: 0, alpha: pi/2, d: 0.1, theta: 0}",
                     suggestion="remove the dash if there is no such joint" if node.value is None else None,
                 )
-                rows.append(None)
+                found.append((None, node.mark))
                 continue
-            cells = self._cells(node, common, f"joint_{number}")
-            row = reader.read(number, cells, node.mark)
-            meshes = self._meshes(node.value, cells["joint"].text if "joint" in cells else f"joint_{number}")
+            found.append((self._cells(node, common, f"joint_{number}"), node.mark))
+        rows: list[DHRow | None] = []
+        for row, node in zip(read_rows(found, reader), joints.value, strict=False):
+            entries = node.value if isinstance(node.value, dict) else {}
+            meshes = self._meshes(entries, row.joint if row else f"joint_{len(rows) + 1}")
             rows.append(row and replace(row, visual=meshes.visual, collision=meshes.collision))
-            if stopped(reader):
-                break
         return rows
 
     def _cells(self, node: Node, common: dict[str, Cell], default_name: str) -> dict[str, Cell]:
@@ -252,40 +252,40 @@ class _Table:
         field = _joint_field(key)
         if field is None:
             self._unknown(mapping, key, node, what)
-        elif field == "limits":
-            self._take_mapping(cells, node, "limits", _LIMITS)
-        elif field == "com":
-            self._take_list(cells, node)
-        elif field == "inertia":
-            if isinstance(node.value, list):
-                self._take_tensor(cells, node)
-            else:
-                self._take_mapping(cells, node, "inertia", INERTIA_FIELDS)
+        elif field in GROUPS:
+            self._take_group(cells, node, field)
         else:
             if field in ("a", "alpha") and read_header(key).link == "i-1":
                 self._is_modified(mapping, key)
             self._put(cells, field, node)
+        if field and bounds_theta(read_header(key)):
+            named = [part for part in parts_of(FIELDS[field]) if part in cells]
+            cells |= {part: cells[part]._replace(of_theta=True) for part in named}
 
     def _is_modified(self, mapping: Node, key: str) -> None:
         cell = Cell(key, mapping.key_mark(key))
         self.statements.say_which(Convention.MODIFIED, cell, self.problems.append)
 
-    def _put(self, cells: dict[str, Cell], field: str, node: Node) -> None:
+    def _put_cell(self, cells: dict[str, Cell], field: str, cell: Cell) -> None:
         twin = {"flip": "sign", "sign": "flip"}.get(field, field)
         if field in cells or twin in cells:
             other = cells.get(field) or cells[twin]
             message = f"{field} is said a second time; the first is in line {other.mark.line}"
-            self._error(node.mark, field, message, found=node.text, accepted="each field once")
+            self._error(cell.mark, field, message, found=cell.text, accepted="each field once")
+        cells[field] = cell
+
+    def _put(self, cells: dict[str, Cell], field: str, node: Node) -> None:
         if node.text is None:
             accepted = "a text" if FIELDS[field].dimension is None else "a number or an expression"
             self._error(node.mark, field, f"{field} is {node.describe()}", accepted=accepted)
-            cells[field] = Cell("0", node.mark)
+            text = "0"
         elif isinstance(node.value, bool) and FIELDS[field].dimension is not None:
             message = f"{field} is {node.describe()}, not a number"
             self._error(node.mark, field, message, found=node.text, accepted="a number or an expression")
-            cells[field] = Cell("0", node.mark)
+            text = "0"
         else:
-            cells[field] = Cell("" if node.value is None else node.text, node.mark)
+            text = "" if node.value is None else node.text
+        self._put_cell(cells, field, Cell(text, node.mark))
 
     def _take_mapping(self, cells: dict[str, Cell], node: Node, what: str, fields: Sequence[str]) -> None:
         if node.value is None:
@@ -299,29 +299,48 @@ class _Table:
             if name in node.value:
                 self._put(cells, name, node.value[name])
 
-    def _take_list(self, cells: dict[str, Cell], node: Node) -> None:
+    def _take_group(self, cells: dict[str, Cell], node: Node, field: str) -> None:
+        """Takes several fields at once: as a mapping, a list, or a text as in a cell of CSV."""
         if node.value is None:
             return
-        if not isinstance(node.value, list) or len(node.value) != len(COM_FIELDS):
-            found = f"a list of {len(node.value)}" if isinstance(node.value, list) else node.describe()
-            self._error(node.mark, "com", f"com is {found}", found=node.text, accepted="a list of three: [x, y, z]")
+        if isinstance(node.value, dict):
+            self._take_mapping(cells, node, field, _KEYS[field])
             return
-        for name, item in zip(COM_FIELDS, node.value, strict=True):
-            self._put(cells, name, item)
+        if isinstance(node.value, list):
+            self._take_list(cells, node, field)
+            return
+        parts = split_cell(GROUPS[field], node.text or "")
+        if isinstance(parts, GroupError):
+            self._group_error(node, field, parts)
+        else:
+            for name, text in parts.items():
+                self._put_cell(cells, name, Cell(text, node.mark))
 
-    def _take_tensor(self, cells: dict[str, Cell], node: Node) -> None:
-        """A symmetric matrix of three rows."""
-        rows = [row.value for row in node.value] if isinstance(node.value, list) else []
-        size = len(_TENSOR)
-        if len(rows) != size or any(not isinstance(row, list) or len(row) != size for row in rows):
-            accepted = "{ixx: …, iyy: …, izz: …, ixy: …, ixz: …, iyz: …}, or three rows of three"
-            self._error(
-                node.mark, "inertia", "inertia is a list, and not one of three rows of three", accepted=accepted
-            )
+    def _take_list(self, cells: dict[str, Cell], node: Node, field: str) -> None:
+        """Two bounds, three coordinates, or a symmetric matrix of three rows."""
+        names = GROUPS[field].parts
+        items = node.value if isinstance(node.value, list) else []
+        if field == "inertia":
+            self._take_tensor(cells, node, items)
+        elif len(items) == len(names):
+            for name, item in zip(names, items, strict=True):
+                self._put(cells, name, item)
+        else:
+            message = f"{field} is a list of {len(items)}, not of {len(names)}"
+            self._error(node.mark, field, message, found=node.text, accepted=ACCEPTED[field])
+
+    def _take_tensor(self, cells: dict[str, Cell], node: Node, items: Sequence[Node]) -> None:
+        rows = [row.value if isinstance(row.value, list) else [] for row in items]
+        size = len(COM_FIELDS)
+        if [len(row) for row in rows] != [size] * size:
+            texts = ", ".join(item.text or item.describe() for item in items)
+            flat = split_cell(GROUPS["inertia"], texts) if all(item.text for item in items) else None
+            said = flat if isinstance(flat, GroupError) else GroupError("inertia is no list of three rows of three")
+            self._group_error(node, "inertia", said)
             return
-        for names, row in zip(_TENSOR, rows, strict=True):
-            for name, item in zip(names, row if isinstance(row, list) else (), strict=True):
-                if name in cells and cells[name].text != item.text:
+        for names, row in zip(TENSOR, rows, strict=True):
+            for name, item in zip(names, row, strict=True):
+                if name in cells and not are_equal(cells[name].text, item.text or ""):
                     message = f"the inertia tensor is not symmetric: {name} is {shown(cells[name].text)} and here "
                     self._error(
                         item.mark,
@@ -333,28 +352,36 @@ class _Table:
                 elif name not in cells:
                     self._put(cells, name, item)
 
+    def _group_error(self, node: Node, field: str, why: GroupError) -> None:
+        self._error(node.mark, field, why.message, found=node.text, accepted=ACCEPTED[field], suggestion=why.suggestion)
+
     def _unknown(self, mapping: Node, key: str, node: Node, what: str) -> None:
-        reason = UNHELD_GEOMETRY.get(read_header(key).key)
-        if reason and node.text is not None and node.text.strip("+-0.") == "":
-            return
         header = read_header(key)
-        near = did_you_mean(key, _JOINT_KEYS)
-        if header.field and header.unit:
-            near = f"write the key {header.field.name}, and the unit in the value or in `units`"
+        if header.ignored:
+            self.ignored.setdefault(key, mapping.key_mark(key))
+            return
+        if key in self.unknown:
+            return
+        why = refusal(key, header, "key")
+        if why and header.key in UNHELD:
+            cell = Cell("" if node.value is None else node.text or node.describe(), mapping.key_mark(key))
+            if problem := refused(cell, key, why, None, what="key"):
+                self.problems.append(problem)
+                self.unknown.add(key)
+            return
+        self.unknown.add(key)
         self._error(
             mapping.key_mark(key),
             key,
-            f"{shown(key)} is {reason}, which no key holds" if reason else f"{shown(key)} is no key of {what}",
+            f"{shown(key)} is no key of {what}",
             found=key,
             accepted=", ".join(_JOINT_KEYS),
-            suggestion=None if reason else near,
+            suggestion=meant_key(key, header, why and why.field, _JOINT_KEYS),
         )
 
 
 def _joint_field(key: str) -> str | None:
     """The field, or the group of fields, that a key of a joint means."""
-    if key in ("limits", "com", "inertia"):
-        return key
     header = read_header(key)
     if header.field is None or header.unit or header.field.name in _NOT_IN_A_JOINT:
         return None

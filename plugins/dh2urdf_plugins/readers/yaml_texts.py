@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
-from dh2urdf.table_text import TableText, WrittenTable, yaml_word
+from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
 from dh2urdf.textfiles import read_bytes
-from dh2urdf_plugins.readers.fields import COM_FIELDS, INERTIA_FIELDS, read_header
-from dh2urdf_plugins.readers.table_words import statements_of
+from dh2urdf_plugins.readers.fields import COM_FIELDS, INERTIA_FIELDS
+from dh2urdf_plugins.readers.header_words import read_header
+from dh2urdf_plugins.readers.table_words import statements_of, units_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -26,11 +27,11 @@ def write(table: TableText) -> WrittenTable:
     """A YAML file with a line for each joint."""
     lines = [f"name: {yaml_word(table.name)}"] if table.name.strip() else []
     lines += [f"convention: {yaml_word(table.convention)}"] if table.convention else []
-    lines.append(f"units: {{length: {table.length_unit}, angle: {table.angle_unit}}}")
+    lines.append(f"units: {units_text(table)}")
     lines += [
         f"{key}: {text}"
-        for key, text in (("base", table.base), ("tool", table.tool), ("defaults", table.defaults))
-        if text.strip()
+        for key in ("base", "tool", "payload", "defaults", "visuals", "collisions")
+        if (text := getattr(table, key)).strip()
     ]
     lines.append("joints:" if table.rows else "joints: []")
     lines += [f"  - {{{', '.join(_entries(row))}}}" for row in table.rows]
@@ -41,7 +42,7 @@ def _entries(row: Mapping[str, str]) -> Iterator[str]:
     """The entries of a joint: names first, then fields, then groups of fields."""
     for field, text in row.items():
         if field not in _GROUPED:
-            yield f"{'name' if field == 'joint' else field}: {yaml_word(text)}"
+            yield f"{'name' if field == 'joint' else field}: {text if field in MESHES else yaml_word(text)}"
     for group, fields in _GROUPS.items():
         if inner := [f"{field}: {yaml_word(row[field])}" for field in fields if field in row]:
             yield f"{group}: {{{', '.join(inner)}}}"

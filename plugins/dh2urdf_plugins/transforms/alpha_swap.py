@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.errors import TransformError
 from dh2urdf.stages import Transform
-from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems
+from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems, with_inertia_floor
 from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
 from dh2urdf_plugins.transforms.paper import paper
@@ -55,6 +55,13 @@ class AlphaSwapOptions:
     density: float = field(
         default=2700.0, metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium"}
     )
+    inertia_floor: float | None = field(
+        default=None,
+        metadata={
+            "help": "what principal moments of inertia of 0 are raised to [kg·m²], as makers print them for small "
+            "links; such a tensor is refused by default"
+        },
+    )
     base_collision: bool = field(
         default=False,
         metadata={"help": "give the base a collision shape; it may touch the first links in simulators"},
@@ -85,9 +92,10 @@ class AlphaSwapOptions:
         """Refuses sizes that no body has.
 
         Raises:
-            ValueError: radius or density is not greater than 0, or another number is negative.
+            ValueError: radius, density or floor is not greater than 0, or another number is negative.
         """
-        for name, value in (("radius", self.radius), ("density", self.density)):
+        sizes = {"radius": self.radius, "density": self.density, "inertia_floor": self.inertia_floor}
+        for name, value in sizes.items():
             if value is not None and not 0.0 < value < float("inf"):
                 raise ValueError(f"{name} must be greater than 0 and finite, not {value}")
         for name in ("damping", "friction", "armature", "snap"):
@@ -102,6 +110,7 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     Raises:
         TransformError: no arm can be made of the table; all its problems are named.
     """
+    manipulator, raised = with_inertia_floor(manipulator, options.inertia_floor)
     problems = table_problems(manipulator)
     if options.variant == "paper":
         problems += [*paper_problems(manipulator, options.snap), *unplaced_meshes(manipulator)]
@@ -113,7 +122,7 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         robot = paper(manipulator, options)
     else:
         robot = exact(manipulator, options)
-        problems += angle_notices(manipulator)
+        problems += [*raised, *angle_notices(manipulator)]
     return replace(robot, notices=tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems))
 
 

@@ -11,11 +11,13 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
+from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import greater_of, mapped
-from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
+from dh2urdf.manipulator import DHRow, JointType, Limits
 from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
-from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Visual
+from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual
 from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
+from dh2urdf_plugins.transforms.checks import PAYLOAD
 from dh2urdf_plugins.transforms.meshes import is_weighed, mesh_solid
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ LEAST_EFFORT = 10.0
 DYNAMICS = ("damping", "friction", "armature")
 """What a joint resists its motion with."""
 
-WEIGHTLESS = Inertial(mass=0.0, inertia=Inertia(ixx=0.0, iyy=0.0, izz=0.0))
+WEIGHTLESS = own.inertial(mass=0.0, inertia=own.inertia(ixx=0.0, iyy=0.0, izz=0.0))
 """What a frame weighs; said explicitly, because PyBullet takes silence for 1 kg."""
 
 
@@ -90,13 +92,13 @@ def complete_limits(row: DHRow) -> Limits:
     ±2π rad or ±1 m; π rad/s or 1 m/s. A continuous joint has no lower and upper, a fixed one nothing.
     """
     if row.type is JointType.FIXED:
-        return Limits()
+        return own.limits()
     bound, speed = (1.0, 1.0) if row.type is JointType.PRISMATIC else (math.tau, math.pi)
     given = row.limits
     velocity = speed if given.velocity is None else given.velocity
     if row.type is JointType.CONTINUOUS:
-        return Limits(velocity=velocity, effort=given.effort)
-    return Limits(
+        return own.limits(velocity=velocity, effort=given.effort)
+    return own.limits(
         lower=-bound if given.lower is None else given.lower,
         upper=bound if given.upper is None else given.upper,
         velocity=velocity,
@@ -116,7 +118,7 @@ def parameters(manipulator: Manipulator, *, angles: bool = False) -> tuple[Param
     """The numbers that formulas use: the lengths of every row and, if asked for, its angles."""
     units = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"} if angles else {"a": "m", "d": "m"}
     return tuple(
-        Parameter(name=f"{name}_{number}", value=getattr(row, name) + 0.0, unit=unit, joint=row.joint)
+        own.parameter(name=f"{name}_{number}", value=getattr(row, name) + 0.0, unit=unit, joint=row.joint)
         for number, row in enumerate(manipulator.rows, start=1)
         for name, unit in units.items()
     )
@@ -149,10 +151,12 @@ def assemble(
     seen = options.visuals == "all" if manipulator.visuals is None else manipulator.visuals
     touching = options.collisions == "all" if manipulator.collisions is None else manipulator.collisions
     bodies = [link_body(part, density) for part in parts]
-    efforts = static_efforts(parts, bodies)
-    base_body = of_mass(shape_body(base.visuals, density), manipulator.base_mass)
+    payload = payload_body(manipulator, density)
+    carried = [placed(payload, tool0.transform)] if payload else []
+    efforts = static_efforts(parts, [*bodies[:-1], compound([bodies[-1], *carried])] if carried else bodies)
+    base_body = base_of(manipulator, base, density)
     links = [
-        Link(name="base_link"),
+        own.link(name="base_link"),
         _link("base_link_inertia", base_body, base.visuals if seen else (), base.collisions if touching else ()),
     ]
     joints = [fixed_joint("base_link", "base_link_inertia", base.origin)]
@@ -161,7 +165,7 @@ def assemble(
         if row.type is not JointType.FIXED and limits.effort is None:
             limits = replace(limits, effort=effort)
         joints.append(
-            Joint(
+            own.joint(
                 name=row.joint,
                 type=row.type,
                 parent=links[-1].name,
@@ -176,7 +180,10 @@ def assemble(
         links.append(_link(row.link, body, part.visuals if seen else (), part.collisions if touching else ()))
     last = links[-1].name
     joints += [fixed_joint(last, "flange", flange), fixed_joint(last, "tool0", tool0)]
-    links += [Link(name="flange", inertial=WEIGHTLESS), Link(name="tool0", inertial=WEIGHTLESS)]
+    links += [own.link(name="flange", inertial=WEIGHTLESS), own.link(name="tool0", inertial=WEIGHTLESS)]
+    if payload:
+        joints.append(fixed_joint(last, PAYLOAD, tool0))
+        links.append(own.link(name=PAYLOAD, inertial=payload))
     return Robot(
         name=manipulator.name,
         links=tuple(links),
@@ -187,7 +194,7 @@ def assemble(
 
 
 def _link(name: str, body: Inertial, visuals: tuple[Visual, ...], collisions: tuple[Collision, ...]) -> Link:
-    return Link(name=name, inertial=body, visuals=visuals, collisions=collisions)
+    return own.link(name=name, inertial=body, visuals=visuals, collisions=collisions)
 
 
 def _dynamics(row: DHRow, options: AlphaSwapOptions) -> dict[str, float | None]:
@@ -200,7 +207,7 @@ def _dynamics(row: DHRow, options: AlphaSwapOptions) -> dict[str, float | None]:
 
 def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
     """A fixed joint, named after the two links that it holds together."""
-    return Joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child, origin=origin)
+    return own.joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child, origin=origin)
 
 
 def shape_body(visuals: Sequence[Visual], density: float) -> Inertial:
@@ -217,7 +224,30 @@ def of_mass(body: Inertial, mass: float | None) -> Inertial:
     """A body of the same shape with another mass [kg]; the same body where none is given."""
     if mass is None:
         return body
-    return Inertial(mass=mass, com=body.com, inertia=scaled(body.inertia, mass / body.mass))
+    return own.inertial(mass=mass, com=body.com, inertia=scaled(body.inertia, mass / body.mass))
+
+
+def base_of(manipulator: Manipulator, base: Base, density: float) -> Inertial:
+    """The mass properties of the base: what the table says of them, the shape's for the rest.
+
+    A table that gives every link its mass and the base none is a maker's: no mass is invented for the base.
+    """
+    mass = manipulator.base_mass
+    if mass is None and all(row.mass is not None for row in manipulator.rows):
+        mass = 0.0
+    return WEIGHTLESS if mass == 0.0 else of_mass(shape_body(base.visuals, density), mass)
+
+
+def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
+    """The mass properties of the payload in tool0; without an inertia it is a solid ball of the links' density."""
+    payload = manipulator.payload
+    if payload is None:
+        return None
+    inertia = payload.inertia
+    if inertia is None:
+        radius = (payload.mass / solid(Sphere(radius=1.0), density).mass) ** (1.0 / 3.0)
+        inertia = of_mass(solid(Sphere(radius=radius), density), payload.mass).inertia
+    return own.inertial(mass=payload.mass, com=payload.com, inertia=inertia)
 
 
 def link_body(part: Part, density: float) -> Inertial:
@@ -228,7 +258,7 @@ def link_body(part: Part, density: float) -> Inertial:
     """
     row, frame = part.row, part.dh_frame
     if frame and is_weighed(row):  # Nobody need read a mesh for that.
-        body = Inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
+        body = own.inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
     else:
         body = of_mass(shape_body(part.visuals, density), row.mass)
     if frame is None:
@@ -239,7 +269,7 @@ def link_body(part: Part, density: float) -> Inertial:
         com = (x + 0.0, y + 0.0, z + 0.0)
     if row.inertia is not None:
         inertia = rotated(row.inertia, frame.rotation)
-    return Inertial(mass=body.mass, com=com, inertia=inertia)
+    return own.inertial(mass=body.mass, com=com, inertia=inertia)
 
 
 def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[float]:

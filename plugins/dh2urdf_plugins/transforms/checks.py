@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.elementwise import is_column, where
 from dh2urdf.manipulator import Convention, DHRow, JointType
-from dh2urdf.mass_properties import inertia_problem, is_sound
+from dh2urdf.mass_properties import has_zero_moments, inertia_problem, is_sound, principal_moments, with_floor
 from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.elementwise import Condition, Number
-    from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
+    from dh2urdf.manipulator import Inertia, LinkGeometry, Manipulator, Payload
 
 SUSPICIOUS = 2e-3
 """Distance from a quarter turn [rad] at which an angle was probably meant to be one: 3.14 and 1.57 are nearer."""
 
 LARGEST = 1e9
 """Size of a number [any unit] up to which a table is beyond doubt: nothing that follows from it overflows."""
+
+PAYLOAD = "payload"
+"""Name of the link that is the payload."""
+
+TENSOR = "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
 
 PAPER_ANGLES = {"0": 0.0, "pi": math.pi, "pi/2": HALF_PI, "-pi/2": -HALF_PI}
 """The set of the paper's equation (1), by the words that a table may use."""
@@ -56,15 +61,12 @@ def row_problem(
 def table_problems(manipulator: Manipulator) -> list[Problem]:
     """Everything that keeps an arm from being made of a table, in the order of the rows."""
     problems = []
-    if not manipulator.rows:
-        problems.append(Problem(message="the table has no rows", accepted="one row per joint, at least one"))
-    for name, transform in (("base", manipulator.base), ("tool", manipulator.tool)):
-        if not all(map(math.isfinite, (*transform.rotation, *transform.translation))):
-            problems.append(Problem(message=f"{name} is not finite", field=name, accepted="finite numbers"))
-    if manipulator.density is not None and not 0.0 < manipulator.density < math.inf:
+    if manipulator.density is not None and manipulator.density <= 0.0:
         problems.append(_positive("density", manipulator.density))
-    if manipulator.base_mass is not None and not 0.0 < manipulator.base_mass < math.inf:
-        problems.append(_positive("base.mass", manipulator.base_mass))
+    if manipulator.base_mass is not None and manipulator.base_mass < 0.0:
+        problems.append(_positive("base.mass", manipulator.base_mass, or_zero=True))
+    if manipulator.payload is not None:
+        problems += _payload_problems(manipulator.payload, manipulator.rows)
     problems += _geometry_problems("geometry", manipulator.geometry)
     problems += _geometry_problems("base.geometry", manipulator.base_geometry)
     for row in manipulator.rows:
@@ -111,11 +113,18 @@ def paper_problems(manipulator: Manipulator, snap: float) -> list[Problem]:
         if row.com is not None or row.inertia is not None:
             message = "com and inertia hold in DH frames, which the paper's chain does not have; its boxes' are written"
             problems.append(row_problem(row, message, field="com", severity="notice"))
+    return [*problems, *_unplaced(manipulator, exact)]
+
+
+def _unplaced(manipulator: Manipulator, exact: str) -> Iterator[Problem]:
+    """What the table says of the ends of the arm, which the paper's chain does not have."""
+    if manipulator.payload is not None:
+        message = "the paper's variant has no place for a payload"
+        yield Problem(message=message, field="payload", accepted="no payload", suggestion=exact)
     for name, transform in (("base", manipulator.base), ("tool", manipulator.tool)):
         if any(transform.translation) or tuple(transform.rotation) != (1, 0, 0, 0, 1, 0, 0, 0, 1):
             message = f"the paper's variant has no place for a {name} transform"
-            problems.append(Problem(message=message, field=name, accepted=f"no {name}", suggestion=exact))
-    return problems
+            yield Problem(message=message, field=name, accepted=f"no {name}", suggestion=exact)
 
 
 def nearest_paper_angle(alpha: float) -> tuple[str, float]:
@@ -188,21 +197,7 @@ def is_suspicious(angle: Number) -> Condition:
 
 
 def _row_problems(row: DHRow) -> Iterator[Problem]:
-    numbers = [(name, getattr(row, name)) for name in _NUMBERS]
-    numbers += [(f"limits.{name}", getattr(row.limits, name)) for name in _said(row.limits)]
-    numbers += [("com", value) for value in row.com or ()]
-    infinite = [(name, value) for name, value in numbers if value is not None and not math.isfinite(value)]
-    for name, value in infinite:
-        yield row_problem(row, f"{name} is not finite", field=name, found=value, accepted="a finite number")
-    if row.sign not in (1, -1):
-        yield row_problem(row, "sign is neither 1 nor -1", field="sign", found=row.sign, accepted="1, -1")
-    if row.type is JointType.FIXED:
-        for name, allowed in (("offset", 0), ("sign", 1)):
-            if (value := getattr(row, name)) != allowed:
-                message = f"a fixed joint has no joint variable that {name} could act on"
-                place = "put a constant turn in theta, a constant length in d"
-                yield row_problem(row, message, field=name, found=value, accepted=str(allowed), suggestion=place)
-    elif (row.limits.lower is None) is not (row.limits.upper is None):
+    if row.type is not JointType.FIXED and (row.limits.lower is None) is not (row.limits.upper is None):
         there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
         message = f"the limit {there} is given without {missing}"
         yield row_problem(row, message, field=f"limits.{missing}", accepted="both of lower and upper, or neither")
@@ -212,10 +207,7 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
             accepted = "a number greater than 0, or nothing: then it is computed"
             yield row_problem(row, message, field=name, found=value, accepted=accepted)
     if row.inertia and (broken := inertia_problem(row.inertia)):
-        accepted = (
-            "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
-        )
-        yield row_problem(row, broken, field="inertia", accepted=accepted)
+        yield row_problem(row, broken, field="inertia", accepted=TENSOR, suggestion=_floor_advice(row.inertia))
 
 
 _NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
@@ -230,21 +222,67 @@ def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
             accepted=", ".join(SHAPES),
             suggestion=did_you_mean(geometry.shape, SHAPES),
         )
-    if geometry.radius is not None and not 0.0 < geometry.radius < math.inf:
+    if geometry.radius is not None and geometry.radius <= 0.0:
         yield _positive(f"{name}.radius", geometry.radius)
 
 
-def _positive(name: str, value: float) -> Problem:
+def _positive(name: str, value: float, *, or_zero: bool = False) -> Problem:
     return Problem(
-        message=f"{name} must be greater than 0 and finite",
+        message=f"{name} must be {'0 or ' if or_zero else ''}greater than 0",
         field=name,
         found=f"{value:.12g}",
-        accepted="a number greater than 0",
+        accepted="0, or a number greater than 0" if or_zero else "a number greater than 0",
     )
 
 
-def _said(limits: Limits) -> list[str]:
-    return [field.name for field in fields(limits) if getattr(limits, field.name) is not None]
+def _payload_problems(payload: Payload, rows: Sequence[DHRow]) -> Iterator[Problem]:
+    if payload.mass <= 0.0:
+        yield _positive("payload.mass", payload.mass)
+    if payload.inertia and (broken := inertia_problem(payload.inertia)):
+        yield Problem(
+            message=broken, field="payload.inertia", accepted=TENSOR, suggestion=_floor_advice(payload.inertia)
+        )
+    if any(PAYLOAD in (row.joint, row.link) for row in rows):
+        message = f"a row of the table is called {PAYLOAD}, and so is the link of the payload"
+        yield Problem(message=message, field="payload", accepted="another name of the row")
+
+
+def with_inertia_floor(manipulator: Manipulator, floor: float | None) -> tuple[Manipulator, list[Problem]]:
+    """The manipulator with moments of inertia of 0 raised to a floor [kg·m²], and a notice of each."""
+    if floor is None:
+        return manipulator, []
+    notices, rows = [], []
+    for row in manipulator.rows:
+        if row.inertia and has_zero_moments(row.inertia):
+            raised = with_floor(row.inertia, floor)
+            notices.append(row_problem(row, _raised(row.inertia, raised), field="inertia", severity="notice"))
+            row = replace(row, inertia=raised)  # noqa: PLW2901 - the row as it is used
+        rows.append(row)
+    payload = manipulator.payload
+    if payload and payload.inertia and has_zero_moments(payload.inertia):
+        raised = with_floor(payload.inertia, floor)
+        message = _raised(payload.inertia, raised)
+        notices.append(Problem(message=message, field="payload.inertia", severity="notice"))
+        payload = replace(payload, inertia=raised)
+    return (replace(manipulator, rows=tuple(rows), payload=payload) if notices else manipulator), notices
+
+
+def _raised(inertia: Inertia, raised: Inertia) -> str:
+    before, after = (", ".join(f"{moment + 0.0:.9g}" for moment in principal_moments(i)) for i in (inertia, raised))
+    return (
+        f"the principal moments of inertia are {before} kg·m², which no body has; {after} kg·m² are used, since "
+        "inertia_floor is set"
+    )
+
+
+def _floor_advice(inertia: Inertia) -> str | None:
+    """What to do about moments of 0."""
+    if not has_zero_moments(inertia):
+        return None
+    return (
+        "if a maker rounded small moments to 0, give the transform the option inertia_floor, such as "
+        "`--set inertia_floor=1e-6`: moments of 0 are raised to it, or to what a body needs"
+    )
 
 
 def _same_turn(angle: float) -> str | None:

@@ -17,13 +17,14 @@ from collections.abc import Callable
 from decimal import Decimal
 from typing import TYPE_CHECKING, TypeAlias
 
+from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import Number, atan2, greater_of, is_column, mapped, where
-from dh2urdf.robot import Origin
 from dh2urdf.rotations import HALF_PI, exact_cos_sin, nearest_quarter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.robot import Origin
     from dh2urdf.rotations import Vec3
 
 _SUM, _PRODUCT, _ATOM = range(3)  # how tightly a formula holds together
@@ -177,7 +178,7 @@ def rpy_of(r: tuple[Quantity, ...]) -> Quantities:
 
 def origin(xyz: Quantities, rpy: Quantities = NO_VECTOR) -> Origin:
     """The origin [m, rad] with its formulas; those of a part that no parameter changes are left out."""
-    return Origin(
+    return own.origin(
         xyz=values(xyz),
         rpy=values(rpy),
         xyz_formula=None if all(number.constant for number in xyz) else _formulas(xyz),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
+from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual
 from dh2urdf_plugins.transforms.formulas import HALF, NO_VECTOR, Quantities, Quantity, length_of, origin, plus, times
@@ -113,7 +114,7 @@ def direction_rpy(direction: Vec3) -> Vec3:
 def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
     """The bodies of segments; those that are too short to see are left out."""
     return tuple(
-        Visual(
+        own.visual(
             geometry=_prism(style, length_of(segment.length, least=style.shortest)),
             origin=origin(segment.centre, segment.rpy),
             material=style.material,
@@ -126,7 +127,8 @@ def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
 def caps(points: list[Quantities], style: Style) -> tuple[Visual, ...]:
     """The spheres at the ends of a capsule's segments."""
     return tuple(
-        Visual(geometry=Sphere(radius=style.radius), origin=origin(point), material=style.material) for point in points
+        own.visual(geometry=Sphere(radius=style.radius), origin=origin(point), material=style.material)
+        for point in points
     )
 
 
@@ -138,7 +140,7 @@ def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
     """
     both_ends = 2.0 * style.radius
     return tuple(
-        Collision(
+        own.collision(
             geometry=_prism(style, length_of(segment.length, both_ends, least=style.shortest)),
             origin=origin(segment.centre, segment.rpy),
         )
@@ -164,14 +166,15 @@ def housing(at: Quantities, rpy: Quantities, style: Style) -> Visual:
         geometry, rpy = Sphere(radius=style.radius), NO_VECTOR
     else:
         geometry = _prism(style, Quantity(2.0 * style.radius))
-    return Visual(geometry=geometry, origin=origin(at, rpy), material=style.material)
+    return own.visual(geometry=geometry, origin=origin(at, rpy), material=style.material)
 
 
 def pedestal(at: Quantities, up: Quantities, rpy: Quantities, style: Style) -> Visual:
     """The body of the base, standing at a point: 1.5 radii in radius, one radius high."""
     wide = Style(shape=style.shape, radius=BASE_WIDTH * style.radius, material=style.material)
     segment = Segment.between(at, up, Quantity(style.radius), rpy)
-    return Visual(geometry=_prism(wide, segment.length), origin=origin(segment.centre, rpy), material=style.material)
+    shape = _prism(wide, segment.length)
+    return own.visual(geometry=shape, origin=origin(segment.centre, rpy), material=style.material)
 
 
 def _prism(style: Style, length: Quantity) -> Box | Cylinder:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.cli.check import _inspection
 from dh2urdf.errors import ConfigError
+from dh2urdf.inspecting import inspect
 from dh2urdf.registry import load
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def test_a_format_without_a_check_is_refused() -> None:
         provided = staticmethod(load().provided)
 
     with pytest.raises(ConfigError, match=r"(?s)'mine' cannot be checked.*urdf, xacro"):
-        _inspection(Catalog(), Path("arm.mine"), "mine")  # type: ignore[arg-type]
+        inspect(Catalog(), Path("arm.mine"), "mine", "`--as NAME`")  # type: ignore[arg-type]
 
 
 # --- Against a table --------------------------------------------------------------------------------------------------

@@ -51,6 +51,18 @@ class TestOutput:
         assert answer.stdout.startswith("largest distance of tool0 from the DH product, in metres:\n")
         assert answer.stdout.endswith("1 made\nwritten to out\n")
 
+    def test_notices_are_said_beside_errors(self, cli: Cli, folder: Path) -> None:
+        """Of one manipulator, in the order of the file: by `convert`, by `run`, and in both reports."""
+        table = "# convention: standard\nrobot,a,alpha,d,supplier\nbad,0.4,1.5708,0.1,ACME\nbad,0.4,ninety,0.1,ACME\n"
+        (folder / "arm.csv").write_text(table + "good,0.4,0,0,ACME\n")
+        for words, status in ((("convert", "arm.csv", "--robot", "bad"), 2), (("run", "arm.yaml"), 1)):
+            lines = cli(*words, status=status).stderr.splitlines()
+            said = [line.split(": ")[:2] for line in lines if line.startswith("arm.csv:")]
+            assert said == [["arm.csv:2:17", "notice"], ["arm.csv:3:9", "notice"], ["arm.csv:4:9", "error"]]
+        entry, _ = (json.loads(line) for line in (folder / "out" / "manifest.jsonl").read_text().splitlines())
+        assert [notice["line"] for notice in entry["notices"]] == [2, 3]
+        assert [error["line"] for error in entry["errors"]] == [4]
+
     def test_another_folder(self, cli: Cli, folder: Path, reports: frozenset[str]) -> None:
         """-o is relative to the working directory, not to the run file."""
         (folder / "configs").mkdir()
@@ -201,8 +213,8 @@ class TestWords:
         (folder / "table.yaml").write_text("{name: arm, convention: standard, joints: [{a: 0.4, alpha: 0, d: 0}]}")
         answer = cli("run", "table.yaml", status=2)
         assert answer.stderr.count(": error: ") == 1
-        assert "table.yaml:1:1: error: this is no run file: it has none of its sections" in answer.stderr
-        assert "`dh2urdf convert` takes it" in answer.stderr
+        assert answer.stderr.startswith("table.yaml: error: this is a table, not a run file")
+        assert "`dh2urdf convert table.yaml` converts it" in answer.stderr
 
     @pytest.mark.parametrize("name", ["nope.yaml", "arm.csv", "."])
     def test_what_is_no_run_file(self, cli: Cli, folder: Path, name: str) -> None:

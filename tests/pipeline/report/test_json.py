@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
+    from dh2urdf.results import ManipulatorEntry
 
-def row(name: str, status: Any = "ok", **facts: Any) -> dict[str, Any]:
+
+def row(name: str, status: Any = "ok", **facts: Any) -> ManipulatorEntry:
     plain = {"source": "arm.csv", "key": "00ff", "keeps_kinematics": True}
     empty: dict[str, Any] = {"files": [], "proofs": {}, "drawn": {}, "notices": [], "errors": []}
     return make_row(**{"name": name, "status": status, **plain, **empty, **facts})

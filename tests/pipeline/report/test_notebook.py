@@ -12,6 +12,7 @@ from lxml import html
 
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, Robot
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.report import notebook
 from dh2urdf.rotations import RigidTransform
 
@@ -139,7 +140,8 @@ class TestDrawings:
     def test_what_cannot_be_drawn_is_told(self) -> None:
         """An arm of astronomical length, of no numbers, and joints that make no tree have their table; nothing fails."""
         for field, value in (("a", 1e200), ("alpha", math.inf), ("alpha", math.nan), ("d", -math.inf)):
-            shown = replace(chain(2), rows=(replace(chain(1).rows[0], **{field: value}),))._repr_html_()
+            row = replace_unchecked(chain(1).rows[0], **{field: value})
+            shown = replace_unchecked(chain(2), rows=(row,))._repr_html_()
             assert "<svg" not in shown
             assert "joint_1" in shown
         robot = robot_of(chain(3))

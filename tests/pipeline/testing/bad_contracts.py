@@ -17,6 +17,7 @@ from dh2urdf.testing import (
     plain_robot,
     reference_manipulators,
 )
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from dh2urdf.testing.stage_contract import StageContract
@@ -66,6 +67,13 @@ TestGreedy = of(Lines, bad_lab.READER, read=bad_lab.read_all_first)
 TestReaderByHash = of(Lines, bad_lab.READER, read=bad_lab.read_by_hash)
 TestCaching = of(Lines, bad_lab.READER, read=bad_lab.read_with_cache)
 TestCarelessReader = of(Lines, bad_lab.READER, read=bad_lab.read_carelessly)
+TestTracingAnother = of(Lines, bad_lab.READER, trace=bad_lab.trace_another)
+TestTracingNothing = of(Lines, bad_lab.READER, trace=bad_lab.trace_nothing)
+TestTracingMillimetres = of(Lines, bad_lab.READER, trace=bad_lab.trace_in_millimetres)
+TestTracingNoPlace = of(Lines, bad_lab.READER, trace=bad_lab.trace_no_place)
+TestTracing = of(Lines, bad_lab.READER, trace=bad_lab.trace)
+TestCellsInMetres = of(Lines, bad_lab.READER, read_cells=bad_lab.read_cells_in_metres, options=TableOptions)
+TestCellsWithoutPlaces = of(Lines, bad_lab.READER, read_cells=bad_lab.read_cells_without_places, options=TableOptions)
 
 
 class TestGreedyDocument(Lines):

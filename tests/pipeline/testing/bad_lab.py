@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import os
 import subprocess
 import sys
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import LoaderError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.provenance import Said
 from dh2urdf.source import Mark
 from dh2urdf.stages import (
     EmittedFile,
@@ -29,6 +31,7 @@ from dh2urdf.stages import (
     Transform,
 )
 from dh2urdf.testing import plain_robot
+from dh2urdf_plugins.readers.table import read_table
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -119,6 +122,48 @@ def read_carelessly(path: Path, _options: Any) -> Any:
         yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,), mark=Mark(file=str(path)))
 
 
+def trace(path: Path, options: Any, its: Any) -> Any:
+    """A good trace: a and d are in metres."""
+    for table in read(path, options):
+        (row,) = table.rows
+        its.rows = ({name: Said(text=str(getattr(row, name)), mark=table.mark, unit="m") for name in ("a", "d")},)
+        yield table
+
+
+def trace_another(path: Path, options: Any, its: Any) -> Any:
+    for table in trace(path, options, its):
+        yield replace(table, name="another")
+
+
+def trace_nothing(path: Path, options: Any, _its: Any) -> Any:
+    return read(path, options)
+
+
+def trace_in_millimetres(path: Path, options: Any, its: Any) -> Any:
+    for table in trace(path, options, its):
+        its.rows = tuple({name: replace(said, unit="mm") for name, said in row.items()} for row in its.rows)
+        yield table
+
+
+def trace_no_place(path: Path, options: Any, its: Any) -> Any:
+    for table in trace(path, options, its):
+        its.rows = tuple({name: replace(said, mark=None) for name, said in row.items()} for row in its.rows)
+        yield table
+
+
+def read_cells_in_metres(rows: Any, file: str, options: Any) -> Any:
+    return read_table((_without_units(row) for row in rows), file, options)
+
+
+def _without_units(row: Any) -> Any:
+    cells = [cell.replace(" [mm]", "") if isinstance(cell, str) else cell / 1e3 for cell in row.cells]
+    return row._replace(cells=cells)
+
+
+def read_cells_without_places(rows: Any, file: str, options: Any) -> Any:
+    return read_table((row._replace(marks=None) for row in rows), file, options)
+
+
 READER = Reader(name="bad", summary="bad", read=read, options=NoOptions, suffixes=(".bad",))
 
 # --- Transforms
@@ -153,7 +198,7 @@ def transform_by_force(manipulator: Manipulator, _options: Any) -> Robot:
 
 
 def transform_carelessly(manipulator: Manipulator, _options: Any) -> Robot:
-    return replace(plain_robot(manipulator), comment=str(1 / manipulator.rows[0].a if manipulator.rows[0].a else 0))
+    return replace(plain_robot(manipulator), comment=str(math.sqrt(manipulator.rows[0].mass or 0.0)))
 
 
 def transform_columns(columns: Any, options: Any) -> Any:

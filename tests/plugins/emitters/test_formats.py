@@ -19,6 +19,7 @@ from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Mesh
 from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.base_bodies import BASE
 from dh2urdf_plugins.emitters.mjcf import EMITTER as MJCF
 from dh2urdf_plugins.emitters.sdf import EMITTER as SDF
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
@@ -250,10 +251,17 @@ def test_a_shape_of_a_weightless_link_is_not_lost(arm: Robot, emitter: Emitter[A
 )
 def test_sdf_needs_masses(arm: Robot, link: str, message: str) -> None:
     """A moving link without mass would be lost, and a model without a body at rest has no base."""
-    weightless = Inertial(mass=0.0)
-    links = tuple(replace(each, inertial=weightless) if each.name == link else each for each in arm.links)
+    links = tuple(replace(each, inertial=None) if each.name == link else each for each in arm.links)
     with pytest.raises(EmitterError, match=message):
         content_of(SDF, replace(arm, links=links))
+
+
+def test_a_base_of_mass_0_is_a_body_in_sdf(arm: Robot) -> None:
+    """sdformat has no model without one; it stands still, and the moving links weigh what they did."""
+    links = tuple(replace(each, inertial=Inertial(mass=0.0)) if each.name == BASE else each for each in arm.links)
+    with_base, without = (content_of(SDF, robot) for robot in (arm, replace(arm, links=links)))
+    masses = [re.findall(r"<mass>(.*?)</mass>", content.decode()) for content in (with_base, without)]
+    assert masses[1] == ["1", *masses[0][1:]]
 
 
 def test_mjcf_needs_a_way_between_the_limits(arm: Robot) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.stages import Rejected
+
+sys.path.insert(0, str(Path(__file__).parent))  # spreadsheets, which these tests share
 
 
 @pytest.fixture

@@ -212,3 +212,10 @@ def test_a_reader_that_is_left_closes_its_file(tmp_path: Path) -> None:
         gc.collect()
     path.unlink()
     assert not [file for file in gc.get_objects() if isinstance(file, io.BufferedReader) and file.name == str(path)]
+
+
+def test_a_decimal_comma_between_commas_stands_in_quotes(read_one: Callable[..., Manipulator]) -> None:
+    """So a German Google Sheet writes its numbers; the other numbers show that it separates no thousands."""
+    arm = read_one('a,alpha,d,upper,lower\n"0,425","-1,5","1,250",90°,"-0,5 rad"\n')
+    (row,) = arm.rows
+    assert (row.a, row.alpha, row.d, row.limits.lower) == (0.425, -1.5, 1.25, -0.5)

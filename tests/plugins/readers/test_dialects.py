@@ -13,11 +13,9 @@ from typing import TYPE_CHECKING, Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import HALF_PI
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.plain_rows import PlainRows
 from dh2urdf_plugins.readers.statements import TableOptions
 
 if TYPE_CHECKING:
@@ -27,16 +25,16 @@ if TYPE_CHECKING:
 
 LENGTH_UNITS = {"m": 0, "cm": 2, "mm": 3, "µm": 6}
 HEADERS = {
-    "joint": ["joint", "Joint name", "NAME", "joint-name"],
-    "type": ["type", "Joint Type", "kind", "sigma"],
-    "a": ["a", "A", "r", "a_i", "aᵢ", "$a_i$", "link length"],
+    "joint": ["joint", "Joint name", "NAME", "joint-name", "Axis", "Gelenk", "articulation"],
+    "type": ["type", "Joint Type", "kind", "sigma", "Typ", "tipo"],
+    "a": ["a", "A", "r", "a_i", "aᵢ", "$a_i$", "link length", "DH a", "Länge", "a†"],
     "alpha": ["alpha", "ALPHA", "α", "alpha_i", "α_{i}", "twist", r"\alpha_i", "Link_Twist"],
     "d": ["d", "d_i", "dᵢ", "Link offset"],
     "theta": ["theta", "θ", "Theta_i", "joint angle", "θᵢ"],
     "offset": ["offset", "joint_offset"],
-    "sign": ["sign", "Direction"],
-    "lower": ["lower", "q_min", "lower limit"],
-    "upper": ["upper", "qmax", "max"],
+    "sign": ["sign", "Direction", "joint sign", "Vorzeichen"],
+    "lower": ["lower", "q_min", "lower limit", "q_lo", "Min. angle", "untere Grenze", "límite inferior"],
+    "upper": ["upper", "qmax", "max", "upper_bound", "obere Grenze", "limite supérieure"],
 }
 PREVIOUS = {"a": ["a_{i-1}", "aᵢ₋₁", "a(i-1)", "a_i-1"], "alpha": ["alpha_{i-1}", "αᵢ₋₁", "α_{i−1}", "alpha_im1"]}
 TYPES = {
@@ -249,161 +247,3 @@ def test_a_yaml_table_means_the_same_as_its_rows(rows: tuple[Row, ...], conventi
     table = {"convention": convention, "units": units, "joints": joints}
     (arm,) = read(json.dumps(table).encode(), ".yaml")
     same(arm, rows, convention)
-
-
-plain_numbers = st.sampled_from(
-    ["0", "0.5", "-0.25", "1.5707963267948966", "-0", "1e-3", "+2.", ".5", "3", "0.0", "12.5", "1.25", "50"]
-)
-odd_cells = st.sampled_from(
-    (
-        "",
-        " ",
-        "1.57",
-        "pi/2",
-        "90 deg",
-        "nan",
-        "inf",
-        "-inf",
-        "1_0",
-        "٣",
-        "1e400",
-        "400",
-        "7",
-        "x",
-        "#REF!",
-        "j1",
-        "world",
-        "1,5",
-        "0x10",
-        "flange",
-        "é",
-        "\x1f",
-        "fixed",
-        "continuous",
-        "P",
-        '"a"',
-        "-5",
-        "1\xa0",
-        "0",
-        "DH",
-        "craig",
-        "q1",
-        "flange ",
-        "J1",
-        "link_1-tool0",
-        "base_link",
-        "2e4",
-        "-1e-400",
-        '"1\n2"',
-        '"revolute\n"',
-    )
-)
-COLUMNS = ["robot", "joint", "link", "i", "type", "a", "alpha", "d", "theta", "offset", "lower", "upper", "velocity"]
-WORDS = ["revolute", "revolute", "R", "prismatic", "continuous", "fixed"]
-EXPRESSIONS = ["pi/2", "-pi/2", "0", "90deg", "0.1 + 0.02", "-0.25", "1e-3", "50 mm"]
-LIMITS = {
-    "lower": ["-1", "-2", "", "-0.5"],
-    "upper": ["1", "2", "", "pi"],
-    "velocity": ["1", "", "2"],
-    "effort": ["5", ""],
-}
-UNITS = {"a": "mm", "d": "cm", "alpha": "deg", "theta": "deg", "offset": "deg", "lower": "deg", "upper": "deg"}
-
-
-@st.composite
-def large_tables(draw: st.DrawFn) -> str:
-    """Several manipulators, plain for the most part, with an odd cell now and then."""
-    more = st.lists(st.sampled_from([*COLUMNS, "effort", "convention"]), max_size=9, unique=True)
-    columns = ["a", "alpha", "d", *draw(more)]
-    columns = list(dict.fromkeys(columns))
-    if draw(st.booleans()) and "lower" in columns:
-        columns = list(dict.fromkeys([*columns, "lower", "upper", "velocity", "effort"]))
-    headers = [
-        f"{name} [{UNITS[name]}]" if name in UNITS and draw(st.integers(0, 3)) == 0 else name for name in columns
-    ]
-    delimiter = draw(st.sampled_from([",", ",", ";"]))
-    lines = [delimiter.join([*headers, ""])]
-    mixed, own_names = draw(st.booleans()), draw(st.booleans())
-    expressions = draw(st.sets(st.sampled_from(["a", "alpha", "d", "theta", "offset"]), max_size=2))
-    for robot in range(draw(st.integers(1, 4))):
-        end = f"_{robot}" if own_names else ""
-        for number in range(1, draw(st.integers(1, 4)) + 1):
-            words = {"robot": f"arm{robot}", "joint": f"j{number}{end}", "link": f"l{number}", "i": str(number)}
-            words |= {"type": "revolute", "velocity": "1", "effort": "2", "upper": "3", "convention": "DH"}
-            words |= {name: draw(st.sampled_from(EXPRESSIONS)) for name in sorted(expressions)}
-            if mixed:
-                words["type"] = draw(st.sampled_from(WORDS))
-                words |= {name: draw(st.sampled_from(texts)) for name, texts in LIMITS.items()}
-            line = [words[name] if name in words else draw(plain_numbers) for name in columns]
-            if draw(st.integers(0, 5)) == 0:
-                line[draw(st.integers(0, len(line) - 1))] = draw(odd_cells)
-            lines.append(delimiter.join([*line, ""]))
-    return "\n".join(lines)
-
-
-@given(large_tables())
-@settings(max_examples=600)
-def test_the_fast_way_reads_what_the_careful_one_reads(content: str) -> None:
-    """Every manipulator, every notice and every error is the same with and without it."""
-    fast = PlainRows.read
-    taken: list[int] = []
-
-    def careful(*_arguments: Any) -> None:
-        return None
-
-    def counted(*arguments: Any) -> Any:
-        result = fast(*arguments)
-        taken.append(len(result or ()))
-        return result
-
-    results = []
-    try:
-        for way in (counted, careful):
-            PlainRows.read = way  # type: ignore[assignment, method-assign]
-            try:
-                options = {} if "convention" in content.partition("\n")[0] else {"convention": "standard"}
-                read_back = read(content.encode(), ".csv", **options)
-                results.append([(arm, [str(p) for p in problems(arm)], marks(arm)) for arm in read_back])
-            except TableError as error:
-                results.append(str(error))
-    finally:
-        PlainRows.read = fast  # type: ignore[method-assign]
-    assert strip_folder(results[0]) == strip_folder(results[1])
-
-
-def problems(arm: Manipulator | Rejected) -> tuple[Any, ...]:
-    return arm.notices if isinstance(arm, Manipulator) else arm.problems
-
-
-def marks(arm: Manipulator | Rejected) -> list[int | None]:
-    return [row.mark.line if row.mark else None for row in arm.rows] if isinstance(arm, Manipulator) else []
-
-
-def strip_folder(result: Any) -> str:
-    import re
-
-    return re.sub(r"[\w/.-]*arm\.csv", "arm.csv", repr(result))
-
-
-def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, monkeypatch: Any) -> None:
-    """A table of a benchmark's kind, units and limits included, goes the fast way as a whole."""
-    header = "robot,i,joint,type,a [mm],alpha [deg],d [mm],theta [deg],lower [deg],upper [deg],velocity [rad/s],effort"
-    lines = [
-        f"r{robot},{joint},joint_{joint},revolute,{joint}.5,90,{robot}.25,-45,-180,180,3.14,50"
-        for robot in range(2000)
-        for joint in range(1, 7)
-    ]
-    path = tmp_path / "arms.csv"
-    path.write_text("\n".join([header, *lines]))
-    counts: list[int] = []
-    fast = PlainRows.read
-
-    def counted(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
-        result = fast(self, rows, lines, sizes)
-        counts.append(len(sizes) if result else 0)
-        return result
-
-    monkeypatch.setattr(PlainRows, "read", counted)
-    arms = list(csv.READER.read(path, TableOptions(convention="standard")))
-    assert (len(arms), sum(counts)) == (2000, 2000)
-    assert {type(row) for arm in arms if isinstance(arm, Manipulator) for row in arm.rows} == {DHRow}

@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf_plugins.readers.fields import convention_of, joint_type, misspelt, one_slip, read_header
+from dh2urdf_plugins.readers.fields import convention_of, joint_type
+from dh2urdf_plugins.readers.header_words import misspelt, one_slip, read_header
 
 
 @pytest.mark.parametrize(
@@ -34,7 +35,7 @@ from dh2urdf_plugins.readers.fields import convention_of, joint_type, misspelt, 
         ("α [º]", "alpha", "°", None),
         (r"\alpha_{i-1}", "alpha", None, "i-1"),
         ("alpha_deg", "alpha", "deg", None),
-        ("ALPHA (DEG)", "alpha", "deg", None),
+        ("ALPHA (DEG)", "alpha", "DEG", None),
         ("Link-Twist", "alpha", None, None),
         ("d_m", "d", "m", None),
         ("Link offset", "d", None, None),
@@ -47,7 +48,7 @@ from dh2urdf_plugins.readers.fields import convention_of, joint_type, misspelt, 
         ("com x", "com_x", None, None),
         ("ixx [kg·m²]", "ixx", "kg·m2", None),
         ("mass [kg]", "mass", "kg", None),
-        ("effort (N m)", "effort", "n m", None),
+        ("effort (N m)", "effort", "N m", None),
         ("#", "index", None, None),
         ("i", "index", None, None),
         ("Joint Type", "type", None, None),

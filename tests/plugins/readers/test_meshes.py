@@ -79,7 +79,7 @@ def test_the_base_has_meshes_in_comment_lines_too(read_one: Callable[..., Manipu
 
 def test_a_table_says_what_is_drawn(read_one: Callable[..., Manipulator]) -> None:
     """All or none; nothing leaves it to the run."""
-    arm = read_one("visuals: none\ncollisions: all\n" + joint("armature: 0.02"))
+    arm = read_one("visuals: none\ncollisions: all\n" + joint("armature: 0.02 kg·m²"))
     assert (arm.visuals, arm.collisions, arm.rows[0].armature) == (False, True, 0.02)
     plain = read_one(joint("d: 0").replace("d: 0, d: 0", "d: 0"))
     assert (plain.visuals, plain.collisions, plain.rows[0].armature) == (None, None, None)

@@ -8,6 +8,7 @@ import pytest
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.source import in_file_order
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,7 +66,7 @@ CASES = [
         b"PK\x03\x04\x14\x00",
         "arm.csv: error: this is an Excel workbook (xlsx) or another zip archive, not a text file\n"
         "    accepted: text in UTF-8 or UTF-16, with commas, semicolons or tabs between the cells\n"
-        "    save the sheet as CSV (UTF-8)",
+        "    name it .xlsx if it is a workbook, or save the sheet as CSV (UTF-8)",
     ),
     Case(
         "latin-1",
@@ -91,7 +92,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,d\nj1,0,0.1\n",
         "arm.csv:1: error: field 'alpha': there is no column for alpha in the header\n"
-        "    accepted: one of the headers alpha, α, twist, link twist, twist angle; its unit may follow, as in `alpha [deg]`",
+        "    accepted: one of the headers alpha, α, twist, link twist, twist angle, link twist angle; its unit may follow, as in `alpha [deg]`",
     ),
     Case(
         "a misspelt header",
@@ -99,7 +100,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alhpa,d\nj1,0,0,0.1\n",
         "arm.csv:1:9: error: field 'alhpa': no column is called 'alhpa'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'alpha'?",
     ),
     Case(
@@ -115,16 +116,15 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,a,alpha,d,remark\nj1,0,0,0.1,x\n",
-        "arm.csv:1:17: notice: manipulator 'arm': the column 'remark' is left out: no field is called so\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature",
+        "arm.csv:1:17: notice: manipulator 'arm': the column 'remark' is left out: no field is called so",
     ),
     Case(
         "an unknown unit",
         ".csv",
         {"convention": "standard"},
-        "joint,a [inch],alpha,d\nj1,0,0,0.1\n",
-        "arm.csv:1:7: error: field 'a': 'inch' is no unit of length that is known\n    accepted: m, cm, mm, µm\n"
-        "    convert the numbers: 1 inch is 25.4 mm, 1 foot is 304.8 mm, 1 gon is 0.9 deg",
+        "joint,a [furlong],alpha,d\nj1,0,0,0.1\n",
+        "arm.csv:1:7: error: field 'a': 'furlong' is no unit of length that is known\n"
+        "    accepted: m, cm, mm, µm, in, ft, mil",
     ),
     Case(
         "a unit of something else",
@@ -132,7 +132,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a [deg],alpha,d\nj1,0,0,0.1\n",
         "arm.csv:1:7: error: field 'a': 'deg' is a unit of angle, and one of length is needed\n"
-        "    accepted: m, cm, mm, µm",
+        "    accepted: m, cm, mm, µm, in, ft, mil",
     ),
     Case(
         "units of header and option",
@@ -146,8 +146,8 @@ CASES = [
         "one column without unit",
         ".csv",
         {"convention": "standard"},
-        "joint,a [mm],alpha,d\nj1,0,0,0.1\n",
-        "arm.csv:1: notice: manipulator 'arm', field 'd': d has no unit and is read in m, while another length is in mm\n"
+        "joint,a [mm],alpha,d\nj1,300,0,0\n",
+        "arm.csv:1: notice: manipulator 'arm', field 'd': d has no unit, while the unit of a is mm: only 0 is read without one\n"
         "    declare it: `d [mm]`",
     ),
     Case(
@@ -189,10 +189,10 @@ CASES = [
         "a decimal comma",
         ".csv",
         {"convention": "standard"},
-        'joint,type,a,alpha,d,theta\nj1,revolute,"0,425",0,0,0\n',
-        "arm.csv:2:13: error: joint 'j1', field 'a': '0,425' cannot be read: ',' does not belong there\n"
-        "    accepted: a number such as 0.5 or an expression such as 0.1 + 0.02, bare or with a unit (m, cm, mm, µm)\n"
-        "    write a decimal point, and no separators of thousands: 0.425, 1234.5",
+        'joint,type,a,alpha,d,theta\nj1,revolute,"1,425",0,0,0\n',
+        "arm.csv:2:13: error: joint 'joint_1', field 'a': '1,425' can be read in two ways: the comma is a decimal sign or separates thousands, and no other number of the manipulator shows which\n"
+        "    accepted: numbers without separators of thousands\n"
+        "    write 1,4250, or 1425",
     ),
     Case(
         "a point that may separate thousands",
@@ -207,6 +207,8 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint;type;a [mm];alpha;d;theta\nj1;revolute;1,250;0;0;0\nj2;revolute;80.5;0;0;0\n",
+        "arm.csv:1: notice: manipulator 'arm', field 'd': d has no unit, while the unit of a is mm: only 0 is read without one\n"
+        "    declare it: `d [mm]`\n"
         "arm.csv:2:13: error: joint 'joint_1': '1,250' can be read in two ways, since '80.5' in line 3 has a decimal point: the comma may separate thousands\n"
         "    accepted: decimal commas alone, or decimal points alone, without separators of thousands",
     ),
@@ -224,7 +226,7 @@ CASES = [
         {"convention": "standard"},
         "a,alpha,d,tehta [deg]\n0,0,0.1,90\n",
         "arm.csv:1:11: error: field 'tehta': no column is called 'tehta [deg]'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'theta'?",
     ),
     Case(
@@ -277,7 +279,9 @@ CASES = [
         "joint,type,a,alpha,d,theta\nj1,revolute,0,90,0,90\n",
         "arm.csv:2:15: error: joint 'j1', field 'alpha': '90' is more than a full turn in rad, and no unit is declared for it\n"
         "    accepted: at most 2π rad where no unit is declared\n"
-        "    if these are degrees, say so: `alpha [deg]` in the header, `units: {angle: deg}`, or `--angle-unit deg`",
+        "    if these are degrees, say so: `alpha [deg]` in the header, `units: {angle: deg}`, or `--angle-unit deg`\n"
+        "arm.csv:2:20: notice: joint 'j1', field 'theta': '90' is more than a full turn\n"
+        "    if these are degrees, say so: `theta [deg]`",
     ),
     Case(
         "pi in degrees",
@@ -414,7 +418,7 @@ CASES = [
         {"convention": "standard"},
         "joint,type,a,alpha,d,lower [deg],upper [deg]\nj1,P,0,0,0.1,0,1\n",
         "arm.csv:2:16: error: joint 'j1', field 'upper': '1' stands in a column of deg, and upper of a prismatic joint is a length\n"
-        "    accepted: 0, or a number with its own unit, such as '100 mm' or '90 deg'",
+        "    accepted: 0, or a number with its own unit: m, cm, mm, µm, in, ft, mil",
     ),
     Case(
         "limits of a continuous joint",
@@ -478,6 +482,8 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,type,a,alpha,d,theta\nj1,revolute,0,0,0.1,0\nj1,revolute,0,0,0.1,0\n",
+        "arm.csv:2:1: notice: manipulator 'arm', field 'joint': the numbers of the joints, 'j1, j1', do not rise from row to row\n"
+        "    rows stand in the order from the base to the tool\n"
         "arm.csv:3:1: error: joint 'j1', field 'joint': the joint cannot be named 'j1': a joint of arm.csv:2 has it already\n"
         "    accepted: a name of its own: links and joints share one set of names, and world, base_link, base_link_inertia, flange, tool0 are in it\n"
         "    name it otherwise, such as j1_joint",
@@ -495,7 +501,8 @@ CASES = [
         {"convention": "standard"},
         "i,a,alpha,d\n0,0,0,0.1\n",
         "arm.csv:2:1: error: joint 'joint_1', field 'index': the index is '0', and this is row 1\n"
-        "    accepted: 1, 2, 3 … in the order of the rows, from the base outwards",
+        "    accepted: 1, 2, 3 … in the order of the rows, from the base outwards\n"
+        "    a row 0 that leads from the base to the first joint has the type fixed",
     ),
     Case(
         "rows that return",
@@ -572,7 +579,7 @@ CASES = [
         {"convention": "standard"},
         "# convetion: Craig\njoint,type,a,alpha,d,theta\nj1,revolute,0,0,0.1,0\n",
         "arm.csv:1:3: error: the comment line says 'convetion', which nothing is called\n"
-        "    accepted: name, convention, units, base, tool, defaults\n"
+        "    accepted: name, convention, units, base, tool, payload, defaults\n"
         "    did you mean 'convention'?",
     ),
     Case(
@@ -630,7 +637,7 @@ CASES = [
         {},
         "joint,type,a,alpha,d,theta\nj1,revolute,0,0,0.1,0\n",
         "arm.yaml:1:1: error: a table is a mapping with the key joints, and this is the text 'joint,type,a,alpha,d,theta j1,revolute,0,0,0.1,0'\n"
-        "    accepted: the keys name, convention, units, base, tool, defaults, visuals, collisions, joints, or robots with a list of such mappings\n"
+        "    accepted: the keys name, convention, units, base, tool, payload, defaults, visuals, collisions, joints, or robots with a list of such mappings\n"
         "    this looks like CSV: give the file the suffix .csv",
     ),
     Case(
@@ -675,19 +682,18 @@ CASES = [
         {},
         "conventoin: standard\nconvention: standard\njoints:\n- {a: 0, alpha: 0, d: 1}\n",
         "arm.yaml:1:1: error: manipulator 'arm', field 'conventoin': 'conventoin' is no key of a manipulator\n"
-        "    accepted: name, convention, units, base, tool, defaults, visuals, collisions, joints\n"
+        "    accepted: name, convention, units, base, tool, payload, defaults, visuals, collisions, joints\n"
         "    did you mean 'convention'?",
     ),
     Case(
         "units that are none",
         ".yaml",
         {},
-        "units: {length: inch, angel: deg}\nconvention: standard\njoints:\n- {a: 0, alpha: 0, d: 1}\n",
-        "arm.yaml:1:17: error: manipulator 'arm', field 'units.length': 'inch' is no unit of length that is known\n"
-        "    accepted: m, cm, mm, µm\n"
-        "    convert the numbers: 1 inch is 25.4 mm, 1 foot is 304.8 mm, 1 gon is 0.9 deg\n"
-        "arm.yaml:1:23: error: manipulator 'arm', field 'units.angel': 'angel' is nothing that has a unit of its own\n"
-        "    accepted: length, angle\n"
+        "units: {length: furlong, angel: deg}\nconvention: standard\njoints:\n- {a: 0, alpha: 0, d: 1}\n",
+        "arm.yaml:1:17: error: manipulator 'arm', field 'units.length': 'furlong' is no unit of length that is known\n"
+        "    accepted: m, cm, mm, µm, in, ft, mil\n"
+        "arm.yaml:1:26: error: manipulator 'arm', field 'units.angel': 'angel' is nothing that has a unit of its own\n"
+        "    accepted: length, angle, mass, inertia, effort, velocity, damping\n"
         "    did you mean 'angle'?",
     ),
     Case(
@@ -713,7 +719,52 @@ CASES = [
         "joint,type,a,alpha,d,theta\nj1,revolute,2020-01-02,0,0.1,0\n",
         "arm.csv:2:13: error: joint 'j1', field 'a': '2020-01-02' cannot be read: it is a date\n"
         "    accepted: a number such as 0.5 or an expression such as 0.1 + 0.02, bare or with a unit (m, cm, mm, µm)\n"
-        "    a spreadsheet makes dates of fractions: format the column as text",
+        "    a spreadsheet makes dates of fractions: format the column as text; for a difference or a quotient, put spaces around its signs",
+    ),
+    Case(
+        "a number of an accountant",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha,d,theta\nj1,revolute,(425),0,0.1,0\n",
+        "arm.csv:2:13: error: joint 'j1', field 'a': '(425)' cannot be read: a number in brackets is negative to a spreadsheet and positive to a person: -425, or 425\n"
+        "    accepted: a number such as 0.5 or an expression such as 0.1 + 0.02, bare or with a unit (m, cm, mm, µm)\n"
+        "    write -425 or 425, without the brackets",
+    ),
+    Case(
+        "a star of two meanings",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha,d,theta\nj1,revolute,0.1,0,0.1,q1*-1\n",
+        "arm.csv:2:23: error: joint 'j1', field 'theta': 'q1*-1' cannot be read: it means q1 times -1, or q1 - 1 where the star marks a joint variable\n"
+        "    accepted: a number such as 0.5 or an expression such as pi/2, bare or with a unit (rad, deg, °)\n"
+        "    write -q1 or q1 - 1, without the star",
+    ),
+    Case(
+        "a cosine of degrees or radians",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha [deg],d,theta [deg]\nj1,revolute,0.3*cos(60),0,0.1,0\n",
+        "arm.csv:2:13: error: joint 'j1', field 'a': '0.3*cos(60)' cannot be read: cos is taken of 60, which has no unit, and angles are declared in degrees\n"
+        "    accepted: a number such as 0.5 or an expression such as 0.1 + 0.02, bare or with a unit (m, cm, mm, µm)\n"
+        "    name the unit of the angle: cos(60 deg), or cos(60 rad)",
+    ),
+    Case(
+        "a cosine of many turns",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha,d,theta\nj1,revolute,0.3*cos(60),0,0.1,0\n",
+        "arm.csv:2:13: error: joint 'j1', field 'a': '0.3*cos(60)' cannot be read: cos is taken of 60, more than a full turn in rad, and no unit is declared for it\n"
+        "    accepted: a number such as 0.5 or an expression such as 0.1 + 0.02, bare or with a unit (m, cm, mm, µm)\n"
+        "    name the unit of the angle: cos(60 deg), or cos(60 rad)",
+    ),
+    Case(
+        "points in an arm that may all separate thousands",
+        ".csv",
+        {"convention": "standard"},
+        "joint;a [mm];alpha;d [mm]\nj1;1.250;0;1.100\n",
+        "arm.csv:2:4: error: joint 'joint_1', field 'a': '1.250' can be read in two ways: the point is a decimal sign or separates thousands, and no other number of the manipulator shows which\n"
+        "    accepted: numbers without separators of thousands\n"
+        "    write 1.25, or 1250",
     ),
     Case(
         "degrees in an offset",
@@ -745,7 +796,7 @@ CASES = [
         "a row of units",
         ".csv",
         {"convention": "standard"},
-        "joint,a,alpha,d\n-,mm,deg,mm\nj1,0,0,0.1\n",
+        "joint,a,alpha,d\nas drawn,mm,deg,mm\nj1,0,0,0.1\n",
         "arm.csv:2: error: joint 'joint_1', field 'a': row 1 holds units, not a joint\n"
         "    accepted: units in the headers, such as `a [mm]`",
     ),
@@ -772,8 +823,9 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,kinematics,a,alpha,d\nj1,prismatic,0,0,0.1\n",
+        "arm.csv:1:7: notice: manipulator 'arm': the column 'kinematics' is left out: no field is called so\n"
         "arm.csv:2: error: joint 'joint_1', field 'type': 'prismatic' seems to be a type, and no field is called 'kinematics': the joint would be taken as revolute\n"
-        "    accepted: one of the headers type, joint type, kind, sigma, σ, r/p, p/r",
+        "    accepted: one of the headers type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type",
     ),
     Case(
         "a minus before a type",
@@ -797,7 +849,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alpha,d,tetha\nj1,0,0,0.1,1\n",
         "arm.csv:1:17: error: field 'tetha': no column is called 'tetha'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, lower, upper, velocity, effort, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'theta'?",
     ),
     Case(
@@ -814,7 +866,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a [mm,alpha,d\nj1,0,0,0.1\n",
         "arm.csv:1: error: field 'a': there is no column for a in the header\n"
-        "    accepted: one of the headers a, r, link length; its unit may follow, as in `a [mm]`\n"
+        "    accepted: one of the headers a, r, link length, length; its unit may follow, as in `a [mm]`\n"
         "    no field is called 'a [mm'",
     ),
     Case(
@@ -831,7 +883,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alpha [pi],d\nj1,0,0.5,0.1\n",
         "arm.csv:1:9: error: field 'alpha': 'pi' is no unit of angle that is known\n"
-        "    accepted: rad, deg, °\n"
+        "    accepted: rad, deg, rev\n"
         "    write rad, and the multiples of π in the cells: 0.5*pi",
     ),
     Case(
@@ -839,8 +891,8 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,a,alpha [Grad],d\nj1,0,90,0.1\n",
-        "arm.csv:1:9: error: field 'alpha': 'grad' is no unit of angle that is known\n"
-        "    accepted: rad, deg, °\n"
+        "arm.csv:1:9: error: field 'alpha': 'Grad' is no unit of angle that is known\n"
+        "    accepted: rad, deg, rev\n"
         "    write deg for degrees; gradians have to be converted: 1 gon is 0.9 deg",
     ),
     Case(
@@ -942,7 +994,11 @@ def test_a_message_says_where_what_and_what_to_do(
     """File, line, column, joint and field, the text found, what is accepted, and what was probably meant."""
     try:
         arms = read(case.table, case.suffix, **case.options)
-        said = [problem for arm in arms for problem in (arm.notices if isinstance(arm, Manipulator) else arm.problems)]
+        said = [
+            problem
+            for arm in arms
+            for problem in in_file_order((*arm.notices, *(() if isinstance(arm, Manipulator) else arm.problems)))
+        ]
         text = "\n".join(map(str, said))
     except TableError as error:
         text = str(error)

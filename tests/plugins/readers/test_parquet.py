@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from pyarrow import parquet as pq
 
 from dh2urdf.errors import MissingDependencyError, TableError
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.manipulator import Convention, Inertia, JointType, Manipulator, Payload
 from dh2urdf.registry import load
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, parquet
@@ -192,12 +192,12 @@ def test_plain_tables_go_the_fast_way(tmp_path: Path, monkeypatch: pytest.Monkey
         "robot": [k // 6 for k in range(count)],
         "i": [k % 6 + 1 for k in range(count)],
         "type": pa.array(["revolute"] * count).dictionary_encode(),
-        "a [mm]": [k / 7 for k in range(count)],
+        "a [mm]": [100 + k / 7 for k in range(count)],
         "alpha [deg]": [90] * count,
-        "d": [0.25] * count,
-        "theta": ["pi/2", "0"] * (count // 2),
-        "lower": [-1.5 if k % 6 else None for k in range(count)],
-        "upper": [1.5 if k % 6 else None for k in range(count)],
+        "d": [25.0] * count,
+        "theta [rad]": ["pi/2", "0"] * (count // 2),
+        "lower [rad]": [-1.5 if k % 6 else None for k in range(count)],
+        "upper [rad]": [1.5 if k % 6 else None for k in range(count)],
     }
     pq.write_table(pa.table(columns), tmp_path / "arms.parquet")
     fast = PlainRows.read
@@ -218,12 +218,12 @@ def test_plain_tables_go_the_fast_way(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_columns_are_called_as_in_csv(read_one: Callable[..., Manipulator]) -> None:
     """Names of the field, units and all, in any order; a column that no field knows is left out with a notice."""
-    arm = read_one({"remark": ["x"], "d/mm": [50], "Twist Angle (deg)": [90.0], "Link_Length": [0.5], "kind": ["P"]})
+    arm = read_one({"remark": ["x"], "d/mm": [50], "Twist Angle (deg)": [90.0], "Link_Length": [0.0], "kind": ["P"]})
     (row,) = arm.rows
-    assert (row.type, row.a, row.alpha, row.d) == (JointType.PRISMATIC, 0.5, 1.5707963267948966, 0.05)
+    assert (row.type, row.a, row.alpha, row.d) == (JointType.PRISMATIC, 0.0, 1.5707963267948966, 0.05)
     assert [notice.message.split(":")[0] for notice in arm.notices] == [
+        "a has no unit, while the unit of d is mm",
         "the column 'remark' is left out",
-        "a has no unit and is read in m, while another length is in mm",
     ]
 
 
@@ -258,15 +258,15 @@ def test_words_may_be_numbers(read: Callable[..., Items]) -> None:
     assert isinstance(first, Manipulator)
     assert (first.name, second.name) == ("7", "8.5")
     assert [(row.joint, row.type.value, row.sign) for row in first.rows] == [
-        ("1", "revolute", -1),
-        ("2", "prismatic", 1),
+        ("joint_1", "revolute", -1),
+        ("joint_2", "prismatic", 1),
     ]
 
 
 def test_names_keep_their_text(read_one: Callable[..., Manipulator]) -> None:
-    """007 is no 7, in a column of texts."""
+    """007 is no 7, in a column of texts; where all are numbers, they count joints."""
     arm = read_one({**RADIANS, "joint": ["007"], "link": ["1e3"]}, name="no")
-    assert (arm.name, arm.rows[0].joint, arm.rows[0].link) == ("no", "007", "1e3")
+    assert (arm.name, arm.rows[0].joint, arm.rows[0].link) == ("no", "joint_007", "1e3")
 
 
 def test_an_empty_cell_is_null(read_one: Callable[..., Manipulator]) -> None:
@@ -287,6 +287,7 @@ def test_metadata_say_what_columns_cannot(tmp_path: Path) -> None:
         "units": "{length: mm, angle: deg}",
         "base": "{xyz: [0, 0, 300], rpy: [0, 0, 90]}",
         "tool": "{xyz: [0, 0, 10]}",
+        "payload": "{mass: 2, com: [0, 0, 50], inertia: {ixx: 1 kg·m², iyy: 1 kg·m², izz: 1 kg·m²}}",
         "defaults": "{geometry: {shape: box, radius: 40}, density: 1000}",
     }
     table = table_of({"a": [100], "alpha": [90], "d": [50.5]}, **statements)
@@ -296,6 +297,7 @@ def test_metadata_say_what_columns_cannot(tmp_path: Path) -> None:
     assert (arm.name, arm.convention, arm.rows[0].a, arm.rows[0].d) == ("gantry", Convention.MODIFIED, 0.1, 0.0505)
     assert (arm.base.translation, arm.base.rotation[:3]) == ((0.0, 0.0, 0.3), (0.0, -1.0, 0.0))
     assert arm.tool.translation == (0.0, 0.0, 0.01)
+    assert arm.payload == Payload(mass=2.0, com=(0.0, 0.0, 0.05), inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
     assert (arm.geometry.shape, arm.geometry.radius, arm.density) == ("box", 0.04, 1000.0)
 
 
@@ -317,27 +319,32 @@ def test_every_manipulator_may_have_its_convention(read: Callable[..., Items]) -
 # --- Refusals ---------------------------------------------------------------------------------------------------------
 
 TWO = {"joint": ["j1", "j2"], "a": [0.5, 0.25], "alpha": [0.0, 0.0], "d": [0.0, 0.5]}
-FIELD = "arm.parquet, row 2: error: joint 'j2', field "
+
+
+def of(field: str) -> str:
+    return f"arm.parquet:row 2, column {field}: error: joint 'j2', field '{field}': "
+
+
 NOTHING = "    accepted: a number, 0 included: nothing is filled in for geometry"
 
 
 @pytest.mark.parametrize(
     ("columns", "said"),
     [
-        ({"a": [0.5, None]}, f"{FIELD}'a': a is empty\n{NOTHING}"),
-        ({"alpha": ["pi/2", None]}, f"{FIELD}'alpha': alpha is empty\n{NOTHING}"),
-        ({"a": [0.5, float("nan")]}, f"{FIELD}'a': 'nan' "),
-        ({"mass": [0.5, float("nan")]}, f"{FIELD}'mass': 'nan' "),
-        ({"d": [0.5, float("-inf")]}, f"{FIELD}'d': '-inf' "),
-        ({"alpha": [0, 90]}, f"{FIELD}'alpha': '90' is more than a full turn in rad"),
-        ({"d": ["0", "1,5"]}, f"{FIELD}'d': "),
-        ({"mass": [1, -2.5]}, f"{FIELD}'mass': '-2.5' is not positive"),
-        ({"type": ["R", "screw"]}, f"{FIELD}'type': 'screw' is no type of joint"),
+        ({"a": [0.5, None]}, of("a") + f"a is empty\n{NOTHING}"),
+        ({"alpha": ["pi/2", None]}, of("alpha") + f"alpha is empty\n{NOTHING}"),
+        ({"a": [0.5, float("nan")]}, of("a") + "'nan' "),
+        ({"mass": [0.5, float("nan")]}, of("mass") + "'nan' "),
+        ({"d": [0.5, float("-inf")]}, of("d") + "'-inf' "),
+        ({"alpha": [0, 90]}, of("alpha") + "'90' is more than a full turn in rad"),
+        ({"d": ["0", "1,5,0"]}, of("d") + "'1,5,0' cannot be read"),
+        ({"mass": [1, -2.5]}, of("mass") + "'-2.5' is not positive"),
+        ({"type": ["R", "screw"]}, of("type") + "'screw' is no type of joint"),
         ({"beta": [0.0, 0.5]}, "'beta' is the angle of Hayati's convention, which no column holds, and it is '0.5'"),
         ({"moves": ["R", "prismatic"]}, "'prismatic' seems to be a type, and no field is called 'moves'"),
-        ({"joint": ["j1", "j1"]}, "the joint cannot be named 'j1': a joint of arm.parquet, row 1 has it already"),
+        ({"joint": ["j1", "j1"]}, "the joint cannot be named 'j1': a joint of arm.parquet:row 1, column joint has it already"),
         ({"alpah": [0, 0], "joint": ["j1", "j2"]}, "no column is called 'alpah'"),
-        ({"a [lightyears]": [0, 0]}, "arm.parquet: error: "),
+        ({"a [lightyears]": [0, 0]}, "arm.parquet:column a [lightyears]: error: "),
         ({"a [mm]": [0, 0]}, "two columns are a: 'a' and 'a [mm]' (a duplicate)"),
         ({"a": pa.array([1, 2], pa.timestamp("ms"))}, "field 'a': the column 'a' holds timestamp[ms]\n    accepted: numbers or text"),
         ({"a": [[0.5], [0.25]]}, "field 'a': the column 'a' holds list<element: double>"),
@@ -414,7 +421,7 @@ def test_a_manipulator_whose_rows_return_is_refused(read: Callable[..., Items], 
 
 def test_a_row_that_does_not_say_whose_it_is_is_refused(refusal: Callable[..., str]) -> None:
     """A null in the column of robots is no name."""
-    assert "arm.parquet, row 2: error: " in refusal(robots(["A", None, "B"]))
+    assert "arm.parquet:row 2, column robot: error: " in refusal(robots(["A", None, "B"]))
 
 
 def test_a_manipulator_may_be_longer_than_a_batch(read_one: Callable[..., Manipulator]) -> None:
@@ -426,7 +433,7 @@ def test_a_manipulator_may_be_longer_than_a_batch(read_one: Callable[..., Manipu
 def test_a_row_keeps_its_place_in_another_process(read_one: Callable[..., Manipulator]) -> None:
     """Workers get manipulators pickled, and say the row in their messages too."""
     mark = pickle.loads(pickle.dumps(read_one(RADIANS))).rows[0].mark  # noqa: S301 - pickled here
-    assert (str(mark), str(replace(mark, line=None))) == ("arm.parquet, row 1", "arm.parquet")
+    assert str(mark) == "arm.parquet:row 1"
 
 
 @pytest.fixture(scope="module")
@@ -462,7 +469,7 @@ def test_what_stands_before_a_fault_is_read(large: Path, tmp_path: Path) -> None
     (tmp_path / "arms.parquet").write_bytes(content)
     arms = parquet.read(tmp_path / "arms.parquet", STANDARD)
     assert [arm.name for arm in islice(arms, 1000)] == [str(robot) for robot in range(1000)]
-    with pytest.raises(TableError, match=r"arms.parquet, row \d{4,}: error: the file is broken from here on: ."):
+    with pytest.raises(TableError, match=r"arms.parquet:row \d{4,}: error: the file is broken from here on: ."):
         list(arms)
 
 
@@ -521,3 +528,141 @@ def test_a_reader_that_is_left_closes_its_file(large: Path, monkeypatch: pytest.
     arms.close()  # type: ignore[attr-defined]
     assert opened
     assert all(file.closed for file in opened)
+
+
+# --- Kinds of columns -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "written", "held"),
+    [(pa.float32(), 0.1, 0.10000000149011612), (pa.float16(), 0.425, 0.425048828125)],
+)
+def test_numbers_of_few_digits_get_a_notice(
+    read_one: Callable[..., Manipulator], kind: Any, written: float, held: float
+) -> None:
+    """They are the numbers of the file, and not what was written there."""
+    import numpy as np
+
+    numbers = np.array([0.5, written], np.float16 if kind == pa.float16() else np.float32)
+    arm = read_one({"a": pa.array(numbers, kind), "alpha": [0.0] * 2, "d": [0.0] * 2})
+    assert [row.a for row in arm.rows] == [0.5, held]
+    (notice,) = arm.notices
+    name = "halffloat" if kind == pa.float16() else "float"
+    assert str(notice) == (
+        f"arm.parquet:column a: notice: manipulator 'arm': the column 'a' holds {name}, in which {written} is {held}: the "
+        "numbers are read as they are there\n    write the column as float64"
+    )
+
+
+def test_numbers_of_few_digits_that_are_exact_get_none(read_one: Callable[..., Manipulator]) -> None:
+    """0, 0.5 and 90 are the same in every width."""
+    arm = read_one({name: pa.array([0.5, 0.0, -0.25, None][:3], pa.float32()) for name in ("a", "alpha", "d")})
+    assert arm.notices == ()
+
+
+@pytest.mark.parametrize(
+    ("numbers", "said"),
+    [([0.5, 0.25], None), ([0.5, None], "d is empty"), ([0.5, float("nan")], "'nan'")],
+)
+def test_a_dictionary_of_numbers_holds_numbers(read: Callable[..., Items], numbers: Column, said: str | None) -> None:
+    """As pandas writes a categorical column: what is missing or no number is not lost."""
+    (arm,) = read({"a": [0.0] * 2, "alpha": [0.0] * 2, "d": pa.array(numbers, pa.float64()).dictionary_encode()})
+    if said is None:
+        assert isinstance(arm, Manipulator)
+        assert [row.d for row in arm.rows] == numbers
+    else:
+        assert isinstance(arm, Rejected)
+        assert said in str(arm.problems[0])
+
+
+def with_metadata(**units: dict[str, str]) -> Any:
+    fields = [pa.field(name, pa.float64(), metadata=units.get(name.split()[0])) for name in ("a", "alpha", "d [mm]")]
+    return pa.table([pa.array([100.0]), pa.array([90.0]), pa.array([50.0])], schema=pa.schema(fields))
+
+
+@pytest.mark.parametrize("key", ["unit", "units", "Unit"])
+def test_the_metadata_of_a_column_have_its_unit(tmp_path: Path, key: str) -> None:
+    """Under the keys that other programs write."""
+    table = with_metadata(a={key: "mm", "long_name": "link length"}, alpha={key: "deg"}, d={key: "mm"})
+    pq.write_table(table, tmp_path / "arm.parquet")
+    (arm,) = parquet.read(tmp_path / "arm.parquet", STANDARD)
+    assert isinstance(arm, Manipulator)
+    (row,) = arm.rows
+    assert (row.a, row.alpha, row.d) == (0.1, 1.5707963267948966, 0.05)
+    assert arm.notices == ()
+
+
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [
+        ({"d": {"unit": "cm"}}, "arm.parquet:column d [mm]: error: the metadata of the column 'd [mm]' say 'cm', and its name says mm\n"),
+        ({"a": {"unit": "cm", "units": "mm"}}, "column a: error: the metadata of the column 'a' say 'cm' and 'mm'\n"),
+        ({"a": {"unit": "lightyears"}}, "column a: error: "),
+    ],
+)  # fmt: skip
+def test_units_that_contradict_or_mean_nothing_are_refused(
+    tmp_path: Path, units: dict[str, dict[str, str]], said: str
+) -> None:
+    """The message names the column."""
+    pq.write_table(with_metadata(**units), tmp_path / "arm.parquet")
+    with pytest.raises(TableError) as caught:
+        list(parquet.read(tmp_path / "arm.parquet", STANDARD))
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        (pa.timestamp("us"), 1),
+        (pa.date32(), 1),
+        (pa.time32("ms"), 1),
+        (pa.duration("s"), 1),
+        (pa.struct([("x", pa.float64())]), {"x": 0.5}),
+        (pa.binary(), b"0.5"),
+    ],
+)
+def test_columns_of_other_kinds_are_refused_where_they_are_read(
+    refusal: Callable[..., str], read_one: Callable[..., Manipulator], kind: Any, value: Any
+) -> None:
+    """With the column and its field; one that no field is called is no matter."""
+    cells = pa.array([value], kind)
+    assert f"arm.parquet:column theta: error: field 'theta': the column 'theta' holds {kind}" in refusal(
+        {**RADIANS, "theta": cells}
+    )
+    assert read_one({**RADIANS, "remark": cells}).rows[0].d == 0.25
+
+
+def test_truth_values_are_no_numbers(refusal: Callable[..., str]) -> None:
+    """True is no length of 1 m."""
+    assert "'true'" in refusal({**RADIANS, "a": [True]})
+
+
+@pytest.mark.parametrize("number", [2**53 + 1, -(2**63), 2**63 - 1])
+def test_whole_numbers_beyond_doubles_are_exact_as_names(read_one: Callable[..., Manipulator], number: int) -> None:
+    """As numbers they are lengths that are refused."""
+    assert read_one({**RADIANS, "link": [number]}).rows[0].link == str(number)
+
+
+@pytest.mark.parametrize("dtype", ["int64", "Int64", "float64", "Float64", "float32", "category", "object", "string"])
+def test_tables_of_pandas(tmp_path: Path, dtype: str) -> None:
+    """Whatever pandas makes of a column; an index without a name is no column."""
+    import pandas as pd
+
+    frame = pd.DataFrame({"joint": ["hip", "knee"], "a": [1, 2], "alpha": [0.0, 0.0], "d": [0, 0], "mass": [1, 2]})
+    frame["a"] = frame["a"].astype(dtype)  # type: ignore[call-overload]  # any kind
+    frame.to_parquet(tmp_path / "arm.parquet")
+    (arm,) = parquet.read(tmp_path / "arm.parquet", STANDARD)
+    assert isinstance(arm, Manipulator)
+    assert [(row.joint, row.a) for row in arm.rows] == [("hip", 1.0), ("knee", 2.0)]
+    assert arm.notices == ()
+
+
+def test_an_index_of_pandas_with_a_name_is_a_column(tmp_path: Path) -> None:
+    """As pandas writes it."""
+    import pandas as pd
+
+    frame = pd.DataFrame({"a": [0.0, 1.0], "alpha": [0.0, 0.0], "d": [0.0, 0.0]}, index=["hip", "knee"])
+    frame.rename_axis("joint").to_parquet(tmp_path / "arm.parquet")
+    (arm,) = parquet.read(tmp_path / "arm.parquet", STANDARD)
+    assert isinstance(arm, Manipulator)
+    assert [row.joint for row in arm.rows] == ["hip", "knee"]

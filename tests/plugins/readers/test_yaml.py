@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 FULL = """
 name: ur5
 convention: standard
-units: {length: mm, angle: deg}
+units: {length: mm, angle: deg, inertia: kg·m², effort: [Nm, N], damping: [N·m·s/rad, N·s/m]}
 base: {xyz: [0, 0, 10], rpy: [0, 0, 180], mass: 4, geometry: {shape: box, radius: 75}}
 tool: {xyz: [0, 0, 100]}
 defaults: {geometry: {shape: cylinder, radius: 40}, density: 2700, damping: 0.5}
@@ -112,7 +112,7 @@ def test_craigs_keys_mean_his_convention(read: Callable[..., list[Manipulator | 
         "{a: 0, A: 0, alpha: 0, d: 1}",
         "{a: 0, alpha: 0, d: 1, sign: 1, flip: true}",
         "{a: 0, alpha: 0, d: 1, lower: 0, limits: {lower: 0, upper: 1}}",
-        "{a: 0, alpha: 0, d: 1, limits: [0, 1]}",
+        "{a: 0, alpha: 0, d: 1, limits: [0, 1, 2]}",
         "{a: 0, alpha: 0, d: 1, com: [0, 0]}",
         "{a: 0, alpha: 0, d: 1, com: [0, 0, x]}",
         "{a: 0, alpha: 0, d: 1, mass: 1, inertia: [1, 1, 1]}",
@@ -149,7 +149,15 @@ def test_a_joint_that_is_wrong_is_refused(read: Callable[..., list[Manipulator |
         ("base", "[[1e300, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"),
         ("base", "[[0.707, -0.707, 0, 0], [0.707, 0.707, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"),
         ("tool", "{mass: 3}"),
-        ("base", "{mass: 0}"),
+        ("base", "{mass: -1}"),
+        ("payload", "{com: [0, 0, 0]}"),
+        ("payload", "{mass: 0}"),
+        ("payload", "[1, 2]"),
+        ("payload", "{mass: 1, com: [0, 0]}"),
+        ("payload", "{mass: 1, inertia: [1, 2, 3, 4, 5, 6]}"),
+        ("payload", "{mass: 1, inertia: {ixx: 1, iyy: 1}}"),
+        ("payload", "{mass: 1, inertia: {ixx: 1, iyy: 1, izz: 3}}"),
+        ("payload", "{mass: 1, inertia: [[1, 0, 0], [0.1, 1, 0], [0, 0, 1]]}"),
         ("base", "{geometry: 3}"),
         ("base", "{geometry: {colour: red}}"),
         ("defaults", "[1]"),

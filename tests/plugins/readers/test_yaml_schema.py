@@ -97,7 +97,7 @@ def test_other_names_and_forms_are_valid_and_read(text: str, tmp_path: Path) -> 
         "{joints: [{a: 0, alpha: 0, d: 0, com: [1, 2]}]}",
         "{base: [[1]], joints: [{a: 0, alpha: 0, d: 0}]}",
         "{tool: {xyz: [0, 0]}, joints: [{a: 0, alpha: 0, d: 0}]}",
-        "{units: {length: inch}, joints: [{a: 0, alpha: 0, d: 0}]}",
+        "{units: {length: furlong}, joints: [{a: 0, alpha: 0, d: 0}]}",
         "{defaults: {geometry: {shape: blob}}, joints: [{a: 0, alpha: 0, d: 0}]}",
     ],
 )

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.errors import TransformError
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions, alpha_swap
 
@@ -207,6 +208,50 @@ def test_given_mass_properties_hold_in_the_dh_frame_after_the_row(frames: str, c
         F @ matrix(GIVEN["inertia"]) @ F.T,
         atol=1e-14,  # type: ignore[arg-type]
     )
+
+
+@pytest.mark.parametrize("frames", ["aligned", "dh"])
+def test_a_payload_is_a_body_at_tool0(frames: str, ur5: Manipulator, robot_of: RobotOf) -> None:
+    """As the table says it, in the axes of tool0; the joints' default efforts bear it."""
+    tool = RigidTransform.from_xyz_rpy((0.0, 0.02, 0.1), (0.1, 0.2, 0.3))
+    payload = Payload(mass=5.0, com=(0.0, 0.01, 0.05), inertia=Inertia(ixx=0.02, iyy=0.02, izz=0.01))
+    alone, laden = (robot_of(replace(ur5, tool=tool, payload=p), frames=frames) for p in (None, payload))
+    found = body(laden, "payload")
+    assert (found.mass, found.com, found.inertia) == (payload.mass, payload.com, payload.inertia)
+    origins = {joint.child: (joint.parent, joint.type, joint.origin) for joint in laden.joints}
+    assert origins["payload"] == origins["tool0"]
+    assert laden.mass == pytest.approx(alone.mass + 5.0, rel=1e-15)
+    for lighter, heavier in zip(alone.moving_joints[:3], laden.moving_joints[:3], strict=True):
+        assert (heavier.limits.effort or 0) > (lighter.limits.effort or 0)
+
+
+def test_a_payload_without_an_inertia_is_a_solid_ball(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """Of the density of the links: 0.4 m r² with m = density · 4/3 π r³."""
+    moment = body(robot_of(replace(ur5, payload=Payload(mass=2.0), density=1000.0)), "payload").inertia.ixx
+    assert moment == pytest.approx(0.4 * 2.0 * (2.0 / 1000.0 * 3.0 / (4.0 * math.pi)) ** (2 / 3), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("row", "base", "weight"),
+    [({"mass": 2.0}, None, 0.0), ({"mass": 2.0}, 3.0, 3.0), ({}, 0.0, 0.0), ({"mass": 2.0}, 0.0, 0.0)],
+)
+def test_no_mass_of_the_base_is_invented_beside_stated_ones(
+    row: dict[str, Any], base: float | None, weight: float, table: Table, robot_of: RobotOf
+) -> None:
+    """Where every link has a mass of the table, and where the table says that the base has none."""
+    robot = robot_of(table({"d": 0.3, **row}, {"a": 0.2, **row}, base_mass=base))
+    assert body(robot, "base_link_inertia").mass == weight
+
+
+def test_a_base_has_the_mass_of_its_shape_where_a_link_has_none(table: Table, robot_of: RobotOf) -> None:
+    """As every body that the table leaves open."""
+    assert body(robot_of(table({"d": 0.3, "mass": 2.0}, {"a": 0.2})), "base_link_inertia").mass > 0.0
+
+
+def test_a_row_called_payload_is_refused_beside_a_payload(table: Table, robot_of: RobotOf) -> None:
+    """Links have one name each."""
+    with pytest.raises(TransformError, match="so is the link of the payload"):
+        robot_of(table({"d": 0.3, "link": "payload"}, payload=Payload(mass=1.0)))
 
 
 def test_frames_weigh_nothing_and_say_so(ur5: Manipulator, robot_of: RobotOf) -> None:

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.columns import in_columns
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.robot_check import check_robot
@@ -259,7 +260,7 @@ class TestWhatIsSure:
             "inertia": Inertia(ixx=1.0, iyy=1.0, izz=1.0),
         }
         good = [replace(table({"a": 0.3 + 0.01 * k, **given_numbers}), name=f"arm_{k}") for k in range(9)]
-        bad = replace(good[4], name="bad", rows=(replace(good[4].rows[0], **fault),))
+        bad = replace_unchecked(good[4], name="bad", rows=(replace_unchecked(good[4].rows[0], **fault),))
         tables = [*good, bad]
         assert len(in_columns(tables)) == 1
         assert sorted(made(tables, AlphaSwapOptions())) == list(range(9))
@@ -327,11 +328,11 @@ def _spoilt(table: Manipulator, draw: Callable[..., Any]) -> Manipulator:
     limits = [name for name in ("lower", "upper", "velocity", "effort") if getattr(row.limits, name) is not None]
     name = draw(st.sampled_from([*numbers, *limits, *(["inertia", "com"] if row.inertia and row.com else [])]))
     if name == "inertia":
-        spoilt = replace(row, inertia=replace(row.inertia, izz=value))
+        spoilt = replace_unchecked(row, inertia=replace(row.inertia, izz=value))
     elif name == "com":
-        spoilt = replace(row, com=(0.0, value, 0.0))
+        spoilt = replace_unchecked(row, com=(0.0, value, 0.0))
     elif name in limits:
-        spoilt = replace(row, limits=replace(row.limits, **{name: value}))
+        spoilt = replace_unchecked(row, limits=replace(row.limits, **{name: value}))
     else:
-        spoilt = replace(row, **{name: value})
-    return replace(table, rows=(*table.rows[:number], spoilt, *table.rows[number + 1 :]))
+        spoilt = replace_unchecked(row, **{name: value})
+    return replace_unchecked(table, rows=(*table.rows[:number], spoilt, *table.rows[number + 1 :]))

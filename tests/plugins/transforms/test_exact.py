@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dh2urdf.coercion import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder
 from dh2urdf.robot_check import check_robot
@@ -345,7 +346,7 @@ def test_dh_link_frames_are_the_frames_of_the_table(convention: Convention) -> N
     q = [0.3, -0.7, 1.1, 0.2]
     for i in range(4):
         upto = i + 1 if convention is Convention.MODIFIED else i
-        frame = dh_product(replace(table, rows=table.rows[:upto]), q[:upto])
+        frame = dh_product(replace_unchecked(table, rows=table.rows[:upto]), q[:upto])
         if convention is Convention.STANDARD:
             frame = frame @ turn((0, 0, 1), q[i])
         np.testing.assert_allclose(tree_pose(robot, q, f"l{i}"), frame, atol=1e-14)

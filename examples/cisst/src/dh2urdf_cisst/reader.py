@@ -127,6 +127,7 @@ class _File:
         rotation, deviation = nearest_rotation((a, b, c, d, e, f, g, h, i))
         if not deviation <= RIGID or last != [0.0, 0.0, 0.0, 1.0]:
             self.refuse(node, name, "the matrix is no rigid transform", "a rotation, a position, and 0 0 0 1 below")
+            return IDENTITY
         return RigidTransform(rotation, (x, y, z))
 
     def entries(self, node: Node, what: str) -> dict[str, Node]:
@@ -187,6 +188,7 @@ class _Joint:
         effort = self.number_of("ftmax") or self.number_of("tmax") or None
         if lower > upper:
             self.refuse("qmin", "it is larger than qmax", "a range of joint values")
+            return Limits(effort=effort)
         return Limits(effort=effort) if lower == upper == 0 else Limits(lower=lower, upper=upper, effort=effort)
 
     def number_of(self, key: str, *, needed: bool = False) -> float:

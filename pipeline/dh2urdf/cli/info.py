@@ -1,0 +1,131 @@
+"""`dh2urdf info`: what was understood of a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from dh2urdf.asking import stage_calls
+from dh2urdf.attribution import default_call
+from dh2urdf.chosen_table import chosen_reader, refuse_run_file
+from dh2urdf.cli import EXIT_STATUS, SETTLED
+from dh2urdf.cli.answers import answer, answers
+from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import given_table
+from dh2urdf.cli.tables import ASKER, READER_OPTIONS, settings_of, table_options
+from dh2urdf.conversion import make_robot, read_items
+from dh2urdf.errors import ManipulatorError, TableError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.provenance import Trace
+from dh2urdf.report.info import brief, details, info_report
+from dh2urdf.report.info_text import lines, markdown, print_on_terminal
+from dh2urdf.single_table import DEFAULT_TRANSFORM
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.textfiles import check_file
+
+if TYPE_CHECKING:
+    from dh2urdf.attribution import Call
+    from dh2urdf.registry import Catalog
+    from dh2urdf.results import BriefEntry, Detail
+    from dh2urdf.stages import Reader, Rejected
+
+
+@click.command(name="info", epilog=EXIT_STATUS)
+@click.argument("table", type=click.Path(path_type=Path))
+@table_options
+@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
+@click.option("--json", "form", flag_value="json", help="Print it as JSON.")
+@click.option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
+@without_option
+def command(
+    table: Path,
+    reader_name: str | None,
+    robot: str | None,
+    settings: tuple[str, ...],
+    form: str | None,
+    **flags: str | None,
+) -> int:
+    """Print what is understood of TABLE: every value in SI units, as it is typed, its unit, and the cell.
+
+    What TABLE does not say is marked: as a default, or as computed by the transform. The pose of tool0 at zero, a bound
+    of its distance and the mass of the arm are those that `dh2urdf convert` proves and writes. Of several manipulators
+    there is a line each; `--robot` shows one. TABLE may be -, which is standard input.
+
+    \b
+    dh2urdf info ur5.csv
+    dh2urdf info arms.csv --robot ur10 --json > ur10.json
+    dh2urdf info panda.yaml --markdown > panda.md
+    dh2urdf info arms.xlsx --set sheet=Left
+    """
+    installed = catalog()
+    path, reader = given_table(table, reader_name, installed)
+    check_file(path, TableError)
+    given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
+    stages = {"reader": [chosen_reader(installed, path, reader, ASKER)]}
+    (call,) = stage_calls(installed, stages, ASKER, given, settings_of(settings))["reader"]
+    arms, chosen, trace = _read(call, path, robot)
+    detail = None if chosen is None else _detail(installed, chosen, trace)
+    failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))
+    status: Literal[0, 1] = 1 if failed else 0
+    report = info_report(str(path), arms, detail, status)
+    click.get_current_context().meta[SETTLED] = status
+    if form == "json":
+        from dh2urdf.outcome import to_text
+
+        answer(to_text(report), nl=False)
+    elif form == "markdown":
+        answer("\n".join(markdown(report)))
+    elif answers().isatty():
+        print_on_terminal(report, answers())
+    else:
+        answer("\n".join(lines(report)))
+    return status
+
+
+def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[BriefEntry], Manipulator | None, Trace]:
+    """The manipulators of a table in short, the one that is meant, and what its cells say.
+
+    Raises:
+        TableError: the table cannot be read, or has no such manipulator.
+        ConfigError: it is a run file.
+    """
+    trace, its = Trace(), Trace()
+    arms: list[BriefEntry] = []
+    chosen: Manipulator | Rejected | None = None
+    with refuse_run_file(path, ASKER):
+        for item in read_items(call, path, trace):
+            if robot in (None, item.name):
+                chosen, its = item, trace.copy()
+            arms.append(brief(item))
+            if robot == item.name:
+                break
+        if robot is not None and chosen is None:
+            names = [arm["name"] for arm in arms]
+            raise TableError(
+                Problem(
+                    message=f"the table holds no manipulator {shown(robot)}",
+                    mark=Mark(file=str(path)),
+                    found=robot,
+                    accepted=", ".join(names[:20]) or None,
+                    suggestion=did_you_mean(robot, names),
+                )
+            )
+        if robot is None and len(arms) > 1:
+            return arms, None, its
+        if chosen is None:
+            raise TableError(Problem(message="the table holds no manipulator", mark=Mark(file=str(path))))
+        if not isinstance(chosen, Manipulator):
+            raise TableError(chosen.problems, chosen.notices)
+    return [brief(chosen)], chosen, its
+
+
+def _detail(catalog: Catalog, manipulator: Manipulator, trace: Trace) -> Detail:
+    """All of a manipulator, with what the default transform makes of it."""
+    transform = default_call(catalog, catalog.get("transform", DEFAULT_TRANSFORM))
+    try:
+        robot = make_robot(manipulator, transform)
+    except ManipulatorError as error:
+        return details(manipulator, trace, None, error.problems)
+    return details(manipulator, trace, robot)

@@ -1,0 +1,116 @@
+"""`-` in place of a table: what comes from standard input, as a file for its reader."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dh2urdf.errors import ConfigError, TableError
+from dh2urdf.options import COMMAND_LINE
+from dh2urdf.source import Mark, Problem
+from dh2urdf.spooled import spooled
+from dh2urdf.textfiles import MAX_BYTES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf.registry import Catalog
+
+DASH = "-"
+FILE = "/dev/stdin"
+"""The file that standard input comes from, where the shell has redirected one and the system has such a name."""
+NAME = "standard input"
+"""What messages call standard input."""
+
+
+def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path, str | None]:
+    """A table of the command line, and the name of its reader; standard input where the table is a dash.
+
+    What comes from there is kept in a file until the command ends.
+
+    Args:
+        table: the table as it was given.
+        reader: the name of the reader, where it was given.
+        catalog: the readers that there are.
+
+    Raises:
+        TableError: standard input is empty, too long or closed, or its format is not sure.
+        UnknownStageError: there is no such reader.
+    """
+    if str(table) != DASH:
+        return table, reader
+    content = _standard_input()
+    if reader is None:
+        reader = _format_of(content, catalog)
+    return _kept(content, catalog.get("reader", reader).suffixes), reader
+
+
+def files_behind(tables: Iterable[Path]) -> list[Path]:
+    """The files that the tables of a command line are read from."""
+    return [Path(FILE) if str(table) == DASH else table for table in tables]
+
+
+def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path:
+    """A robot description of the command line; standard input where the file is a dash.
+
+    Raises:
+        TableError: standard input is empty, too long or closed.
+        ConfigError: the format of standard input is not said: of a URDF, which a xacro may be too, nobody can be sure.
+        UnknownStageError: there is no such emitter.
+    """
+    if str(file) != DASH:
+        return file
+    if emitter is None:
+        problem = Problem(message="the format of standard input is not said", mark=COMMAND_LINE, accepted="`--as NAME`")
+        raise ConfigError(problem)
+    return _kept(_standard_input(), catalog.get("emitter", emitter).suffixes)
+
+
+def _kept(content: bytes, suffixes: tuple[str, ...]) -> Path:
+    """A file with some content, until the command ends."""
+    return click.get_current_context().with_resource(spooled(content, NAME, suffixes[0] if suffixes else ""))
+
+
+def _standard_input() -> bytes:
+    mark = Mark(file=NAME)
+    try:
+        content = sys.stdin.buffer.read(MAX_BYTES + 1)
+    except (AttributeError, OSError, ValueError) as error:  # closed by whoever started the command
+        reason = getattr(error, "strerror", None) or "it is closed"
+        raise TableError(Problem(message=f"standard input cannot be read: {reason}", mark=mark)) from None
+    if not content.strip():
+        raise TableError(Problem(message="there is nothing in it", mark=mark))
+    if len(content) > MAX_BYTES:
+        message = f"there are more than {MAX_BYTES / 2**20:.0f} MiB, too much to be read at once"
+        raise TableError(Problem(message=message, mark=mark, suggestion="save the table as a file"))
+    return content
+
+
+def _format_of(content: bytes, catalog: Catalog) -> str:
+    """The reader of some content: the one that reads it as a table, where no other does.
+
+    Raises:
+        TableError: no reader does, or several do.
+    """
+    names: list[str] = []
+    for provided in catalog.provided("reader"):
+        reader: Any = provided.stage
+        with spooled(content, NAME, reader.suffixes[0] if reader.suffixes else "") as path, suppress(Exception):
+            # A reader may raise anything of what is not its own format.
+            if next(iter(reader.read(path, reader.options())), None) is not None:
+                names.append(reader.name)
+    if len(names) == 1:
+        return names[0]
+    every = [provided.stage.name for provided in catalog.provided("reader")]
+    message = f"{' and '.join(names)} both read this" if names else "no reader surely reads this as it is"
+    raise TableError(
+        Problem(
+            message=f"the format is not sure: {message}",
+            mark=Mark(file=NAME),
+            accepted=f"`--from NAME`, with one of {', '.join(names or every)}",
+        )
+    )

@@ -1,0 +1,82 @@
+"""The table of a manipulator as a file, which is read back before anybody gets it: the same arm to the last bit."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.attribution import Call, blaming
+from dh2urdf.errors import RecordValueError
+from dh2urdf.output import write_whole
+from dh2urdf.registry import load
+from dh2urdf.source import Mark, Problem
+from dh2urdf.spooled import spooled
+from dh2urdf.stages import Rejected
+from dh2urdf.table_text import table_text
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.stages import Reader
+
+
+def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLike[str] | None, function: str) -> str:
+    """The table of a manipulator in the format of a reader.
+
+    Args:
+        manipulator: the arm.
+        format_name: name of the reader.
+        out: the file to write; None writes none.
+        function: what was called, for messages.
+
+    Returns:
+        The table, as text.
+
+    Raises:
+        RecordValueError: the format has no place for something that the manipulator says.
+        OutputError: the file cannot be written.
+    """
+    catalog = load()
+    reader: Reader[Any] = catalog.get("reader", format_name)
+    call = Call(stage=reader, options=reader.options(), plugin=catalog.plugin_of(reader))
+    with blaming(call):
+        if reader.write is None:
+            raise NotImplementedError(f"the reader {format_name!r} writes no tables")
+        content = reader.write(table_text(manipulator)).content
+        with spooled(content, function, reader.suffixes[0]) as path:
+            (again,) = reader.read(path, call.options)
+    if isinstance(again, Rejected):
+        raise RecordValueError(again.problems)
+    if again != manipulator:
+        raise RecordValueError(
+            Problem(
+                message=f"a table as {format_name} cannot say this as it is",
+                mark=Mark(file=function),
+                robot=manipulator.name,
+                field=place,
+                found=str(value),
+            )
+            for place, value in _different(manipulator, again, "")
+        )
+    if out is not None:
+        write_whole(Path(out), content)
+    return content.decode()
+
+
+def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - records and their parts
+    """The places in which two records differ, and what the first has there."""
+    if given == again:
+        return
+    if is_dataclass(given) and type(given) is type(again):
+        for field in fields(given):
+            if field.compare:
+                inner = f"{place}.{field.name}" if place else field.name
+                yield from _different(getattr(given, field.name), getattr(again, field.name), inner)
+    elif type(given) is tuple and type(again) is tuple and len(given) == len(again):
+        for number, (left, right) in enumerate(zip(given, again, strict=True)):
+            yield from _different(left, right, f"{place}[{number}]")
+    else:
+        yield place, given

@@ -1,0 +1,96 @@
+"""A base that weighs nothing, for the formats that need one that does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Inertia, JointType
+from dh2urdf.robot import Inertial
+from dh2urdf.source import Problem
+
+if TYPE_CHECKING:
+    from dh2urdf.robot import Robot
+
+ROOT, BASE = "base_link", "base_link_inertia"
+STILL = Inertial(mass=1.0, inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.01))
+"""What a base without a mass weighs where a format needs one: it stands still, and so its mass moves nothing."""
+
+
+def is_weightless_base(name: str, body: Inertial | None) -> bool:
+    """Whether a link is the base of an arm, or of an arm of a cell, and weighs nothing."""
+    return name.endswith((ROOT, BASE)) and body is not None and not body.mass
+
+
+def weightless_bases(robot: Robot) -> frozenset[str]:
+    """Names of the bases at rest that weigh nothing, of an arm or of the arms of a cell.
+
+    A base on a link that moves, as in a cell, needs no mass: the link has one. Nor does a root that holds a base.
+    """
+    still = links_at_rest(robot)
+    holders = {joint.parent for joint in robot.joints if joint.child.endswith(BASE)}
+    bases = {link.name for link in robot.links if is_weightless_base(link.name, link.inertial)}
+    return frozenset(bases & still - holders)
+
+
+def with_base_bodies(robot: Robot) -> Robot:
+    """A robot whose bases at rest all weigh something."""
+    bases = weightless_bases(robot)
+    links = tuple(replace(link, inertial=STILL) if link.name in bases else link for link in robot.links)
+    return replace(robot, links=links)
+
+
+def links_at_rest(robot: Robot) -> frozenset[str]:
+    """Names of the root and of all links that no joint moves."""
+    still = {robot.root}
+    for joint in robot.joints:  # Parents before children.
+        if joint.type is JointType.FIXED and joint.parent in still:
+            still.add(joint.child)
+    return frozenset(still)
+
+
+def notices_for_gazebo(robot: Robot, *, filled: bool) -> list[Problem]:
+    """A notice where Gazebo needs a mass of the base, and the base has none.
+
+    sdformat merges the links that are fixed to each other, and drops a root that weighs nothing then, with the arm.
+
+    Args:
+        robot: an arm, or a cell of arms.
+        filled: whether the file gives such a base the mass of `STILL`.
+    """
+    if filled:
+        if not weightless_bases(robot):
+            return []
+        message = (
+            f"the table gives the base no mass, and this file gives it {STILL.mass:g} kg, because Gazebo drops an arm "
+            "whose base has none"
+        )
+        return [
+            Problem(message=message, field="base.mass", suggestion="write the mass in the table: `base: {mass: …}`")
+        ]
+    if all(map(_has_body_at_rest, [arm.kind for arm in robot.arms] or [robot])):
+        return []
+    return [
+        Problem(
+            message="Gazebo drops the whole arm of this URDF, because its base has no mass; other simulators load it",
+            field="base.mass",
+            suggestion="for Gazebo, write the mass in the table, `base: {mass: …}`, or choose the profile gazebo: "
+            "`--profile gazebo`, or `options: {profile: gazebo}` of the emitter in a run file",
+        )
+    ]
+
+
+def notices_of_riders(robot: Robot) -> list[Problem]:
+    """A notice where an arm of a cell has a base without a mass on a link that moves: sdformat loses such an arm."""
+    still = links_at_rest(robot)
+    moving = [link for link in robot.links if link.name not in still and link.name.endswith(BASE)]
+    if not any(is_weightless_base(link.name, link.inertial) for link in moving):
+        return []
+    message = "Gazebo drops an arm of this URDF that stands on another arm, because its base has no mass"
+    advice = "write the mass in its table, `base: {mass: …}`, or use the format sdf for Gazebo"
+    return [Problem(message=message, field="base.mass", suggestion=advice)]
+
+
+def _has_body_at_rest(arm: Robot) -> bool:
+    still = links_at_rest(arm)
+    return any(link.inertial and link.inertial.mass for link in arm.links if link.name in still)

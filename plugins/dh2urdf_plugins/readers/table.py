@@ -1,0 +1,75 @@
+"""The grammar that all tables share: rows of cells with their places become manipulators.
+
+A reader of another container, such as a spreadsheet or a page of a document, hands its rows to `read_table` and has
+everything that the reader `csv` has: headers in any spelling, units, expressions, several manipulators in a table, and
+messages that name the cell.
+"""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+from dh2urdf.source import Mark
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.cell_rows import CellRows
+from dh2urdf_plugins.readers.cells import Cell
+from dh2urdf_plugins.readers.row_source import RowSource
+from dh2urdf_plugins.readers.row_table import RowTable
+from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.top import read_top
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from dh2urdf.documents import Node
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.provenance import Trace
+    from dh2urdf.source import Problem
+    from dh2urdf.stages import Rejected
+
+__all__ = ["CellRow", "TableOptions", "read_table"]
+
+
+def read_table(
+    rows: Iterable[CellRow],
+    file: str,
+    options: TableOptions,
+    *,
+    name: str | None = None,
+    statements: Mapping[str, Node] | None = None,
+    decimal_comma: bool = False,
+    notices: Iterable[Problem] = (),
+    trace: Trace | None = None,
+) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a table.
+
+    The first row that names two of a, alpha, d and theta is the header. What stands above it says what holds for all
+    rows: ``# convention: standard``, ``# units: {length: mm, angle: deg}``, in one cell or in several. Empty rows, and
+    comments that begin with #, may stand anywhere.
+
+    Args:
+        rows: the rows of the table from the top; they are read one by one and not held.
+        file: what messages name as the file.
+        options: what the table does not say itself.
+        name: what the manipulator is called where the table does not say it; the file's name without its suffix by
+            default.
+        statements: what the file says outside its rows, by key: name, convention, units, base, tool, defaults.
+        decimal_comma: whether ``0,5`` is a number: it is none where commas separate cells.
+        notices: what the reader of the container has to say of the file; they come with the first manipulator.
+        trace: takes what the cells of each manipulator say before the manipulator is yielded; None where that is not
+            wanted, which is faster.
+
+    Yields:
+        Each manipulator, or what is wrong with it.
+
+    Raises:
+        TableError: there is no header, or it is wrong, or what is said of all rows is.
+    """
+    whole = Mark(file=file)
+    source = rows if isinstance(rows, RowSource) else CellRows(rows, decimal_comma=decimal_comma)
+    top = read_top(source, whole, statements)
+    table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)
+    table.notices += notices
+    table.judge(top.comments)
+    yield from table.manipulators()

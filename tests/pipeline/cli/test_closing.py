@@ -1,0 +1,394 @@
+"""What `convert` says when it is done, to people and to programs; standard input, several tables, errors as JSON."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+from hashlib import sha256
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from jsonschema import Draft202012Validator
+from lxml import etree
+
+from dh2urdf.report.command_schemas import conversions_schema, error_schema
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
+BARE = "# convention: standard\njoint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
+FULL = (
+    "# convention: standard\njoint,type,a,alpha,d,lower,upper,velocity,effort,mass,com_x,com_y,com_z,ixx,iyy,izz\n"
+    "one,R,0,pi/2,0.1,-1,1,2,30,4,0,0,0.05,0.1,0.1,0.1\ntwo,P,0.4,0,0,0,1,2,30,4,0,0,0.05,0.1,0.1,0.1\n"
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "bare.csv").write_text(BARE)
+    (tmp_path / "full.csv").write_text(FULL)
+    (tmp_path / "bad.csv").write_text(BARE.replace("pi/2", "ninety"))
+    return tmp_path
+
+
+def valid(schema: dict[str, Any], text: str) -> dict[str, Any]:
+    """What a text of JSON holds, which is valid."""
+    data: dict[str, Any] = json.loads(text)
+    assert [error.message for error in Draft202012Validator(schema).iter_errors(data)] == []
+    return data
+
+
+@pytest.fixture
+def type_in(monkeypatch: pytest.MonkeyPatch) -> Callable[[bytes], None]:
+    """Put something into standard input."""
+    return lambda content: monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(content)))
+
+
+@pytest.mark.usefixtures("folder")
+class TestTheClosingLine:
+    def test_it_says_what_was_filled_in(self, cli: Cli) -> None:
+        """The arm, its joints, how far the file is from the table, what the table left open, and where the file is."""
+        line = cli("convert", "bare.csv", "-o", "bare.urdf").stderr
+        assert line.startswith("bare: 2 revolute joints; proved at 11 poses, largest error ")
+        assert line.endswith(
+            "filled in: types of 2 joints, masses of 2 links, limits of 2 joints, velocities of 2 joints, efforts of 2 "
+            "joints; written to bare.urdf\n"
+        )
+        error = float(line.partition("largest error ")[2].split()[0])
+        assert 0 <= error < 1e-12
+
+    def test_of_a_full_table_nothing_was(self, cli: Cli) -> None:
+        """Then the line says nothing of it."""
+        *_, line = cli("convert", "full.csv").stderr.splitlines()
+        assert line.startswith("full: 2 joints (1 revolute, 1 prismatic); proved at 11 poses, largest error ")
+        assert "filled in" not in line
+        assert line.endswith("; written to standard output")
+
+    def test_a_transform_that_gives_another_arm(self, cli: Cli) -> None:
+        """The paper's algorithm does not keep the kinematics, and the line says how far off the robot is."""
+        line = cli("convert", TABLES / "ur5.csv", "--variant", "paper").stderr
+        assert "up to 1.8 m and 3 rad from the table: this transform does not keep the kinematics" in line
+
+    def test_notices_come_before_it_and_quiet_has_neither(self, cli: Cli, folder: Path) -> None:
+        """--quiet says what fails, and nothing else."""
+        (folder / "odd.csv").write_text(BARE.replace("pi/2", "1.5708"))
+        said = cli("convert", "odd.csv").stderr
+        assert said.index("pi/2 was probably meant") < said.index("odd: 2 revolute joints")
+        assert cli("convert", "odd.csv", "-q").stderr == ""
+        assert "'ninety'" in cli("convert", "bad.csv", "-q", status=2).stderr
+
+
+@pytest.mark.usefixtures("folder")
+class TestJson:
+    def test_a_conversion(self, cli: Cli, folder: Path) -> None:
+        """Valid by its schema, and true: the file's hash, the proof, what was filled in."""
+        report = valid(conversions_schema(), cli("convert", "bare.csv", "-o", "out/bare.urdf.xacro", "--json").stdout)
+        (row,) = report["conversions"]
+        assert (row["status"], row["name"], row["source"]) == ("ok", "bare", "bare.csv")
+        assert [file["path"] for file in row["files"]] == ["out/bare.urdf.xacro", "out/bare_macro.xacro"]
+        for file in row["files"]:
+            assert sha256((folder / file["path"]).read_bytes()).hexdigest() == file["sha256"]
+        assert row["proof"]["xacro"]["position_error"] < 1e-12
+        assert row["filled_in"]["masses"] == ["link_1", "link_2"]
+        assert row["filled_in"]["limits"] == ["shoulder", "elbow"]
+
+    def test_without_a_file_the_description_is_in_it(self, cli: Cli) -> None:
+        """Standard output is JSON, whole, and holds what would have been there without --json."""
+        (row,) = valid(conversions_schema(), cli("convert", "full.csv", "--json").stdout)["conversions"]
+        assert row["files"][0]["content"] == cli("convert", "full.csv").stdout
+        assert row["filled_in"] == {}
+
+    @pytest.mark.parametrize(
+        ("words", "kind", "found"),
+        [
+            (["convert", "bad.csv", "--json"], "table", "ninety"),
+            (["convert", "bad.csv", "-o", "x.urdf", "--json"], "table", "ninety"),
+            (["convert", "nope.csv", "--json"], "table", None),
+            (["convert", "bare.csv", "--json", "--frames", "dhh"], "config", "dhh"),
+            (["convert", "bare.csv", "--json", "--to", "udrf"], "unknown stage", "udrf"),
+            (["convert", "bare.csv", "-o", "bare.csv", "--to", "urdf", "--json"], "output", "bare.csv"),
+            (["run", "nope.yaml", "--json"], "config", None),
+            (["run", "bare.csv", "--json"], "config", None),
+            (["run", "--json"], "usage", None),
+            (["plugins", "--json", "--without", "nobody"], "config", "nobody"),
+            (["plugins", "--jsn", "--json"], "usage", None),
+            (["check", "nope.urdf", "--format", "json"], "input", None),
+            (["check", "nope.urdf", "--format=json"], "input", None),
+        ],
+        ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+    )
+    def test_an_error_is_json_too(self, cli: Cli, words: list[str], kind: str, found: str | None) -> None:
+        """On standard output, valid by its schema, with every problem that standard error says."""
+        answer = cli(*words, status=2)
+        report = valid(error_schema(), answer.stdout)
+        assert (report["kind"], report["exit_status"]) == (kind, 2)
+        assert found in (None, *(error["found"] for error in report["errors"]))
+        for error in report["errors"]:
+            assert error["message"].partition("; ")[0] in answer.stderr
+
+    def test_the_place_of_an_error_is_in_it(self, cli: Cli) -> None:
+        """File, line and column of a cell."""
+        (error,) = json.loads(cli("convert", "bad.csv", "--json", status=2).stdout)["errors"]
+        assert (error["file"], error["line"], error["column"], error["field"]) == ("bad.csv", 3, 12, "alpha")
+
+    def test_without_it_standard_output_stays_empty(self, cli: Cli) -> None:
+        """An error goes to standard error alone."""
+        assert cli("convert", "bad.csv", status=2).stdout == ""
+
+
+class TestStandardInput:
+    @pytest.mark.parametrize("words", [["--from", "csv"], []], ids=["said", "sniffed"])
+    def test_a_table_from_there(self, cli: Cli, type_in: Callable[[bytes], None], words: list[str]) -> None:
+        """It is converted like a file of the name robot."""
+        type_in(BARE.encode())
+        answer = cli("convert", "-", *words, "--json")
+        (row,) = json.loads(answer.stdout)["conversions"]
+        assert (row["name"], row["source"]) == ("robot", "standard input")
+
+    @pytest.mark.parametrize("table", sorted(TABLES.iterdir()), ids=lambda path: path.name)
+    def test_every_table_of_the_project_is_known(self, cli: Cli, type_in: Callable[[bytes], None], table: Path) -> None:
+        """Its format is seen, and what comes out is what comes of the file."""
+        type_in(table.read_bytes())
+        (row,) = json.loads(cli("convert", "-", "--json").stdout)["conversions"]
+        wanted = cli("convert", table).stdout
+        if table.suffix == ".csv":  # whose name is that of the file
+            wanted = wanted.replace(f"<!-- {table.stem}:", "<!-- robot:")
+            wanted = wanted.replace(f'<robot name="{table.stem}"', '<robot name="robot"')
+        assert row["files"][0]["content"] == wanted
+
+    def test_a_parquet_file(self, cli: Cli, type_in: Callable[[bytes], None], tmp_path: Path) -> None:
+        """Bytes that are no text are passed on as they are."""
+        parquet = pytest.importorskip("pyarrow.parquet")
+        arrow = pytest.importorskip("pyarrow")
+        columns = {"a": [0.4], "alpha": [0.0], "d": [0.1], "convention": ["standard"]}
+        parquet.write_table(arrow.table(columns), tmp_path / "arm.parquet")
+        type_in((tmp_path / "arm.parquet").read_bytes())
+        assert cli("convert", "-").stderr.startswith("robot: 1 revolute joint; ")
+
+    def test_its_errors_say_where(self, cli: Cli, type_in: Callable[[bytes], None]) -> None:
+        """Standard input has lines and columns."""
+        type_in(BARE.replace("pi/2", "ninety").encode())
+        assert cli("convert", "-", "--from", "csv", status=2).stderr.startswith("standard input:3:12: error: ")
+
+    @pytest.mark.parametrize(
+        ("content", "words", "message"),
+        [
+            (b"", [], "standard input: error: there is nothing in it"),
+            (b" \n", ["--from", "csv"], "standard input: error: there is nothing in it"),
+            (b"hello", [], "the format is not sure: no reader surely reads this as it is"),
+            (b"hello", [], "accepted: `--from NAME`, with one of csv, parquet, "),
+            (BARE.encode(), ["--from", "cvs"], "no reader is named 'cvs'"),
+            (b"inputs: arm.csv\n", ["--from", "yaml"], "this is a run file, not a table"),
+        ],
+    )
+    def test_what_is_no_table(
+        self, cli: Cli, type_in: Callable[[bytes], None], content: bytes, words: list[str], message: str
+    ) -> None:
+        """It is refused, with what to say."""
+        type_in(content)
+        assert message in cli("convert", "-", *words, status=2).stderr
+
+    def test_a_closed_one(self, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A command that was started without standard input says so."""
+        monkeypatch.setattr(sys, "stdin", None)
+        assert "standard input cannot be read: it is closed" in cli("convert", "-", status=2).stderr
+
+    def test_paths_of_meshes_start_at_the_working_directory(
+        self, cli: Cli, type_in: Callable[[bytes], None], tmp_path: Path
+    ) -> None:
+        """A table that names a mesh finds it there."""
+        (tmp_path / "link.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+        type_in(b"convention: standard\njoints: [{a: 0.4, alpha: 0, d: 0.1, mass: 1, visual: link.obj}]\n")
+        assert f"file://{tmp_path}/link.obj" in cli("convert", "-").stdout
+
+    def test_the_command_in_a_pipeline(self, tmp_path: Path) -> None:
+        """A real pipe on both ends; nothing is left behind."""
+        done = subprocess.run(
+            [*COMMAND, "convert", "-", "--from", "csv"],
+            input=BARE.encode(),
+            env={**os.environ, "TMPDIR": str(tmp_path)},
+            capture_output=True,
+            check=True,
+        )
+        assert etree.fromstring(done.stdout).get("name") == "robot"
+        assert list(tmp_path.iterdir()) == []
+
+    def test_check_takes_a_table_from_there(self, cli: Cli, type_in: Callable[[bytes], None], folder: Path) -> None:
+        """`check --against -`."""
+        cli("convert", "bare.csv", "-o", "bare.urdf")
+        type_in((folder / "bare.csv").read_bytes())
+        assert "the same arm as robot of standard input" in cli("check", "bare.urdf", "--against", "-").stdout
+
+    @pytest.mark.usefixtures("folder")
+    def test_check_takes_a_description_from_there(self, cli: Cli, type_in: Callable[[bytes], None]) -> None:
+        """`check - --as urdf`; its lines are those of standard input."""
+        text = cli("convert", "bare.csv").stdout
+        type_in(text.replace('<child link="link_2"/>', '<child link="nobody"/>').encode())
+        answer = cli("check", "-", "--as", "urdf", status=1)
+        assert "standard input:" in answer.stdout
+        assert "dh2urdf-" not in answer.stdout
+        type_in(text.encode())
+        assert "`--as NAME`" in cli("check", "-", status=2).stderr
+
+
+@pytest.mark.usefixtures("folder")
+class TestSeveralTables:
+    def test_each_becomes_a_file_of_its_name(self, cli: Cli, folder: Path) -> None:
+        """The same as one by one, into a folder that is made."""
+        answer = cli("convert", "bare.csv", "full.csv", "-o", "out", "--to", "xacro")
+        assert answer.stdout == ""
+        assert [line.partition(":")[0] for line in answer.stderr.splitlines() if "proved" in line] == ["bare", "full"]
+        names = {path.name for path in (folder / "out").iterdir()}
+        assert names == {f"{arm}{end}" for arm in ("bare", "full") for end in (".urdf.xacro", "_macro.xacro")}
+        cli("convert", "full.csv", "-o", "alone.urdf.xacro")
+        assert "full" in (folder / "alone_macro.xacro").read_text()
+
+    def test_one_that_fails_does_not_stop_the_others(self, cli: Cli, folder: Path) -> None:
+        """Status 1; what is wrong with it is said, and how many were made; a missing table counts as one."""
+        answer = cli("convert", "bare.csv", "bad.csv", "nope.csv", "full.csv", "note.txt", "-o", "out", status=1)
+        assert {path.name for path in (folder / "out").iterdir()} == {"bare.urdf", "full.urdf"}
+        assert "bad.csv:3:12: error: joint 'shoulder', field 'alpha'" in answer.stderr
+        assert "nope.csv: error: there is no such file" in answer.stderr
+        assert answer.stderr.endswith("2 of 5 tables converted, 3 failed\n")
+        report = valid(
+            conversions_schema(),
+            cli("convert", "bare.csv", "bad.csv", "nope.csv", "-o", "out", "--json", "-q", status=1).stdout,
+        )
+        assert [row["status"] for row in report["conversions"]] == ["ok", "failed", "failed"]
+        assert report["conversions"][1]["errors"][0]["line"] == 3
+        assert report["exit_status"] == 1
+
+    @pytest.mark.parametrize(
+        ("words", "message"),
+        [
+            (["bare.csv", "full.csv"], "2 tables go into a folder"),
+            (["bare.csv", "full.csv", "-o", "-"], "2 tables go into a folder"),
+            (["bare.csv", "full.csv", "-o", "bad.csv"], "2 tables go into a folder, and 'bad.csv' is a file"),
+            (["bare.csv", "full.csv", "-o", "both.urdf"], "-o 'both.urdf' names one file, and there are 2 tables"),
+            (["bare.csv", "./bare.csv", "-o", "out"], "'bare.csv' is given twice"),
+            (["bare.csv", "x/bare.csv", "-o", "out"], "'x/bare.csv' and 'bare.csv' would both become bare.urdf"),
+            (["bare.csv", "BARE.yaml", "-o", "out"], "'BARE.yaml' and 'bare.csv' would both become BARE.urdf"),
+            (["bare.csv", "full.csv", "-o", "out", "--frames", "dhh"], "did you mean"),
+            (["bare.csv", "full.csv", "-o", "out", "--to", "udrf"], "no emitter is named 'udrf'"),
+            (["bare.csv", "full.csv", "-o", "out", "--set", "colour=red"], "names no option"),
+        ],
+    )
+    def test_a_wrong_word_makes_nothing(self, cli: Cli, folder: Path, words: list[str], message: str) -> None:
+        """Status 2, and no file, where the command line is wrong."""
+        before = sorted(folder.iterdir())
+        answer = cli("convert", *words, status=2)
+        assert message in answer.stderr
+        assert answer.stderr.count("error: ") == 1
+        assert sorted(folder.iterdir()) == before
+
+    def test_a_pattern_in_quotes(self, cli: Cli) -> None:
+        """No file is called so, and the advice is to leave the quotes out."""
+        answer = cli("convert", "*.csv", "full.csv", "-o", "out", status=1)
+        assert "no file is called '*.csv'" in answer.stderr
+        assert "write a pattern without quotes" in answer.stderr
+
+    def test_names_that_no_file_should_have(self, cli: Cli, folder: Path) -> None:
+        """Files are called as those of a run are."""
+        (folder / "a b; rm -rf.csv").write_text(BARE)
+        cli("convert", "a b; rm -rf.csv", "full.csv", "-o", "out")
+        assert {path.name for path in (folder / "out").iterdir()} == {"a_b__rm_-rf.urdf", "full.urdf"}
+
+    def test_none_overwrites_another_table(self, cli: Cli, folder: Path) -> None:
+        """The output of one may not be the input of the next."""
+        (folder / "full.urdf").write_text(FULL)
+        answer = cli("convert", "full.csv", "full.urdf", "--from", "csv", "-o", ".", status=2)
+        assert "would both become full.urdf" in answer.stderr
+        (folder / "bare.urdf").write_text(FULL)
+        (folder / "other.csv").symlink_to("bare.urdf")
+        answer = cli("convert", "bare.csv", "other.csv", "-o", ".", status=2)
+        assert "would overwrite the input" in answer.stderr
+        assert (folder / "bare.urdf").read_text() == FULL
+
+
+@pytest.mark.usefixtures("folder")
+class TestWhichCommandIsMeant:
+    @pytest.mark.parametrize("name", ["bare.csv", "panda.yaml"])
+    def test_run_of_a_table(self, cli: Cli, folder: Path, name: str) -> None:
+        """It is told what to type."""
+        (folder / "panda.yaml").write_bytes((TABLES / "panda.yaml").read_bytes())
+        assert cli("run", name, status=2).stderr == (
+            f"{name}: error: this is a table, not a run file\n"
+            f"    `dh2urdf convert {name}` converts it; a run file names it: `inputs: {name}`\n"
+        )
+
+    def test_names_are_quoted_for_the_shell(self, cli: Cli, folder: Path) -> None:
+        """What the message says can be typed as it is."""
+        (folder / "my arm.csv").write_text(BARE)
+        (folder / "my run.yaml").write_text("inputs: bare.csv\n")
+        assert "`dh2urdf convert 'my arm.csv'`" in cli("run", "my arm.csv", status=2).stderr
+        assert "`dh2urdf run 'my run.yaml'`" in cli("convert", "my run.yaml", status=2).stderr
+
+    def test_a_run_file_with_a_slip_is_no_table(self, cli: Cli, folder: Path) -> None:
+        """What is wrong with it is said."""
+        (folder / "run.yaml").write_text("inpts: bare.csv\n")
+        assert "this is a table" not in cli("run", "run.yaml", status=2).stderr
+
+
+@pytest.mark.usefixtures("folder")
+class TestProfile:
+    def test_it_is_the_option_of_the_emitter(self, cli: Cli) -> None:
+        """`--profile P` is `--set emitter.profile=P`; where it is the default it changes nothing."""
+        flag = cli("convert", "bare.csv", "--profile", "gazebo").stdout
+        assert flag == cli("convert", "bare.csv", "--set", "emitter.profile=gazebo").stdout
+        assert cli("convert", "bare.csv", "--profile", "portable").stdout == cli("convert", "bare.csv").stdout != flag
+
+    def test_a_wrong_one(self, cli: Cli) -> None:
+        """An unknown profile, and an emitter that has none, are errors with what is accepted."""
+        assert "portable" in cli("convert", "bare.csv", "--profile", "gazbo", status=2).stderr
+        assert (
+            "the emitter 'sdf' has no such option"
+            in cli("convert", "bare.csv", "--to", "sdf", "--profile", "ros", status=2).stderr
+        )
+
+
+class TestPipes:
+    @pytest.mark.parametrize(
+        ("words", "status"),
+        [
+            (["convert", "bare.csv"], 0),
+            (["convert", "bare.csv", "--json"], 0),
+            (["convert", "bad.csv"], 2),
+            (["convert", "bad.csv", "--json"], 2),
+            (["check", "bad.urdf"], 1),
+            (["check", "bad.urdf", "--format", "json"], 1),
+            (["plugins", "--json", "--without", "nobody"], 2),
+        ],
+        ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+    )
+    @pytest.mark.parametrize("both", [False, True], ids=["stdout", "stdout and stderr"])
+    def test_a_reader_who_leaves_early_changes_no_status(
+        self, cli: Cli, folder: Path, words: list[str], status: int, *, both: bool
+    ) -> None:
+        """`… | head -0`, and `… 2>&1 | head -0`: no traceback, and the status of what was done."""
+        text = cli("convert", "bare.csv").stdout
+        (folder / "bad.urdf").write_text(text.replace('<child link="link_2"/>', '<child link="nobody"/>'))
+        reading, writing = os.pipe()
+        os.close(reading)
+        done = subprocess.run(
+            [*COMMAND, *words],
+            stdout=writing,
+            stderr=writing if both else subprocess.PIPE,
+            text=True,
+            cwd=folder,
+            check=False,
+        )
+        os.close(writing)
+        assert done.returncode == status
+        assert both or "Traceback" not in done.stderr
+        assert both or "internal error" not in done.stderr

@@ -1,0 +1,306 @@
+"""No field of a record and no argument of a function is without effect: one changes, and the result or a message does."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, is_dataclass, replace
+from functools import partial
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import ConfigError, Dh2UrdfError
+from dh2urdf.manipulator import (
+    Convention,
+    DHRow,
+    Inertia,
+    JointType,
+    Limits,
+    LinkGeometry,
+    Manipulator,
+    MeshFile,
+    MeshShape,
+    Payload,
+)
+from dh2urdf.rotations import IDENTITY, RigidTransform
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+UR5 = CONFIGS / "tables" / "ur5.csv"
+PLACED = RigidTransform.from_xyz_rpy((0.1, 1 / 3, -0.2), (0.3, -0.4, 1.1))
+INERTIA = Inertia(ixx=0.01, iyy=0.012, izz=0.013, ixy=0.001, ixz=0.002, iyz=0.0015)
+CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))
+STL = "".join(
+    ["solid\n"]
+    + [
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*CORNERS[corner]) for corner in face)
+        + "endloop\nendfacet\n"
+        for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    ]
+    + ["endsolid\n"]
+).encode()
+
+
+def mesh(folder: Path, name: str) -> MeshShape:
+    """A tetrahedron."""
+    path = folder / name
+    path.write_bytes(STL)
+    return MeshShape(file=MeshFile(path=str(path), sha256=sha256(STL).hexdigest()))
+
+
+def arm_in(folder: Path) -> Manipulator:
+    """An arm that says something in every field."""
+    full = DHRow(
+        joint="waist",
+        link="column",
+        a=0.1,
+        alpha=0.5,
+        d=0.2,
+        theta=0.1,
+        offset=0.2,
+        limits=Limits(lower=-1.0, upper=2.0, velocity=3.0, effort=40.0),
+        mass=2.0,
+        com=(0.01, 0.02, 0.03),
+        inertia=INERTIA,
+        radius=0.04,
+        damping=0.1,
+        friction=0.2,
+        armature=0.3,
+    )
+    seen = replace(
+        full, joint="elbow", link="forearm", radius=None, visual=mesh(folder, "v.stl"), collision=mesh(folder, "c.stl")
+    )
+    bare = DHRow(joint="rail", link="slide", type=JointType.PRISMATIC, a=0.3, alpha=0.4, d=0.1, limits=full.limits)
+    return Manipulator(
+        name="arm",
+        convention=Convention.STANDARD,
+        rows=(full, seen, bare),
+        base=PLACED,
+        tool=PLACED,
+        geometry=LinkGeometry(shape="box", radius=0.05),
+        density=2000.0,
+        base_mass=5.0,
+        payload=Payload(mass=1.5, com=(0.0, 0.01, 0.05), inertia=INERTIA),
+        base_geometry=LinkGeometry(shape="box", radius=0.1),
+        visuals=True,
+        collisions=True,
+    )
+
+
+MESH = "a mesh of its own"
+OTHERS: dict[type, dict[str, Any]] = {
+    Manipulator: {
+        "name": "other",
+        "convention": "modified",
+        "base": IDENTITY,
+        "tool": IDENTITY,
+        "density": 3000.0,
+        "base_mass": 6.0,
+        "visuals": False,
+        "collisions": False,
+    },
+    DHRow: {
+        "joint": "other",
+        "link": "other",
+        "type": JointType.CONTINUOUS,
+        "sign": -1,
+    },
+    LinkGeometry: {"shape": "capsule"},
+    MeshShape: {"pose": PLACED, "scale": (2.0, 1.0, 1.0), "file": MESH},
+}
+"""What a field becomes; a number that is not here becomes 10 % larger."""
+SAYS_WHERE = {"mark", "notices"}
+"""Fields that only say where something was read."""
+
+
+def changes(record: Any, rebuild: Callable[[Any], Any], place: str, mesh: MeshShape) -> Iterator[tuple[str, Any]]:
+    """What makes the arm with one field changed, for each field of a record and of the records in it."""
+    for field in fields(record):
+        if field.name in SAYS_WHERE:
+            continue
+        value, where = getattr(record, field.name), f"{place}.{field.name}".lstrip(".")
+
+        def put(changed: Any, name: str = field.name) -> Any:
+            return rebuild(replace(record, **{name: changed}))
+
+        others = OTHERS.get(type(record), {})
+        if field.name in others:
+            yield where, partial(put, mesh_of(others[field.name], field.name, mesh))
+        elif is_dataclass(value):
+            yield from changes(value, put, where, mesh)
+        elif isinstance(value, tuple):
+            yield from changes_of_items(value, put, where, mesh)
+        elif value is not None:
+            yield where, partial(put, value * 1.1 + 0.001)
+
+
+def changes_of_items(items: Any, put: Callable[[Any], Any], where: str, mesh: MeshShape) -> Iterator[tuple[str, Any]]:
+    """The same for each row, and for each number of a vector."""
+    for number, item in enumerate(items):
+
+        def put_item(changed: Any, number: int = number) -> Any:
+            return put((*items[:number], changed, *items[number + 1 :]))
+
+        if is_dataclass(item):
+            yield from changes(item, put_item, f"{where}[{number}]", mesh)
+        else:
+            yield f"{where}[{number}]", partial(put_item, item + 0.011)
+
+
+def mesh_of(changed: Any, field: str, mesh: MeshShape) -> Any:
+    """What a field becomes."""
+    if changed != MESH:
+        return changed
+    return mesh.file if field == "file" else mesh
+
+
+def everything_of(arm: Manipulator) -> tuple[Any, ...]:
+    """What is made of an arm: all files and what is said of it; or the message that refuses it."""
+    try:
+        made = dh2urdf.convert(arm, meshes="file", formats=["urdf", "mjcf"])
+    except Dh2UrdfError as error:
+        return (str(error),)
+    return (*made.files.items(), *(str(notice) for notice in made.notices))
+
+
+def test_every_field_of_every_record_has_an_effect(tmp_path: Path) -> None:
+    """One is changed, and a file, a notice or an error is another; and a table in YAML says it."""
+    arm, other = arm_in(tmp_path), mesh(tmp_path, "other.stl")
+    before = everything_of(arm)
+    assert len(before) > 1
+    every = list(changes(arm, lambda changed: changed, "", other))
+    every += [(name, partial(replace, arm, **{name: other})) for name in ("base_visual", "base_collision")]
+    tried = {where.rpartition(".")[2].partition("[")[0] for where, _ in every}
+    records = (Manipulator, DHRow, Limits, Inertia, Payload, LinkGeometry, MeshShape)
+    assert tried >= {field.name for kind in records for field in fields(kind)} - SAYS_WHERE - {
+        *("rows", "limits", "inertia", "geometry", "base_geometry", "payload"),  # whose own fields are changed
+        *("visual", "collision"),
+    }
+    without_effect, unsaid = [], []
+    for where, change in every:
+        try:
+            changed = change()
+        except Dh2UrdfError as error:
+            assert where.rpartition(".")[2].partition("[")[0] in str(error)
+            continue
+        assert changed != arm, where
+        if everything_of(changed) == before:
+            without_effect.append(where)
+        try:
+            text = changed.to_yaml()
+        except Dh2UrdfError as error:
+            unsaid.append((where, str(error)))
+        else:
+            assert dh2urdf.read(text, reader="yaml") == changed, where
+    assert without_effect == []
+    # A continuous joint has no bounds in a table; YAML refuses them by name.
+    assert [where for where, _ in unsaid] == [f"rows[{number}].type" for number in range(3)]
+    assert all("limits.lower" in said and "limits.upper" in said for _, said in unsaid)
+
+
+class TestArguments:
+    ROW: ClassVar[Any] = ({"a": 400, "alpha": 0, "d": 1},)
+    MM: ClassVar[Any] = {"convention": "standard", "units": {"length": "mm", "angle": "deg"}}
+
+    def test_a_transform_is_in_metres_whatever_the_table_is_in(self) -> None:
+        """A `RigidTransform` is the base to the last bit; a matrix has the table's unit, as it has in a file."""
+        for argument in ("base", "tool"):
+            arm = Manipulator.from_dh(list(self.ROW), **self.MM, **{argument: PLACED})
+            assert getattr(arm, argument) == PLACED
+            matrix = np.eye(4)
+            matrix[0, 3] = 100.0
+            arm = Manipulator.from_dh(list(self.ROW), **self.MM, **{argument: matrix})
+            assert getattr(arm, argument).translation == (0.1, 0.0, 0.0)
+
+    @pytest.mark.parametrize(
+        ("call", "says"),
+        [
+            (lambda: dh2urdf.read(UR5, robot=1), "field 'robot': robot=1 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.read(UR5, robot=""), "robot='' is no name"),
+            (lambda: dh2urdf.convert(UR5, robot=" "), "robot=' ' is no name"),
+            (lambda: dh2urdf.read(UR5, conventoin="standard"), "did you mean 'convention'?"),
+            (lambda: dh2urdf.read(UR5, convention="modified"), "means the modified convention"),
+            (lambda: dh2urdf.read(UR5, units={"lenght": "mm"}), "did you mean 'length'?"),
+            (lambda: dh2urdf.read_all(UR5, robot="ur5"), "has no such option"),
+            (
+                lambda: dh2urdf.convert(dh2urdf.read(UR5), convention="modified"),
+                "'convention=modified' names no option",
+            ),
+            (lambda: dh2urdf.convert(dh2urdf.read(UR5), reader="csv"), "the table is a manipulator already"),
+            (lambda: dh2urdf.convert(dh2urdf.read(UR5), robot="ur5"), "the table is a manipulator already"),
+            (lambda: dh2urdf.convert(UR5, without="urdff"), "is named 'urdff'"),
+            (lambda: dh2urdf.convert(UR5, single_file=True), "'single_file=true' names no option"),
+            (lambda: dh2urdf.check("arm.urdf", without=["urdff"]), "is named 'urdff'"),
+            (
+                lambda: dh2urdf.check(dh2urdf.convert(UR5).robot, emitter="sdf"),
+                "a robot is checked as urdf, and emitter='sdf' says another format",
+            ),
+            (lambda: dh2urdf.run({"inputs": "a.csv"}, dry_run="no"), "dry_run='no' is neither True nor False"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.run({"inputs": "a.csv"}, resume=1), "resume=1 is neither True nor False"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.run({"inputs": "a.csv", "outptu": "x"}), "did you mean 'output'?"),
+            (lambda: dh2urdf.run({"inputs": "a.csv"}, settings={"prof.poses": 1}), "did you mean 'proof'?"),
+            (lambda: dh2urdf.run(UR5), "this is a table, not a run file"),
+        ],
+    )
+    def test_what_has_no_effect_is_refused(self, call: Callable[[], Any], says: str) -> None:
+        """By name, with what was probably meant."""
+        with pytest.raises(Dh2UrdfError) as raised:
+            call()
+        assert says in str(raised.value)
+
+    @pytest.mark.parametrize(
+        ("how", "says"),
+        [
+            ({"name": 7}, "name=7 is no name"),
+            ({"name": ""}, "name='' is no name"),
+            ({"robot": "other"}, "the table holds no manipulator 'other'"),
+            ({"types": "RR"}, "types= has 2 entries, and the table has 1 rows"),
+            ({"joints": ["one", "two"]}, "joints= has 2 entries"),
+            ({"columns": ["a", "alpha", "d"]}, "the columns have names already"),
+            ({"length_unit": "m"}, "contradicts the unit"),
+            ({"reader": "yaml"}, "has no such option"),
+        ],
+    )
+    def test_of_from_dh(self, how: dict[str, Any], says: str) -> None:
+        """What contradicts the table, and what is not there."""
+        with pytest.raises(Dh2UrdfError) as raised:
+            Manipulator.from_dh(list(self.ROW), **(self.MM | how))
+        assert says in str(raised.value)
+
+    def test_a_name_that_the_table_overrules(self) -> None:
+        """`name` beside a column of names."""
+        with pytest.raises(ConfigError, match="name='left' has no effect: the table names its manipulator 'right'"):
+            Manipulator.from_dh([{"robot": "right", **self.ROW[0]}], name="left", **self.MM)
+        assert Manipulator.from_dh([{"robot": "right", **self.ROW[0]}], name="right", **self.MM).name == "right"
+
+    def test_a_column_that_no_field_is_called_as(self) -> None:
+        """A notice names it."""
+        notices = Manipulator.from_dh([{**self.ROW[0], "remark": "new"}], **self.MM).notices
+        assert "the column 'remark' is left out: no field is called so" in [notice.message for notice in notices]
+
+    def test_joint_vectors_of_another_form(self) -> None:
+        """A column and a transposed array are refused; whole numbers are numbers; values are in rad."""
+        arm = dh2urdf.read(UR5)
+        for wrong in (np.zeros((6, 1)), np.zeros((6, 5)), [[0.0]] * 6, 0.0, np.zeros(5)):
+            with pytest.raises(dh2urdf.errors.RecordError, match="field 'q'"):
+                arm.fk(wrong)
+        assert (arm.fk(np.array([1, 0, 0, 0, 0, 0])) == arm.fk([1.0, 0, 0, 0, 0, 0])).all()
+        assert (arm.fk([-0.0] * 6) == arm.fk([0.0] * 6)).all()
+        assert not np.allclose(arm.fk([90, 0, 0, 0, 0, 0]), arm.fk([math.pi / 2, 0, 0, 0, 0, 0]))
+
+    def test_paths_of_a_mapping_start_at_the_working_directory(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Inputs and output alike."""
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "arm.csv").write_bytes(UR5.read_bytes())
+        report = dh2urdf.run({"inputs": "arm.csv", "output": {"directory": "made"}, "report": {"html": False}})
+        assert report["manipulators"][0]["files"][0]["path"] == "arm.urdf"
+        assert (tmp_path / "made" / "arm.urdf").is_file()

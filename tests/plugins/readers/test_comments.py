@@ -1,0 +1,263 @@
+"""Comment lines: those that say something about the table, those that seem to, and prose."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, Manipulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.stages import Rejected
+
+ROWS = "a,alpha,d\n300,90,100\n"
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "# units: {length: mm, angle: deg}",
+        "# units: mm, deg",
+        "# units: mm/deg",
+        "# units: [mm, deg]",
+        "# units [mm, deg]",
+        "# units (mm; deg)",
+        "# Units = mm and degrees",
+        "# Unit: mm, °",
+        "# Einheiten: mm und deg",
+        "# mm / deg",
+        "# lengths in mm, angles in degrees",
+        "# All lengths are in millimetres; all angles are given in degrees.",
+        "# a and d in mm, alpha and theta in deg",
+        "# lengths: mm\n# angles: deg",
+        "# length_unit: mm\n# angle_unit: deg",
+        "# Length unit = mm\n\n# unit of angles: deg",
+        "#lengths [mm]\n#angles [deg]",
+        "## units: mm, deg",
+        "# - units: mm, deg",
+        "// units: mm, deg",
+        "% lengths in mm, angles in deg",
+        "\N{FULLWIDTH NUMBER SIGN} units\N{FULLWIDTH COLON} mm, deg",
+        "'# units: mm, deg",
+        "\ufeff# units: mm, deg",
+        "# units: {length: mm, angle: deg},,,,",
+        '"# units: {length: mm, angle: deg}",,',
+        '"\'# units: {length: mm, angle: deg}",,',
+        "# units,mm,deg",
+        "# units:,mm,deg,,",
+        '"# units","mm","deg"',
+        ",# units: mm/deg,,",
+        '"# a table of mine\n# units: mm, deg",,',
+        '"",""\n"# units: mm, deg",""',
+        "sep=,\n# units: mm, deg",
+    ],
+)
+def test_the_units_of_a_comment_hold_however_it_is_written(comment: str, read_one: Callable[..., Manipulator]) -> None:
+    """By people in words or as YAML, and by spreadsheets in cells."""
+    (row,) = read_one(f"{comment}\n{ROWS}").rows
+    assert (row.a, row.alpha, row.d) == (0.3, pytest.approx(1.5707963267948966), 0.1)
+
+
+@pytest.mark.parametrize(
+    "comment", ["# units [in, deg]", "# units: in/deg", "# lengths in in", "# length_unit: in", "# units: deg, in"]
+)
+def test_in_is_a_unit_where_nothing_follows_it(comment: str, read_one: Callable[..., Manipulator]) -> None:
+    """Otherwise it is a preposition."""
+    assert read_one(f"{comment}\na,alpha,d\n10,0,0\n").rows[0].a == pytest.approx(0.254)
+
+
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "# tool: {xyz: [0, 0, 0.5]}",
+        "# tool: {xyz: [0, 0, 0.5]};;;",
+        "# tool: {xyz: [0;0; 0.5]};;",
+        "# tool: {xyz: [0; 0; 0,5]}",
+        "# tool: {xyz: [0; 0; 0,5]; rpy: [0; 0; 0]}",
+        "# tool: {xyz: [0;0,0; 0.5];rpy: [0;0;0]};",
+        '"# tool: {xyz: [0";0;"0,5]}";',
+        "# tool {xyz: [0, 0, 0.5]}",
+        "# tool: [[1;0;0;0];[0;1;0;0];[0;0;1;0,5];[0;0;0;1]]",
+    ],
+)
+def test_a_comment_that_was_split_into_cells_is_one_again(
+    comment: str, delimiter: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """With semicolons and tabs in place of its commas, and with decimal commas."""
+    table = f"{comment}\na;alpha;d\n0,3;0;0,1\n".replace(";", delimiter)
+    assert read_one(table).tool.translation == (0, 0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("comment", "convention"),
+    [
+        ("# DH convention = modified", Convention.MODIFIED),
+        ("# convention is modified", Convention.MODIFIED),
+        ("# convention,modified,", Convention.MODIFIED),
+        ("# convention:,modified,", Convention.MODIFIED),
+        ("# Craig's convention", Convention.MODIFIED),
+        ("# This table uses the standard DH convention.", Convention.STANDARD),
+        ("# notation: Craig", Convention.MODIFIED),
+        ("# DH: classic", Convention.STANDARD),
+        ('"# convention: standard",,,', Convention.STANDARD),
+    ],
+)
+def test_the_convention_of_a_comment_holds(
+    comment: str, convention: Convention, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """In words that say nothing else."""
+    (arm,) = read(f"{comment}\na,alpha,d\n0.3,0,0.1\n")
+    assert isinstance(arm, Manipulator)
+    assert arm.convention is convention
+
+
+@pytest.mark.parametrize(
+    ("comment", "said"),
+    [
+        ("# tcp: {xyz: [0, 0, 0.1]}", "did you mean 'tool'?"),
+        ("# tool0: {xyz: [0, 0, 0.1]}", "did you mean 'tool'?"),
+        ("# TCP offset: 0.1 m", "did you mean 'tool'?"),
+        ("# tool_transform = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.1], [0, 0, 0, 1]]", "did you mean 'tool'?"),
+        ("# flange {xyz: [0, 0, 0.1]}", "did you mean 'tool'?"),
+        ("# Werkzeug: {xyz: [0, 0, 0.1]},,", "did you mean 'tool'?"),
+        ("# base_transform: {xyz: [0, 0, 0.1]}", "did you mean 'base'?"),
+        ("# T_base: {xyz: [0, 0, 0.1]}", "did you mean 'base'?"),
+        ("# world: {xyz: [0, 0, 0.1]}", "did you mean 'base'?"),
+        ("# density: 2700", "did you mean 'defaults'?"),
+        ("# geometry: {shape: box}", "did you mean 'defaults'?"),
+        ("# robot: ur5, lengths in mm", "did you mean 'name'?"),
+        ("# visuals: {shape: none}", "which nothing is called"),
+        ("# convetion: standard", "did you mean 'convention'?"),
+        ("# joint limits in degrees", "this comment mentions deg, and angles are read in rad"),
+        ("# Längen in mm, Winkel in Grad", "this comment mentions mm, and lengths are read in m"),
+        ("# a in mm", "this comment mentions mm, and lengths are read in m"),
+        ("# UR5 (mm, deg)", "this comment mentions deg, and angles are read in rad"),
+        ("# lengths in mm\n# units: {length: cm}", "a comment line says units already"),
+        ("# lengths in mm\n# lengths in cm", "a comment line says units already"),
+        ("; units: mm", "a comment begins with #"),
+        ("-- units: mm", "a comment begins with #"),
+        ("! units: mm", "a comment begins with #"),
+        ("/* units: mm */", "a comment begins with #"),
+    ],
+)
+def test_a_comment_that_seems_to_say_something_is_refused(
+    comment: str, said: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """With the statement that was probably meant; dropped in silence, it would leave another arm."""
+    with pytest.raises(TableError) as error:
+        read(f"{comment}\na,alpha,d\n0.3,0,0.1\n", convention="standard")
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "# Universal Robots UR5, from the maker's own table",
+        "# 6 degrees of freedom, repeatability 0.1 mm, reach 850 mm, 18.4 kg",
+        "# TCP: the middle of the gripper",
+        "# Source: manual, p. 12 [3]",
+        "# lengths in m, angles in rad",
+        "# see https://example.org/a?b=c",
+        "#################",
+        "# Units",
+        "# base, tool and defaults are not given",
+        "% written by MATLAB",
+        "// by hand",
+        "# in the lab, and not at home",
+        '# the "classic" arm, with "quotes"',
+    ],
+)
+@pytest.mark.parametrize("form", ["{}", "{},,", "'{}", "quoted"])
+def test_prose_is_a_comment(comment: str, form: str, read_one: Callable[..., Manipulator]) -> None:
+    """Above the header, between the rows and below them, and as a spreadsheet writes it."""
+    doubled = comment.replace('"', '""')
+    line = f'"{doubled}",,' if form == "quoted" else form.format(comment)
+    arm = read_one(f"{line}\na,alpha,d\n{line}\n0.3,0,0.1\n{line}\n0.2,0,0\n{line}\n")
+    assert [(row.a, row.d) for row in arm.rows] == [(0.3, 0.1), (0.2, 0)]
+    assert arm.notices == ()
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "# units: {length: mm}",
+        "# units: {length: mm},,",
+        '"# units: {length: mm, angle: deg}",,',
+        "'# tool: {xyz: [0,0,1]},,",
+        "# convention: standard,,",
+        "# lengths in mm,,",
+        "% modified convention",
+    ],
+)
+def test_a_statement_below_the_header_is_refused(
+    comment: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Filled up or in quotes, too."""
+    with pytest.raises(TableError, match="stands below the header"):
+        read(f"a,alpha,d\n0.3,0,0.1\n{comment}\n0.2,0,0\n", convention="standard")
+
+
+def test_a_phrase_below_the_header_may_repeat_what_holds(read_one: Callable[..., Manipulator]) -> None:
+    """As footnotes do."""
+    assert read_one("a [mm],alpha [deg],d [mm]\n300,90,0\n# all lengths in mm,,\n").notices == ()
+
+
+@pytest.mark.parametrize(
+    ("line", "sign"), [("#j2,0.2,0,0", "#"), ("//j2,0.2,0,0", "//"), ("% j2,0.2,0,0,", "%"), ("'#j2,0.2,pi/2,0", "#")]
+)
+def test_a_row_that_is_commented_out_is_noticed(line: str, sign: str, read_one: Callable[..., Manipulator]) -> None:
+    """Prose that a spreadsheet has filled up is not, nor a name in quotes."""
+    arm = read_one(f'joint,a,alpha,d\nj1,0.3,0,0.1\n{line}\n# prose,,,\n"#j3",0.1,0,0\n')
+    assert [row.joint for row in arm.rows] == ["j1", "#j3"]
+    (notice,) = arm.notices
+    assert f"is a comment, since it begins with {sign}, and no row" in notice.message
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ('# "theta","a","alpha","d"', "0.5,0.3,0,0.1"),
+        ('"# theta","a","alpha","d"', "0.5,0.3,0,0.1"),
+        ("# theta,a,alpha,d,,", "0.5,0.3,0,0.1,,"),
+        ("'# theta,a,alpha,d", "0.5,0.3,0,0.1"),
+        ("% theta; a; alpha; d", "0,5;0,3;0;0,1"),
+        ('"#","theta","a","alpha","d"', "1,0.5,0.3,0,0.1"),
+        ("#\ttheta\ta\talpha\td", "1\t0.5\t0.3\t0\t0.1"),
+    ],
+)
+def test_a_header_behind_a_marker_keeps_its_first_column(
+    header: str, row: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """In quotes or not."""
+    (joint,) = read_one(f"{header}\n{row}\n").rows
+    assert (joint.theta, joint.a, joint.d) == (0.5, 0.3, 0.1)
+
+
+def test_a_comment_may_stand_behind_the_last_column(read_one: Callable[..., Manipulator]) -> None:
+    """Where no header is above it."""
+    arm = read_one("a,alpha,d\n0.3,0,0.1,# upper arm\n0.2,0,0,,# forearm\n")
+    assert [row.a for row in arm.rows] == [0.3, 0.2]
+
+
+def test_a_value_in_a_comment_is_noticed(read_one: Callable[..., Manipulator]) -> None:
+    """A limit of all joints stands in a column."""
+    (notice,) = read_one("# velocity: 180 deg/s\na,alpha,d\n0.3,0,0.1\n").notices
+    assert "no joint gets this value" in notice.message
+
+
+@pytest.mark.parametrize(
+    ("line", "unit"),
+    [("# originally in mm", "mm"), ("# limits in degrees", "deg")],
+)
+def test_prose_about_another_unit_than_the_declared_one_is_noticed(
+    line: str, unit: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """The declaration decides."""
+    arm = read_one(f"{line}\n# units: {{length: m, angle: rad}}\na,alpha,d\n0.3,0,0.1\n")
+    (notice,) = arm.notices
+    assert notice.message.startswith(f"this comment mentions {unit}, and")

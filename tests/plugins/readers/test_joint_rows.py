@@ -1,0 +1,246 @@
+"""Rows that are no joints, fixed rows without a type, and numbers in place of names."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf_plugins.readers.row_names import are_joints, is_base, kind_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.stages import Rejected
+
+    Read = Callable[..., list[Manipulator | Rejected]]
+
+TOTALS = (
+    "Total TOTAL: Sum sum_a Mean Average avg Summe Gesamt Gesamtlänge Mittelwert max min Σ somme suma media totale moyenne "
+    "promedio Subtotal std max_reach Mediana"
+).replace("sum_a", "Sum_of_all")
+FRAMES = (
+    "base Base ground world_joint Basis Sockel tip Flansch Werkzeug Endeffektor tool_joint EE_frame TCP-offset fixed "
+    "end_effector outil herramienta utensile flangia bride pinza organe_terminal bâti suelo fixed_joint hand eef_joint "
+    "ToolFlange toolTip --- ... – nan None note Einheiten"
+)
+JOINTS = (
+    "wrist_flange_rotation base_yaw base_rotation shoulder_pan_joint elbow quill tool_roll gripper_rotation poignet "
+    "max_planck_joint J1 A1 joint_0 hip knee bend_joint meander summit_joint minion IV"
+)
+
+
+@pytest.mark.parametrize("name", TOTALS.split())
+def test_totals_are_known_by_their_names(name: str) -> None:
+    """In the languages of the spreadsheets."""
+    assert kind_of(name) == "total"
+
+
+@pytest.mark.parametrize("name", FRAMES.split())
+def test_frames_are_known_by_their_names(name: str) -> None:
+    """Whatever their case, separators and accents are."""
+    assert kind_of(name) == "frame"
+
+
+@pytest.mark.parametrize("name", JOINTS.split())
+def test_joints_are_joints(name: str) -> None:
+    """A name has to consist of such words, not to have one in it."""
+    assert kind_of(name) is None
+    assert are_joints([name.lower(), "joint_1"], typed=False)
+
+
+@pytest.mark.parametrize("name", ["0", "base", "0 (from base)", "Base link", "fixed base", "Sockel"])
+def test_row_0_is_the_base(name: str) -> None:
+    """As makers call it."""
+    assert is_base(name)
+    assert not is_base("1")
+
+
+def table(names: list[str], form: str) -> tuple[str, str]:
+    """A table without types whose rows are called so, and the suffix of its file."""
+    if form == "yaml":
+        joints = [{"name": name, "a": 0.1 * k, "alpha": 0, "d": 0.2} for k, name in enumerate(names, start=1)]
+        return json.dumps({"convention": "standard", "joints": joints}), ".yaml"
+    header = {"joint": "joint", "link": "link", "unnamed": "", "unknown": "Bezeichnung", "last": "a,alpha,d,remarks"}
+    if form == "last":
+        rows = [f"{0.1 * k:g},0,0.2,{name}" for k, name in enumerate(names, start=1)]
+        return "\n".join([header[form], *rows]), ".csv"
+    rows = [f"{name},{0.1 * k:g},0,0.2" for k, name in enumerate(names, start=1)]
+    return "\n".join([f"{header[form]},a,alpha,d", *rows]), ".csv"
+
+
+@pytest.mark.parametrize("form", ["joint", "link", "unnamed", "unknown", "last", "yaml"])
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("Total", "seems to be no joint"),
+        ("Summe", "seems to be no joint"),
+        ("max", "seems to be no joint"),
+        ("Flansch", "hardly is a revolute joint"),
+        ("tool_joint", "hardly is a revolute joint"),
+        ("EE frame", "hardly is a revolute joint"),
+        ("ground", "hardly is a revolute joint"),
+    ],
+)
+@pytest.mark.parametrize("place", [0, 3])
+def test_a_row_that_is_hardly_a_joint_is_refused(name: str, said: str, form: str, place: int, read: Read) -> None:
+    """At the beginning and at the end, by the names of joints or of links, or in a column that no field knows."""
+    names = ["upper", "elbow", "wrist"]
+    names.insert(place, name)
+    text, suffix = table(names, form)
+    (arm,) = read(text, suffix, convention="standard")
+    assert not isinstance(arm, Manipulator)
+    assert any(said in problem.message and repr(name) in problem.message for problem in arm.problems)
+
+
+@pytest.mark.parametrize("many", [1, 300])
+@pytest.mark.parametrize(
+    ("last", "joints"),
+    [
+        ("base,revolute,0.1,0,0.1", 3),
+        ("flange_joint,fixed,0.1,0,0.1", 3),
+        ("Total,revolute,0.7,0,0.9", 3),
+        ("Total,revolute,0.5,0,0.3", None),
+        ("Mean,fixed,0.25,0,0.15", None),
+        ("max,R,0.3,0,0.2", None),
+        ("Total,,0.5,0,0.3", None),
+        ("base,,0.1,0,0.1", None),
+    ],
+)
+def test_a_type_decides_but_for_sums(last: str, joints: int | None, many: int, read: Read) -> None:
+    """A row that is called Total, and is one by its numbers, is no joint whatever its type is: alone and among many."""
+    rows = ["one,revolute,0.2,0,0.1", "two,revolute,0.3,0,0.2", last]
+    lines = [f"r{robot},{row}" for robot in range(many) for row in rows]
+    arms = read("\n".join(["robot,joint,type,a,alpha,d", *lines]), convention="standard")
+    assert len(arms) == many
+    assert {len(arm.rows) if isinstance(arm, Manipulator) else None for arm in arms} == {joints}
+
+
+KINOVA = """{header}
+{zero},0,pi,0,{first}
+1,0,pi/2,-0.2848,q1
+2,0,pi/2,-0.0118,q2 + pi
+3,0,pi/2,-0.4208,q3 + pi
+"""
+
+
+@pytest.mark.parametrize(
+    ("header", "zero"),
+    [
+        ("i,a,alpha,d,theta", "0"),
+        ("i,a,alpha,d,theta", "0 (from base)"),
+        ("i,a,alpha,d,theta", "base"),
+        ("joint,a,alpha,d,theta", "base"),
+        ("joint,a,alpha,d,theta", "Base frame"),
+        ("link,a,alpha,d,theta", "ground"),
+    ],
+)
+def test_row_0_of_a_table_with_variables_is_fixed(header: str, zero: str, read_one: Callable[..., Manipulator]) -> None:
+    """As Kinova prints it: its theta has no variable, and q1 stands in the second row."""
+    arm = read_one(KINOVA.format(header=header, zero=zero, first="0"))
+    assert [row.type for row in arm.rows] == [JointType.FIXED, *[JointType.REVOLUTE] * 3]
+    assert [row.offset for row in arm.rows] == [0, 0, math.pi, math.pi]
+    assert [row.joint for row in arm.rows][1:] == ["joint_1", "joint_2", "joint_3"]
+    assert any("it is fixed" in notice.message for notice in arm.notices)
+
+
+def test_a_fixed_row_0_is_read_with_its_type(read_one: Callable[..., Manipulator]) -> None:
+    """Without any variable."""
+    arm = read_one("i,type,a,alpha,d\n0,fixed,0,pi,0\n1,R,0.1,0,0\n2,R,0.1,0,0\n")
+    assert [row.joint for row in arm.rows] == ["joint_0", "joint_1", "joint_2"]
+
+
+def test_a_flange_beside_variables_is_fixed(read: Read) -> None:
+    """As Franka prints it, with a notice; in YAML too."""
+    rows = [{"name": f"j{k}", "a": 0.1, "alpha": 0, "d": 0, "theta": f"q{k}"} for k in (1, 2)]
+    flange = {"name": "Flansch", "a": 0, "alpha": 0, "d": 0.107, "theta": 0}
+    text = "\n".join(["joint,a,alpha,d,theta", *(",".join(map(str, row.values())) for row in (*rows, flange))])
+    for arm in (
+        *read(text, convention="standard"),
+        *read(json.dumps({"convention": "standard", "joints": [*rows, flange]}), ".yaml"),
+    ):
+        assert isinstance(arm, Manipulator)
+        assert [str(row.type) for row in arm.rows] == ["revolute", "revolute", "fixed"]
+        assert "it is fixed" in arm.notices[0].message
+
+
+def test_a_row_without_a_variable_beside_others_is_refused(read: Read) -> None:
+    """Nothing but its number is known of it: it may be fixed or not."""
+    (arm,) = read("a,alpha,d,theta\n0.3,0,0,q1\n0.2,0,0,q2\n0,0,0.1,0\n", convention="standard")
+    assert not isinstance(arm, Manipulator)
+    (problem,) = arm.problems
+    assert problem.message == "row 3 has no joint variable and no type, and other rows have a variable"
+
+
+@pytest.mark.parametrize("header", ["joint", "Joint", "link", "JOINT NAME"])
+@pytest.mark.parametrize("numbers", [["1", "2", "3"], ["1.0", "2.0", "3.0"], ["01", "02", "03"]])
+@pytest.mark.parametrize("form", ["csv", "careful", "json"])
+def test_numbers_are_made_names(
+    header: str, numbers: list[str], form: str, read: Read, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a notice; a robot description has no joint named 1."""
+    field = "link" if header == "link" else "joint"
+    if form == "careful":
+        monkeypatch.setattr(PlainRows, "read", lambda *_arguments: None)
+    if form == "json":
+        joints = [{field if field == "link" else "name": number, "a": 0, "alpha": 0, "d": 1} for number in numbers]
+        (arm,) = read(json.dumps({"convention": "standard", "joints": joints}), ".json")
+    else:
+        rows = [f"{number},0,0,1" for number in numbers]
+        (arm,) = read("\n".join([f"{header},a,alpha,d", *rows]), convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert [getattr(row, field) for row in arm.rows] == [f"{field}_{number.removesuffix('.0')}" for number in numbers]
+    (notice,) = arm.notices
+    assert notice.message.startswith(f"the column of {field}s holds numbers")
+
+
+@pytest.mark.parametrize(
+    "numbers", [["0", "1", "2"], ["1", "3", "2"], ["1", "2", "4"], ["3", "2", "1"], ["1", "1", "2"]]
+)
+def test_numbers_that_do_not_count_the_rows_are_refused(numbers: list[str], read: Read) -> None:
+    """As those of an index are."""
+    (arm,) = read("\n".join(["joint,a,alpha,d", *(f"{number},0,0,1" for number in numbers)]), convention="standard")
+    assert not isinstance(arm, Manipulator)
+    assert any("the number of the joint is" in problem.message for problem in arm.problems)
+
+
+@pytest.mark.parametrize("names", [["J1", "J2"], ["A1", "B1"], ["I", "II"], ["007", "épaule"], ["1a", "2a"]])
+def test_other_names_are_kept(names: list[str], read_one: Callable[..., Manipulator]) -> None:
+    """Letter for letter."""
+    arm = read_one("\n".join(["joint,a,alpha,d", *(f"{name},0,0,1" for name in names)]))
+    assert [row.joint for row in arm.rows] == names
+
+
+@pytest.mark.parametrize("numbers", [["3", "4"], ["10", "20"], ["101", "102"]])
+def test_numbers_that_rise_from_elsewhere_are_those_of_motors(
+    numbers: list[str], read_one: Callable[..., Manipulator]
+) -> None:
+    """They count no rows, and name the joints."""
+    arm = read_one("\n".join(["joint,a,alpha,d", *(f"{number},0,0,1" for number in numbers)]))
+    assert [row.joint for row in arm.rows] == [f"joint_{number}" for number in numbers]
+    assert len(arm.notices) == 1
+
+
+def test_a_table_of_a_million_rows_reads_alike(read: Read) -> None:
+    """An arm with numbers for names in the middle of others gets the same names as alone."""
+    lines = [f"r{robot},{joint},R,0.1,0,0" for robot in range(300) for joint in ("j1", "j2")]
+    lines[300:300] = ["odd,1,R,0.1,0,0", "odd,2,R,0.1,0,0"]
+    arms = read("\n".join(["robot,joint,type,a,alpha,d", *lines]), convention="standard")
+    (odd,) = (arm for arm in arms if arm.name == "odd")
+    assert isinstance(odd, Manipulator)
+    assert [row.joint for row in odd.rows] == ["joint_1", "joint_2"]
+
+
+def test_notes_below_the_rows_are_refused(read: Read) -> None:
+    """A footnote is no row, and says nothing to a reader."""
+    for note in ("* measured", "* measured,,", "Note: by hand,,", "---,---,---", "...,...,..."):
+        try:
+            (arm,) = read(f"a,alpha,d\n0.3,0,0\n{note}\n", convention="standard")
+        except TableError:
+            continue
+        assert not isinstance(arm, Manipulator)

@@ -1,0 +1,320 @@
+"""The fast way through a table reads what the careful one reads, or leaves it to that."""
+
+from __future__ import annotations
+
+import math
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf_plugins.readers import csv
+from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf_plugins.readers.plain_sample import EVERY, HEAD, PlainSample
+from dh2urdf_plugins.readers.statements import TableOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+    from pathlib import Path
+
+
+@contextmanager
+def without_the_fast_way() -> Generator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(PlainRows, "read", lambda *_arguments: None)
+        yield
+
+
+def outcome(path: Path, content: str, **options: Any) -> Any:
+    """Everything that reading a file gives, as texts: records with their marks, notices and errors."""
+    path.write_text(content)
+    try:
+        return [repr(item) for item in csv.READER.read(path, TableOptions(**options))]
+    except TableError as error:
+        return str(error)
+
+
+R, P = "R,100,0,10", "P,100,0,10"
+MIXED = {
+    "an offset, lengths in mm": ("# units: {length: mm}", "offset", (f"{R},0.5", f"{P},5")),
+    "an offset, lengths in cm": ("# units: cm", "offset", (f"{R},0.5", f"{P},-2.5")),
+    "an offset, angles in degrees": ("# units: {angle: deg}", "offset", ("R,1,0,1,90", "P,1,0,1,0.5")),
+    "an offset, a and d in mm": ("a [mm],alpha,d [mm]", "offset", (f"{R},0.5", f"{P},5")),
+    "limits, lengths in mm": ("# units: {length: mm}", "lower,upper", (f"{R},-1,{{k}}", f"{P},-1,{{k}}")),
+    "limits, a and d in mm": ("a [mm],alpha,d [mm]", "lower,upper", (f"{R},-1,{{k}}", f"{P},-1,{{k}}")),
+    "speeds, lengths in mm": ("# units: {length: mm}", "velocity", (f"{R},{{k}}", f"{P},{{k}}")),
+    "speeds, angles in degrees": ("# units: {angle: deg}", "velocity", ("R,1,0,1,{k}", "P,1,0,1,{k}")),
+    "offsets in a column of m": ("", "offset [m]", ("R,1,0,1,0", "P,1,0,1,{k}")),
+    "offsets in a column of rad": ("", "offset [rad]", ("R,1,0,1,{k}", "P,1,0,1,0")),
+    "limits in columns of m": ("", "lower [m],upper [m]", ("P,1,0,1,-1,{k}", "P,1,0,1,0,{k}")),
+    "an offset in a column of m, of a joint that turns": ("", "offset [m]", ("R,1,0,1,0.5", "P,1,0,1,0")),
+    "an offset in a column of rad, of a joint that slides": ("", "offset [rad]", ("R,1,0,1,0", "P,1,0,1,0.5")),
+    "a limit in a column of mm, of a joint that turns": (
+        "",
+        "lower [mm],upper [mm]",
+        ("R,1,0,1,-1,{k}", "P,1,0,1,-1,{k}"),
+    ),
+    "a speed in a column of m/s, of a joint that turns": ("", "velocity [m/s]", ("R,1,0,1,{k}", "P,1,0,1,{k}")),
+}
+"""What stands above a table or in its header, its last columns, and the rows of an arm that turns and slides."""
+
+
+@pytest.mark.parametrize(("top", "columns", "rows"), MIXED.values(), ids=MIXED)
+def test_a_column_of_angles_and_lengths_has_one_meaning(
+    top: str, columns: str, rows: tuple[str, ...], tmp_path: Path
+) -> None:
+    """An offset, a limit or a speed is in its joint's unit, in the first arm of a file and in the last."""
+    path = tmp_path / "arms.csv"
+    said, geometry = (top, "a,alpha,d") if top.startswith("#") else ("# name: x", top or "a,alpha,d")
+    lines = [said, f"robot,type,{geometry},{columns}"]
+    arms = [[f"r{k},{row}".format(k=f"0.{k + 1:03}") for row in rows] for k in range(40)]  # more limits than a few
+    content = "\n".join([*lines, *(row for arm in arms for row in arm)])
+    fast = outcome(path, content, convention="standard")
+    with without_the_fast_way():
+        assert fast == outcome(path, content, convention="standard")
+    first, *others = csv.READER.read(path, TableOptions(convention="standard"))
+    assert {type(item) for item in others} == {type(first)}
+
+
+def test_a_prismatic_offset_in_mm_is_one_in_mm(tmp_path: Path) -> None:
+    """5 in a table in mm is 5 mm, not the 5 m that the angles' unit makes of it."""
+    path = tmp_path / "arm.csv"
+    table = "type,a,alpha,d,offset,lower,upper\nR,100,0,10,0.5,-1,1\nP,100,0,10,5,0,6\n"
+    path.write_text("# convention: standard\n# units: {length: mm}\n" + table)
+    (arm,) = csv.READER.read(path, TableOptions())
+    assert isinstance(arm, Manipulator)
+    assert [(row.offset, row.limits.lower, row.limits.upper) for row in arm.rows] == [(0.5, -1, 1), (0.005, 0, 0.006)]
+
+
+plain_numbers = st.sampled_from(
+    ["0", "0.5", "-0.25", "1.5707963267948966", "-0", "1e-3", "+2.", ".5", "3", "0.0", "12.5", "1.25", "50"]
+)
+odd_cells = st.sampled_from(
+    (
+        "",
+        " ",
+        "1.57",
+        "pi/2",
+        "90 deg",
+        "nan",
+        "inf",
+        "-inf",
+        "1_0",
+        "٣",
+        "1e400",
+        "400",
+        "7",
+        "x",
+        "#REF!",
+        "j1",
+        "world",
+        "1,5",
+        "0x10",
+        "flange",
+        "é",
+        "\x1f",
+        "fixed",
+        "continuous",
+        "P",
+        '"a"',
+        "-5",
+        "1\xa0",
+        "0",
+        "DH",
+        "craig",
+        "q1",
+        "flange ",
+        "J1",
+        "link_1-tool0",
+        "base_link",
+        "2e4",
+        "-1e-400",
+        '"1\n2"',
+        '"revolute\n"',
+    )
+)
+COLUMNS = ["robot", "joint", "link", "i", "type", "a", "alpha", "d", "theta", "offset", "lower", "upper", "velocity"]
+WORDS = ["revolute", "revolute", "R", "prismatic", "continuous", "fixed"]
+EXPRESSIONS = ["pi/2", "-pi/2", "0", "90deg", "0.1 + 0.02", "-0.25", "1e-3", "50 mm"]
+LIMITS = {
+    "lower": ["-1", "-2", "", "-0.5"],
+    "upper": ["1", "2", "", "pi"],
+    "velocity": ["1", "", "2"],
+    "effort": ["5", ""],
+}
+UNITS = {
+    "a": ["mm", "m"],
+    "d": ["cm", "mm"],
+    "alpha": ["deg", "rad"],
+    "theta": ["deg"],
+    "offset": ["deg", "rad", "m", "mm"],
+    "lower": ["deg", "rad", "m", "mm"],
+    "upper": ["deg", "rad", "m", "mm"],
+    "velocity": ["deg/s", "m/s", "rad/s"],
+}
+STATED = [[], [], ["# units: {length: mm}"], ["# units: {angle: deg}"], ["# units: mm, deg"], ["# units: cm"]]
+
+
+@st.composite
+def large_tables(draw: st.DrawFn) -> str:
+    """Several manipulators, plain for the most part, with an odd cell now and then."""
+    more = st.lists(st.sampled_from([*COLUMNS, "effort", "convention"]), max_size=9, unique=True)
+    columns = ["a", "alpha", "d", *draw(more)]
+    columns = list(dict.fromkeys(columns))
+    if draw(st.booleans()) and "lower" in columns:
+        columns = list(dict.fromkeys([*columns, "lower", "upper", "velocity", "effort"]))
+    headers = [
+        f"{name} [{draw(st.sampled_from(UNITS[name]))}]" if name in UNITS and draw(st.integers(0, 3)) == 0 else name
+        for name in columns
+    ]
+    delimiter = draw(st.sampled_from([",", ",", ";"]))
+    lines = [*draw(st.sampled_from(STATED)), delimiter.join([*headers, ""])]
+    mixed, own_names = draw(st.booleans()), draw(st.booleans())
+    expressions = draw(st.sets(st.sampled_from(["a", "alpha", "d", "theta", "offset"]), max_size=2))
+    for robot in range(draw(st.integers(1, 4))):
+        end = f"_{robot}" if own_names else ""
+        for number in range(1, draw(st.integers(1, 4)) + 1):
+            words = {"robot": f"arm{robot}", "joint": f"j{number}{end}", "link": f"l{number}", "i": str(number)}
+            words |= {"type": "revolute", "velocity": "1", "effort": "2", "upper": "3", "convention": "DH"}
+            words |= {name: draw(st.sampled_from(EXPRESSIONS)) for name in sorted(expressions)}
+            if mixed:
+                words["type"] = draw(st.sampled_from(WORDS))
+                words |= {name: draw(st.sampled_from(texts)) for name, texts in LIMITS.items()}
+            line = [words[name] if name in words else draw(plain_numbers) for name in columns]
+            if draw(st.integers(0, 5)) == 0:
+                line[draw(st.integers(0, len(line) - 1))] = draw(odd_cells)
+            lines.append(delimiter.join([*line, ""]))
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("spaces", ["", " ", "\u00a0", "\t"])
+def test_a_row_of_spaces_is_none_wherever_it_stands(spaces: str, tmp_path: Path) -> None:
+    """Among full rows, and beside an empty line."""
+    path = tmp_path / "arms.csv"
+    blank = ",".join([spaces] * 3)
+    alone = outcome(path, f"a,alpha,d\n0,0,1\n{blank}\n", convention="standard")
+    assert alone == outcome(path, f"a,alpha,d\n0,0,1\n{blank}\n\n", convention="standard")
+    assert "Rejected" not in alone[0]
+
+
+@given(large_tables())
+@settings(max_examples=800)
+def test_the_fast_way_reads_what_the_careful_one_reads(tmp_path_factory: pytest.TempPathFactory, content: str) -> None:
+    """Every manipulator, every notice and every error is the same with and without it."""
+    path = tmp_path_factory.getbasetemp() / "arms.csv"
+    header = next(line for line in content.split("\n") if not line.startswith("#"))
+    options = {} if "convention" in header else {"convention": "standard"}
+    fast = outcome(path, content, **options)
+    with without_the_fast_way():
+        assert fast == outcome(path, content, **options)
+
+
+def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table of a benchmark's kind, units and limits included, goes the fast way as a whole."""
+    header = (
+        "robot,i,joint,type,a [mm],alpha [deg],d [mm],theta [deg],lower [deg],upper [deg],velocity [rad/s],effort [Nm]"
+    )
+    lines = [
+        f"r{robot},{joint},joint_{joint},revolute,{joint}.5,90,{robot + 10}.25,-45,-180,180,3.14,50"
+        for robot in range(2000)
+        for joint in range(1, 7)
+    ]
+    path = tmp_path / "arms.csv"
+    path.write_text("\n".join([header, *lines]))
+    counts: list[int] = []
+    fast = PlainRows.read
+
+    def counted(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
+        result = fast(self, rows, lines, sizes)
+        counts.append(len(sizes) if result else 0)
+        return result
+
+    monkeypatch.setattr(PlainRows, "read", counted)
+    arms = list(csv.READER.read(path, TableOptions(convention="standard")))
+    assert (len(arms), sum(counts)) == (2000, 2000)
+    assert {type(row) for arm in arms if isinstance(arm, Manipulator) for row in arm.rows} == {DHRow}
+
+
+# --- The sample that is read twice ------------------------------------------------------------------------------------
+
+
+def arms_of(count: int, rows: int = 6) -> str:
+    lines = [f"r{arm},j{row},R,0.{row},pi/2,0.1,0.{arm:04}" for arm in range(count) for row in range(1, rows + 1)]
+    return "\n".join(["robot,joint,type,a,alpha,d,offset", *lines])
+
+
+def plant(monkeypatch: pytest.MonkeyPatch, change: Callable[[tuple[DHRow, ...]], tuple[DHRow, ...]]) -> None:
+    """Makes the fast way read every manipulator wrongly."""
+    fast = PlainRows.read
+
+    def wrong(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
+        result = fast(self, rows, lines, sizes)
+        return result and [change(arm) for arm in result]
+
+    monkeypatch.setattr(PlainRows, "read", wrong)
+
+
+@pytest.mark.parametrize("rows", [1, 6, 200])
+def test_a_wrong_fast_reading_is_an_error_that_names_both(
+    rows: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last bit of one offset is enough; the message names the row, both readings and what to do."""
+    path = tmp_path / "arms.csv"
+    path.write_text(arms_of(3, rows))
+    plant(monkeypatch, lambda arm: (replace(arm[0], offset=math.nextafter(arm[0].offset, 1)), *arm[1:]))
+    with pytest.raises(TableError) as caught:
+        list(csv.READER.read(path, TableOptions(convention="standard")))
+    (problem,) = caught.value.problems
+    assert str(problem) == (
+        f"{path}:2: error: joint 'j1', field 'offset': the fast reading of offset is 5e-324, and the careful reading is "
+        "0.0\n    accepted: two equal readings of every row\n    this is a fault of dh2urdf, not of the table, and no "
+        "robot of this file is safe to use: report this message to the makers of dh2urdf, with this row and all lines "
+        "above the first row"
+    )
+
+
+def test_a_row_that_only_the_fast_way_accepts_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the careful reading refuses, or has a notice about, is another reading too."""
+    path = tmp_path / "arms.csv"
+    path.write_text(arms_of(2).replace("r0,j1,R,0.1,pi/2", "r0,j1,R,0.1,1.5708"))
+    row = DHRow(joint="j1", link="link_1", a=0.1, alpha=1.5708, d=0.1)
+    monkeypatch.setattr(PlainRows, "read", lambda _self, _rows, _lines, sizes: [(row,) * size for size in sizes])
+    with pytest.raises(TableError, match=r"the fast reading of \w+ is .*, and the careful reading is "):
+        list(csv.READER.read(path, TableOptions(convention="standard")))
+    path.write_text(arms_of(2).replace("pi/2", "400"))
+    with pytest.raises(TableError, match=r"the fast reading accepts DHRow.*, and the careful one refuses it: '400' is"):
+        list(csv.READER.read(path, TableOptions(convention="standard")))
+
+
+def test_a_wrong_reading_deep_in_a_file_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The sample goes on to the end of a file: an error that sets in after 60,000 rows is found."""
+    path = tmp_path / "arms.csv"
+    path.write_text(arms_of(20_000))
+    late = 10_000
+
+    def wrong(arm: tuple[DHRow, ...]) -> tuple[DHRow, ...]:
+        line = arm[0].mark.line if arm[0].mark else None
+        return arm if line is None or line < 6 * late else (replace(arm[0], sign=-1), *arm[1:])
+
+    plant(monkeypatch, wrong)
+    with pytest.raises(TableError, match="the fast reading of sign is -1, and the careful reading is 1"):
+        list(csv.READER.read(path, TableOptions(convention="standard")))
+
+
+def test_the_sample_is_small_and_the_same_each_time() -> None:
+    """At most `HEAD` rows and one of `EVERY`, spread over the places in a batch."""
+    sizes = [6] * 40
+    chosen = []
+    for _ in range(2):
+        sample = PlainSample()
+        chosen.append([sample.choose(sizes) for _ in range(5000)])
+    assert chosen[0] == chosen[1]
+    found = [index for index in chosen[0] if index is not None]
+    assert chosen[0][0] is not None
+    assert 6 * len(found) <= HEAD + 5000 * 240 / EVERY
+    assert len(found) > 5000 * 240 / EVERY / 6 - 1

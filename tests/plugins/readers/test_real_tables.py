@@ -1,0 +1,348 @@
+"""Tables as makers, textbooks and spreadsheets have them: what a person meant, or a word about it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, Manipulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from dh2urdf.source import Problem
+    from dh2urdf.stages import Rejected
+
+    Read = Callable[..., list[Manipulator | Rejected]]
+    ReadOne = Callable[..., Manipulator]
+
+STANDARD = "# convention: standard\n"
+
+
+def problems_of(read: Read, text: str, suffix: str = ".csv") -> tuple[Problem, ...]:
+    """What is wrong with a table of one manipulator."""
+    try:
+        (rejected,) = read(text, suffix)
+    except TableError as error:
+        return tuple(error.problems)
+    assert not isinstance(rejected, Manipulator)
+    return rejected.problems
+
+
+def notices_of(arm: Manipulator) -> str:
+    """What is said of an arm that is accepted."""
+    return "\n".join(map(str, arm.notices))
+
+
+# --- Titles and rows of units -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# convention: standard\na [mm],alpha [deg],d [mm]\n-425,90,162.5\n",
+        "UR5e,,\nDH parameters,,\nconvention: standard,,\na [mm],alpha [deg],d [mm]\n,,\n-425,90,162.5\n",
+        "convention,standard\nunits: {length: mm, angle: deg}\na,alpha,d\n-425,90,162.5\n",
+        "# convention: standard\na,alpha,d\nmm,deg,mm\n-425,90,162.5\n",
+        "# convention: standard\na,alpha,d\n\n[mm],[°],[mm]\n-425,90,162.5\n",
+        "convention;standard;\na;alpha;d\n(mm);(deg);(mm)\n-425;90;162,5\n",
+        "convention\tstandard\t\na\talpha\td\nmm\tdeg\tmm\n-425\t90\t162.5\n",
+        '# convention: standard\n"a\n[mm]","alpha\n[deg]","d\n[mm]"\n-425,90,162.5\n',
+        '# convention: standard\n"The arm\nof the lab",,\na [mm],alpha [deg],d [mm]\n-425,90,162.5\n',
+    ],
+)
+def test_titles_and_units_of_a_spreadsheet_are_read(text: str, read: Read) -> None:
+    """Above and below the header, in commas, semicolons and tabs."""
+    (arm,) = read(text)
+    assert isinstance(arm, Manipulator), arm.problems
+    assert arm.convention is Convention.STANDARD
+    assert [(row.a, row.alpha, row.d) for row in arm.rows] == [(-0.425, math.pi / 2, 0.1625)]
+
+
+def test_titles_of_columns_that_were_merged_cover_their_parts(read_one: ReadOne) -> None:
+    """A merged cell leaves its text in its first cell, and nothing in the others."""
+    arm = read_one(
+        "a,alpha,d,mass,Center of mass,,,Limits [deg],\n,,,,x,y,z,lower,upper\n0.3,0,0.1,1,0.01,0.02,0.03,-90,180\n"
+    )
+    (row,) = arm.rows
+    assert row.com == (0.01, 0.02, 0.03)
+    assert (row.limits.lower, row.limits.upper) == (-math.pi / 2, math.pi)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a [m],alpha,d\nmm,deg,mm\n425,90,0\n", "the row of units says 'mm', and the header above says 'a [m]'"),
+        ("My arm,,\njoint,a,aplha\n1,0,0\n", "did you mean 'alpha'?"),
+        ("My arm\nof the lab\n", "this line is no header whose columns are known: 'My arm'"),
+        ("; units: mm\na,alpha,d\n425,0,0\n", "a comment begins with #"),
+    ],
+)
+def test_what_no_header_can_be_is_refused(text: str, said: str, read: Read) -> None:
+    """With the line that is most like one."""
+    assert any(said in str(problem) for problem in problems_of(read, STANDARD + text))
+
+
+def test_titles_that_say_nothing_get_a_notice(read_one: ReadOne) -> None:
+    """One for all of them."""
+    arm = read_one("Joint,Min,Max\n1,-170,170\n\na,alpha,d\n0.3,0,0\n")
+    assert notices_of(arm).count("nothing is read from what stands above the header: 'Joint, Min, Max'") == 1
+
+
+# --- Comments ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("comments", "name", "said"),
+    [
+        ("# robot: ur5\n", "ur5", ""),
+        ("# Manipulator: KUKA KR 6\n", "KUKA KR 6", ""),
+        ('# model = "KR 6 R900"\n', "KR 6 R900", ""),
+        ("# Roboter: Nr. 5: der neue\n", "Nr. 5: der neue", ""),
+        ("Robot,UR5,\n", "UR5", ""),
+        ("# robot: UR5\n# model: CB3\n", "UR5", "nothing is read from '# model: CB3': another line says the name"),
+        ("# robot: UR5\n# name: ur5\n", "ur5", "nothing is read from '# robot: UR5': another line says the name"),
+        ("# name: ur5\n# robot: UR5\n", "ur5", "nothing is read from '# robot: UR5': another line says the name"),
+    ],
+)
+def test_other_keys_say_the_name(comments: str, name: str, said: str, read_one: ReadOne) -> None:
+    """Those that a column of names is called, too."""
+    arm = read_one(f"{comments}a,alpha,d\n0.3,0,0\n")
+    assert arm.name == name
+    assert said in notices_of(arm) if said else not arm.notices
+
+
+def test_a_name_beside_a_column_of_names_has_no_effect(read: Read) -> None:
+    """Which is said once."""
+    arms = read(STANDARD + "# name: both\nrobot,a,alpha,d\nleft,0.3,0,0\nright,0.3,0,0\n")
+    assert [arm.name for arm in arms] == ["left", "right"]
+    assert ["the name 'both' has no effect" in str(arm.notices) for arm in arms] == [True, False]
+
+
+@pytest.mark.parametrize(
+    "comment", ["# gravity: 9.81", "# reach: 850 mm", "# weight = 18.4 kg", "# home: [0, -90, 90]"]
+)
+def test_a_number_under_a_key_that_nothing_reads_gets_a_notice(comment: str, read_one: ReadOne) -> None:
+    """It may be meant for the arm."""
+    assert f"{comment!r} is a comment, and no" in notices_of(read_one(f"{comment}\na,alpha,d\n0.3,0,0\n"))
+
+
+@pytest.mark.parametrize("comment", ["# version: 1.2", "# dof: 6", "# page: 12", "# Date: 2021", "# axes: 6"])
+def test_a_number_of_the_document_gets_none(comment: str, read_one: ReadOne) -> None:
+    """It is no quantity of the arm."""
+    assert not read_one(f"{comment}\na,alpha,d\n0.3,0,0\n").notices
+
+
+# --- Columns ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("header", "cells", "line", "said"),
+    [
+        ("accel", ["5", "5", "5"], 3, "'accel' seems to be an acceleration, which no column holds, and it is '5'"),
+        ("accel", ["0", "6", "5"], 4, "'accel' seems to be an acceleration, which no column holds, and it is '6'"),
+        ("gear ratio", ["0", "", "100"], 5, "'gear ratio' is the ratio of a gear, which no column holds"),
+        ("rotor inertia", ["1e-4", "2e-4", "0"], 3, "'rotor inertia' is the inertia of a rotor"),
+        ("backlash", ["0.1", "0.1", "0.1"], 3, "'backlash' is the play of a gear, which no column holds"),
+        ("stiffness", ["1000", "1000", "1000"], 3, "'stiffness' is how far the joint yields under a load"),
+        ("Federsteifigkeit x", ["1", "1", "1"], 3, "seems to be a stiffness or a play, which no column holds"),
+        ("notes on it", ["5 mm", "6 mm", "7 mm"], 3, "'5 mm' is a quantity, but no field is called 'notes on it'"),
+    ],
+)
+def test_a_column_is_refused_once(header: str, cells: list[str], line: int, said: str, read: Read) -> None:
+    """With the first of its cells that is not 0."""
+    rows = "".join(f"0.3,0,0,{cell}\n" for cell in cells)
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n{rows}")
+    assert problem.mark is not None
+    assert problem.mark.line == line
+    assert said in str(problem)
+    assert "armature" not in problem.message
+
+
+def test_a_column_is_refused_in_each_manipulator(read: Read) -> None:
+    """Each of them is refused by itself."""
+    rows = "".join(f"{name},0.3,0,0,{k}\n" for name in "xyz" for k in (1, 2))
+    arms = read(f"{STANDARD}robot,a,alpha,d,accel\n{rows}")
+    assert [len(arm.problems) for arm in arms if not isinstance(arm, Manipulator)] == [1, 1, 1]
+
+
+@pytest.mark.parametrize("key", ["gear ratio: 100", "colour: red"])
+def test_a_key_is_refused_once(key: str, read: Read) -> None:
+    """In YAML, as a column is."""
+    joints = "".join(f"- {{a: 0.3, alpha: 0, d: 0, {key}}}\n" for _ in range(4))
+    assert len(problems_of(read, f"convention: standard\njoints:\n{joints}", ".yaml")) == 1
+
+
+def test_a_symbol_that_may_be_an_inertia_of_rotors_is_said_to_be_left_out(read_one: ReadOne) -> None:
+    """Books call other things so, too: the arm is written, and the notice says what to do."""
+    said = notices_of(read_one("a,alpha,d,Jm\n0.3,0,0,2e-4\n"))
+    assert "the column 'Jm' is left out" in said
+    assert "if Jm is the inertia of a rotor, write a column armature" in said
+
+
+@pytest.mark.parametrize("cell", ["170", "170.5"])
+def test_one_cell_is_refused_once(cell: str, read: Read) -> None:
+    """Whatever is wrong with it besides."""
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,lower [deg],upper\n0.3,0,0,-170,{cell}\n")
+    assert problem.message == f"{cell!r} has no unit, and the unit of lower is deg"
+
+
+# --- Cells ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["a", "alpha", "d", "theta", "mass", "velocity", "com_x"])
+@pytest.mark.parametrize("cell", ["1e-400", "-1e-400", "2 * 1e-400", "1e-400 + 1"])
+def test_a_number_that_would_become_0_is_refused(cell: str, name: str, read: Read) -> None:
+    """On the careful path."""
+    names = {
+        "a": "0.3",
+        "alpha": "0",
+        "d": "0",
+        **({"com_x": "0", "com_y": "0", "com_z": "0"} if "com" in name else {}),
+    }
+    row = {**names, name: cell}
+    text = f"{STANDARD}{','.join(row)}\n{','.join(row.values())}\n"
+    assert any("below the smallest number that can be held" in str(problem) for problem in problems_of(read, text))
+
+
+@pytest.mark.parametrize("cell", ["1e-400 mm", "1e-322"])
+def test_a_number_that_its_unit_makes_0_is_refused(cell: str, read: Read) -> None:
+    """It is none before it is converted."""
+    found = problems_of(read, f"{STANDARD}# units: mm\na,alpha,d\n300,0,{cell}\n")
+    assert any("below the smallest number that can be held" in str(problem) for problem in found)
+
+
+@pytest.mark.parametrize("field", ["a", "alpha", "d", "theta", "offset", "lower"])
+def test_such_a_number_is_refused_in_bulk(field: str, read: Read) -> None:
+    """On the fast path, among numbers with usual exponents."""
+    fields = ("a", "alpha", "d", "theta", "offset", "lower", "upper")
+    row = dict.fromkeys(fields, "0") | {"a": "0.3", "lower": "-1", "upper": "1"}
+    rows = [row | {"d": "1e-05"} for _ in range(400)]
+    rows[300] |= {field: "1e-400"}
+    lines = "".join(f"r{k},{','.join(row.values())}\n" for k, row in enumerate(rows))
+    arms = read(f"{STANDARD}robot,{','.join(fields)}\n{lines}")
+    assert [arm.name for arm in arms if not isinstance(arm, Manipulator)] == ["r300"]
+
+
+@pytest.mark.parametrize(
+    ("word", "sign"),
+    [
+        ("WAHR", -1),
+        ("FALSCH", 1),
+        ("VRAI", -1),
+        ("FAUX", 1),
+        ("VERDADERO", -1),
+        ("FALSO", 1),
+        ("VERO", -1),
+        ("ja", -1),
+        ("nein", 1),
+    ],
+)
+def test_truth_values_of_spreadsheets_are_read(word: str, sign: int, read_one: ReadOne) -> None:
+    """In the languages that headers are read in."""
+    assert read_one(f"a,alpha,d,flip\n0.3,0,0,{word}\n").rows[0].sign == sign
+    assert read_one(f"joints: [{{a: 0.3, alpha: 0, d: 0, flip: {word}}}]", ".yaml").rows[0].sign == sign
+
+
+# --- Metadata ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("key", ["units", "convention", "length_unit", "Units", "tool"])
+def test_metadata_without_the_prefix_are_refused(key: str, tmp_path: Path) -> None:
+    """They seem to say something of the table, and nothing would read them."""
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    from dh2urdf_plugins.readers import parquet
+    from dh2urdf_plugins.readers.statements import TableOptions
+
+    table = pa.table({"a": [300.0], "alpha": [0.0], "d": [0.0]})
+    said = {"dh2urdf.convention": "standard", "author": "me", key: "mm" if "nit" in key else "modified"}
+    pq.write_table(table.replace_schema_metadata(said), tmp_path / "arm.parquet")
+    with pytest.raises(TableError, match=f"the metadata say '{key}', and only keys that begin with dh2urdf. are read"):
+        list(parquet.READER.read(tmp_path / "arm.parquet", TableOptions()))
+
+
+# --- Words in other languages, and in other places --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("comment", "convention"),
+    [
+        ("# Konvention: modifiziert", Convention.MODIFIED),
+        ("Konvention;modifiziert;", Convention.MODIFIED),
+        ("# convention : modifiée", Convention.MODIFIED),
+        ("# convención: estándar", Convention.STANDARD),
+        ("# convenzione: standard", Convention.STANDARD),
+        ("# convention: DH\n# convention: standard", Convention.STANDARD),
+    ],
+)
+def test_a_comment_says_the_convention_in_few_words(comment: str, convention: Convention, read: Read) -> None:
+    """In the languages that headers are read in, and where it says nothing but the convention."""
+    (arm,) = read(f"{comment}\na;alpha;d\n0.3;0;0.1\n")
+    assert isinstance(arm, Manipulator), arm.problems
+    assert arm.convention is convention
+    assert not arm.notices
+
+
+@pytest.mark.parametrize("comment", ["# DH parameters", "# Denavit-Hartenberg table of our arm", "# MDH", "# Craig"])
+def test_a_comment_that_names_no_convention_says_none(comment: str, read: Read) -> None:
+    """Or several, or an author."""
+    assert any("convention" in problem.message for problem in problems_of(read, f"{comment}\na,alpha,d\n0.3,0,0.1\n"))
+
+
+@pytest.mark.parametrize(
+    ("word", "letter"),
+    [
+        ("Drehgelenk", "revolute"),
+        ("rotoïde", "revolute"),
+        ("ROTOIDE", "revolute"),
+        ("Schubgelenk", "prismatic"),
+        ("prismatique", "prismatic"),
+        ("prismático", "prismatic"),
+        ("fijo", "fixed"),
+    ],
+)
+def test_types_of_other_languages_are_read(word: str, letter: str, read_one: ReadOne) -> None:
+    """As their tables have them."""
+    assert read_one(f"type,a,alpha,d\n{word},0.3,0,0\n").rows[0].type.value == letter
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Articulación;a (mm);alfa (°);d (mm);Límite inferior (°);Límite superior (°);Par máximo (Nm)\nx;0;90;340;-170;170;176\n",
+        "Giunto;a [mm];alfa [°];d [mm];Limite inferiore [°];Limite superiore [°];Coppia [Nm]\nx;0;90;340;-170;170;176\n",
+        "Gelenk;a [mm];α [°];d [mm];Grenze unten [°];Grenze oben [°];Drehmoment [Nm]\nx;0;90;340;-170;170;176\n",
+        "Articulation;a (mm);alpha (°);d (mm);Butée min (°);Butée max (°);Couple (N.m)\nx;0;90;340;-170;170;176\n",
+    ],
+)
+def test_tables_of_other_languages_are_read(text: str, read_one: ReadOne) -> None:
+    """As spreadsheets there have them."""
+    (row,) = read_one(text).rows
+    assert (row.joint, row.a, row.alpha, row.d) == ("x", 0, math.pi / 2, 0.34)
+    assert (row.limits.lower, row.limits.upper) == pytest.approx((-17 / 18 * math.pi, 17 / 18 * math.pi), abs=1e-15)
+    assert row.limits.effort == 176
+
+
+@pytest.mark.parametrize("cells", [("1", "2"), ("J1", "J2"), ("j1", "j2")])
+def test_a_column_j_may_count_the_rows(cells: tuple[str, str], read_one: ReadOne) -> None:
+    """As the Robotics Toolbox prints it, and as makers do."""
+    assert len(read_one(f"j,a,alpha,d\n{cells[0]},0.3,0,0\n{cells[1]},0.3,0,0\n").rows) == 2
+
+
+@pytest.mark.parametrize(
+    ("header", "cell", "said"),
+    [
+        ("j", "0.5", "the number of a row, or an inertia"),
+        ("j", "J2", "the number of a row, or an inertia"),
+        ("Unit", "mm", "the unit of a row, which no column holds"),
+        ("Max. Geschw. [°/s]", "180", "one of the columns velocity"),
+    ],
+)
+def test_a_column_is_refused_for_what_it_is(header: str, cell: str, said: str, read: Read) -> None:
+    """By its unit, where its words say only that it is a limit."""
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,{cell}\n")
+    assert said in str(problem)

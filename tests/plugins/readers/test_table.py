@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.registry import load
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.table import CellRow, TableOptions, read_table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+HEADER = ["joint", "type", "a", "alpha", "d"]
+FIRST = ["shoulder", "R", 0.0, math.pi / 2, 0.089]
+SECOND = ["elbow", "R", -0.425, 0.0, 0.0]
+STANDARD = TableOptions(convention="standard")
+
+
+def rows(*cells: list[Any]) -> Iterator[CellRow]:
+    """Rows of a sheet called `Sheet1`, with the place of each cell."""
+    for number, row in enumerate(cells, start=1):
+        marks = [
+            Mark(file="arm.ods", line=number, column=column, place=f"Sheet1!{chr(64 + column)}{number}")
+            for column in range(1, len(row) + 1)
+        ]
+        yield CellRow(row, Mark(file="arm.ods", line=number, place=f"Sheet1!A{number}"), marks)
+
+
+def read_one(*cells: list[Any], options: TableOptions = STANDARD, **more: Any) -> Manipulator:
+    (arm,) = read_table(rows(*cells), "arm.ods", options, **more)
+    assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+    return arm
+
+
+def refusal(*cells: list[Any], options: TableOptions = STANDARD) -> str:
+    try:
+        items = list(read_table(rows(*cells), "arm.ods", options))
+    except TableError as error:
+        return str(error)
+    return "\n".join(str(problem) for item in items if isinstance(item, Rejected) for problem in item.problems)
+
+
+class TestRows:
+    def test_numbers_texts_and_empty_cells(self) -> None:
+        """Numbers are taken as they are, texts as the cells of a CSV file."""
+        arm = read_one([*HEADER, "theta"], [*FIRST, None], ["elbow", "R", "-425 mm", "0", 0, "pi/2"])
+        assert [(row.a, row.alpha, row.d, row.theta) for row in arm.rows] == [
+            (0.0, math.pi / 2, 0.089, 0.0),
+            (-0.425, 0.0, 0.0, math.pi / 2),
+        ]
+        assert arm.name == "arm"
+
+    def test_rows_know_their_places(self) -> None:
+        """Whatever is found later names the cell's row as the format does."""
+        arm = read_one(HEADER, FIRST, SECOND)
+        assert [str(row.mark) for row in arm.rows] == ["arm.ods:Sheet1!A2", "arm.ods:Sheet1!A3"]
+
+    def test_empty_rows_and_comments_are_passed_over(self) -> None:
+        """Above the header and below it."""
+        arm = read_one([None, ""], ["# a note"], HEADER, FIRST, [None] * 5, ["# of 2020"], SECOND)
+        assert [row.joint for row in arm.rows] == ["shoulder", "elbow"]
+        assert arm.notices == ()
+
+    def test_a_comment_in_several_cells_may_be_a_row(self) -> None:
+        """It is none, and a notice says so."""
+        (notice,) = read_one(HEADER, FIRST, ["#", *SECOND[1:]]).notices
+        assert "is a comment, since it begins with #, and no row" in str(notice)
+
+    def test_short_and_long_rows(self) -> None:
+        """Cells that are not there are empty; one that has no header is refused."""
+        assert read_one([*HEADER, "mass"], FIRST).rows[0].mass is None
+        assert "arm.ods:Sheet1!F2: error: joint 'joint_1': '7' stands in a column without a header" in refusal(
+            HEADER, [*FIRST, 7]
+        )
+
+
+class TestTheTop:
+    @pytest.mark.parametrize(
+        "said",
+        [
+            ["# convention: modified"],
+            ["# convention", "modified"],
+            ["convention: modified"],
+            [None, "Convention:", "modified", None],
+            ["# dh convention = modified"],
+        ],
+    )
+    def test_what_stands_above_the_header_holds_for_all_rows(self, said: list[Any]) -> None:
+        """In one cell or in several, with or without #."""
+        arm = read_one(said, HEADER, FIRST, options=TableOptions())
+        assert (arm.convention, arm.notices) == (Convention.MODIFIED, ())
+
+    @pytest.mark.parametrize("said", [["# units: {length: mm, angle: deg}"], ["# units: {length: mm", " angle: deg}"]])
+    def test_units(self, said: list[Any]) -> None:
+        """A mapping that a spreadsheet has split at its comma is one again."""
+        row = read_one(said, HEADER, ["j", "R", 100, 90, 0]).rows[0]
+        assert (row.a, row.alpha) == (0.1, math.pi / 2)
+
+    def test_titles_get_one_notice(self) -> None:
+        """What stands above the header and says nothing that is known is repeated."""
+        (notice,) = read_one(["UR5, rev. B"], ["measured", 2020.0], HEADER, FIRST).notices
+        assert str(notice).startswith(
+            "arm.ods:Sheet1!A1: notice: manipulator 'arm': nothing is read from what stands above the header: "
+            "'UR5, rev. B', 'measured, 2020'\n"
+        )
+
+    def test_statements_from_outside(self) -> None:
+        """A file that has metadata hands them over; the rows may not say them again."""
+        from dh2urdf.documents import load_yaml
+
+        said = {"name": load_yaml("scara", "metadata")}
+        assert read_one(HEADER, FIRST, statements=said).name == "scara"
+        with pytest.raises(
+            TableError, match="Sheet1!A1: error: field 'name': a comment line says name already, in line 1"
+        ):
+            read_one(["# name: x"], HEADER, FIRST, statements=said)
+
+    @pytest.mark.parametrize(
+        ("cells", "said"),
+        [
+            ([], "arm.ods: error: there is no header and there are no rows"),
+            ([["a note"]], "arm.ods:Sheet1!A1: error: no row is a header whose columns are known; the first row is 'a note'"),
+            ([["a", "b"]], "arm.ods:Sheet1!A1: error: field 'alpha': there is no column for alpha in the header"),
+            ([["a", "alpha", "lenght"]], "arm.ods:Sheet1!A1: error: field 'd': there is no column for d in the header"),
+            ([["# untis: mm"], HEADER], "arm.ods:Sheet1!A1: error: the comment line says 'untis', which nothing is called"),
+            ([["# base: {xyz: [0, 0}"], HEADER], "arm.ods:Sheet1!A1: error: "),
+            ([["# base: {xyz: [0, 0, x]}"], HEADER], "arm.ods:Sheet1!A1: error: field 'base.xyz': 'x' cannot be read"),
+            ([HEADER, FIRST, ["# name: x"]], "arm.ods:Sheet1!A3: error: '# name: x' stands below the header"),
+        ],
+    )  # fmt: skip
+    def test_refusals_name_the_cell(self, cells: list[Any], said: str) -> None:
+        """Of comments, of the header, and where there is none."""
+        assert said in refusal(*cells)
+
+    def test_the_search_for_a_header_ends(self) -> None:
+        """After a thousand rows that are none."""
+        with pytest.raises(TableError, match="no row is a header"):
+            list(read_table(rows(*([["text"]] * 1001), HEADER, FIRST), "arm.ods", STANDARD))
+
+
+class TestCells:
+    def test_the_message_names_the_cell(self) -> None:
+        """As the format does."""
+        assert refusal(HEADER, FIRST, ["j2", "R", "x", 0, 0]).startswith(
+            "arm.ods:Sheet1!C3: error: joint 'j2', field 'a': "
+        )
+
+    def test_what_is_no_text_and_no_number_is_an_error_where_it_is_read(self) -> None:
+        """A date in a column that no field knows is no matter."""
+        date = Problem(message="the cell holds a date", found="2020-03-04")
+        assert "arm.ods:Sheet1!C2: error: joint 'joint_1', field 'a': the cell holds a date" in refusal(
+            HEADER, ["j", "R", date, 0, 0]
+        )
+        assert read_one([*HEADER, "note"], [*FIRST, date]).rows[0].d == 0.089
+
+    @pytest.mark.parametrize(("decimal_comma", "accepted"), [(True, True), (False, False)])
+    def test_decimal_commas(self, *, decimal_comma: bool, accepted: bool) -> None:
+        """Where no commas separate cells."""
+        table = rows(HEADER, ["j", "R", "0,5", 0, 0])
+        (item,) = read_table(table, "arm.ods", STANDARD, decimal_comma=decimal_comma)
+        assert isinstance(item, Manipulator) is accepted
+
+    def test_several_manipulators(self) -> None:
+        """By the column robot, as in every table."""
+        table = rows(["robot", *HEADER], ["A", *FIRST], ["A", *SECOND], ["B", *FIRST])
+        arms = [item for item in read_table(table, "arm.ods", STANDARD) if isinstance(item, Manipulator)]
+        assert [(arm.name, len(arm.rows)) for arm in arms] == [("A", 2), ("B", 1)]
+
+
+def test_the_catalog_knows_who_reads_cells() -> None:
+    """The host reaches the grammar without the name of a plugin."""
+    reader = load().cell_reader()
+    assert reader.read_cells is not None
+    (arm,) = reader.read_cells(rows(HEADER, FIRST), "cells", STANDARD)
+    assert isinstance(arm, Manipulator)
+    assert arm.name == "cells"

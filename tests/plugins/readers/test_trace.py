@@ -1,0 +1,108 @@
+"""What a reader says of the cells that a manipulator comes from; the manipulator is the one that is read without."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.provenance import Trace
+from dh2urdf_plugins.readers import csv, parquet, yaml
+from dh2urdf_plugins.readers.statements import TableOptions
+
+TABLES = sorted((Path(__file__).parents[3] / "configs" / "tables").iterdir())
+CSV = """\
+# convention: standard
+# base: {xyz: [0, 0, 0.3]}
+robot,joint,a [mm],alpha,d [mm],lower,upper
+one,waist,0,90deg,300,-170 deg,3
+one,elbow,250,0,,-1.5,1.5
+two,waist,10,pi/2,20,,
+"""
+
+
+def read(path: Path) -> list[tuple[Any, Trace]]:
+    """Every item of a file, with what its cells say."""
+    reader = {".csv": csv.READER, ".yaml": yaml.READER, ".parquet": parquet.READER}[path.suffix]
+    assert reader.trace is not None
+    trace = Trace()
+    return [(item, trace.copy()) for item in reader.trace(path, TableOptions(), trace)]
+
+
+@pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
+def test_the_manipulator_is_the_same(path: Path) -> None:
+    """With a trace and without: to the last bit, marks and notices included; every row has one."""
+    reader = csv.READER if path.suffix == ".csv" else yaml.READER
+    (plain,) = reader.read(path, TableOptions())
+    ((item, trace),) = read(path)
+    assert repr(item) == repr(plain)
+    assert isinstance(item, Manipulator)
+    assert len(trace.rows) == len(item.rows)
+    assert trace.table["convention"].text == item.convention
+
+
+@pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
+def test_the_text_is_at_the_place(path: Path) -> None:
+    """In the file, at line and column of every mark, stands what the trace says."""
+    lines = path.read_text("utf-8").splitlines()
+    ((_, trace),) = read(path)
+    cells = [said for row in trace.rows for said in row.values()]
+    assert cells
+    for said in cells:
+        assert said.mark is not None
+        assert said.mark.line
+        assert said.mark.column
+        assert lines[said.mark.line - 1][said.mark.column - 1 :].lstrip().startswith(str(said.text))
+
+
+def test_units_are_those_in_which_a_number_is_read(tmp_path: Path) -> None:
+    """Of the header; empty where nothing says one; none where the cell names it, or is no number; nothing if empty."""
+    (tmp_path / "arm.csv").write_text(CSV.replace(",-1.5,1.5", ",-1.5,1.5").replace("elbow,250,0,,", "elbow,250,0,0,"))
+    (one, first), (two, second) = read(tmp_path / "arm.csv")
+    assert (one.name, two.name) == ("one", "two")
+    units = {name: said.unit for name, said in first.rows[0].items()}
+    assert units == {"joint": None, "a": "mm", "alpha": None, "d": "mm", "lower": None, "upper": ""}
+    assert set(second.rows[0]) == {"joint", "a", "alpha", "d"}
+    assert str(first.table["base"].mark) == f"{tmp_path / 'arm.csv'}:2:9"
+
+
+def test_a_rejected_manipulator_has_one_too(tmp_path: Path) -> None:
+    """What was typed is known where it is wrong."""
+    (tmp_path / "arm.csv").write_text(CSV)
+    (one, first), _ = read(tmp_path / "arm.csv")
+    assert not isinstance(one, Manipulator)
+    assert first.rows[0]["a"].text == "0"
+
+
+def test_a_parquet_file_has_rows_and_columns(tmp_path: Path) -> None:
+    """Numbers are told as they are written shortest."""
+    arrow = pytest.importorskip("pyarrow")
+    columns = {"a": [0.4], "alpha": [0.0], "d [mm]": [100.0], "convention": ["standard"]}
+    pytest.importorskip("pyarrow.parquet").write_table(arrow.table(columns), tmp_path / "arm.parquet")
+    ((_, trace),) = read(tmp_path / "arm.parquet")
+    said = trace.rows[0]["d"]
+    assert (said.text, said.unit) == ("100", "mm")
+    assert "arm.parquet" in str(said.mark)
+
+
+def test_reading_without_one_stays_fast(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a trace the careful reader is asked for a sample alone; with one for every row."""
+    from dh2urdf_plugins.readers import row_table
+
+    asked: list[int] = []
+
+    class Counting(row_table.RowReader):
+        def read(self, number: int, *rest: Any) -> Any:
+            asked.append(number)
+            return super().read(number, *rest)
+
+    monkeypatch.setattr(row_table, "RowReader", Counting)
+    rows = "".join(f"arm{n},0.4,0,0.1\n" for n in range(2000))
+    (tmp_path / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
+    assert len(list(csv.READER.read(tmp_path / "arms.csv", TableOptions()))) == 2000
+    sample = len(asked)
+    assert sample < 100
+    assert len(read(tmp_path / "arms.csv")) == 2000
+    assert len(asked) - sample == 2000

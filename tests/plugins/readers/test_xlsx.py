@@ -1,0 +1,717 @@
+from __future__ import annotations
+
+import datetime as dt
+import io
+import math
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from dataclasses import astuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from openpyxl import Workbook
+from openpyxl.styles import Font
+
+from dh2urdf.errors import MissingDependencyError, TableError
+from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers import csv, xlsx, xlsx_file
+from dh2urdf_plugins.readers.xlsx_formats import ShownOtherwiseError, shown_unit
+from dh2urdf_plugins.readers.xlsx_rows import letters
+
+if TYPE_CHECKING:
+    from openpyxl.worksheet.worksheet import Worksheet
+
+HEADER = ["joint", "type", "a", "alpha", "d", "theta"]
+FIRST = ["shoulder", "R", 0, "pi/2", 0.089159, None]
+SECOND = ["elbow", "R", -0.425, 0, 0, None]
+QUARTER = math.pi / 2
+
+
+def read(path: str = "arm.xlsx", **options: Any) -> list[Manipulator | Rejected]:
+    return list(xlsx.read(Path(path), xlsx.XlsxOptions(**{"convention": "standard", **options})))
+
+
+def read_one(path: str = "arm.xlsx", **options: Any) -> Manipulator:
+    (arm,) = read(path, **options)
+    assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+    return arm
+
+
+def refusal(path: str = "arm.xlsx", **options: Any) -> str:
+    try:
+        items = read(path, **options)
+    except TableError as error:
+        return str(error)
+    return "\n".join(str(problem) for item in items if isinstance(item, Rejected) for problem in item.problems)
+
+
+def notices(arm: Manipulator) -> str:
+    return "\n".join(map(str, arm.notices))
+
+
+@pytest.fixture(autouse=True)
+def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def sheet() -> Worksheet:
+    """The one sheet of a new workbook."""
+    worksheet = Workbook().active
+    assert worksheet is not None
+    worksheet.title = "Sheet2"
+    return worksheet
+
+
+def fill(sheet: Worksheet, *rows: list[Any], at: str = "A1") -> Worksheet:
+    """Writes rows, the first cell of the first one at a place, and saves the workbook."""
+    corner = sheet[at]
+    for down, row in enumerate(rows):
+        for right, value in enumerate(row):
+            sheet.cell(corner.row + down, corner.column + right).value = value
+    save(sheet)
+    return sheet
+
+
+def save(sheet: Worksheet) -> None:
+    sheet.parent.save("arm.xlsx")
+
+
+def edit(pattern: str, replacement: str, part: str = "xl/worksheets/sheet1.xml", path: str = "arm.xlsx") -> None:
+    """Replaces some of the XML of a part, which must be there."""
+    with zipfile.ZipFile(path) as archive:
+        parts = {info.filename: archive.read(info) for info in archive.infolist()}
+    text, count = re.subn(pattern, replacement, parts[part].decode())
+    assert count
+    parts[part] = text.encode()
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in parts.items():
+            archive.writestr(name, content)
+
+
+# --- Where the table stands -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("at", ["A1", "C4", "AA30"])
+def test_a_table_may_stand_anywhere(sheet: Worksheet, at: str) -> None:
+    """Empty rows and columns before it mean nothing."""
+    fill(sheet, HEADER, FIRST, SECOND, at=at)
+    arm = read_one()
+    assert [(row.joint, row.a, row.alpha, row.d) for row in arm.rows] == [
+        ("shoulder", 0.0, QUARTER, 0.089159),
+        ("elbow", -0.425, 0.0, 0.0),
+    ]
+    assert (arm.name, arm.notices) == ("arm", ())
+
+
+def test_a_message_names_sheet_and_cell(sheet: Worksheet) -> None:
+    """As the spreadsheet's own name box takes it."""
+    fill(sheet, HEADER, FIRST, ["elbow", "R", "x", 0, 0], at="A2")
+    assert refusal().startswith("arm.xlsx:Sheet2!C4: error: joint 'elbow', field 'a': 'x' cannot be read")
+
+
+def test_a_title_with_blanks_is_quoted(sheet: Worksheet) -> None:
+    """The name box wants it so."""
+    sheet.title = "Tom's arm 1"
+    fill(sheet, HEADER, ["j", "screw", 0, 0, 0])
+    assert "arm.xlsx:'Tom''s arm 1'!B2: error: " in refusal()
+
+
+def test_rows_keep_their_places(sheet: Worksheet) -> None:
+    """For what later stages say of a joint."""
+    fill(sheet, HEADER, FIRST, SECOND, at="B3")
+    assert [str(row.mark) for row in read_one().rows] == ["arm.xlsx:Sheet2!B4", "arm.xlsx:Sheet2!B5"]
+
+
+def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
+    """Statements hold; titles and notes get a notice each."""
+    fill(sheet, ["UR5 of the lab"], ["units: {length: mm, angle: deg}"], ["# convention", "standard"], ["# a remark"])
+    fill(sheet, HEADER, ["j1", "R", 100, 90, 0], ["j2", "R", 0, 0, 50], [], ["Source: data sheet"], ["rev. B"], at="A6")
+    fill(sheet, ["to be checked"], at="I7")
+    arm = read_one(convention=None)
+    assert [(row.a, row.alpha, row.d) for row in arm.rows] == [(0.1, QUARTER, 0.0), (0.0, 0.0, 0.05)]
+    assert [notice.message for notice in arm.notices] == [
+        "nothing is read from what stands above the header: 'UR5 of the lab'",
+        "nothing is read from what stands beside the table: 'to be checked'",
+        "nothing is read from what stands below the table, after an empty row: 'Source: data sheet', 'rev. B'",
+    ]
+    assert [notice.mark.in_file for notice in arm.notices if notice.mark] == ["Sheet2!A1", "Sheet2!I7", "Sheet2!A10"]
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        (["j1", "R", 0, 0, 0, None, 5], "Sheet2!G2: error: joint 'joint_1': '5' stands in a column without a header"),
+        (["j1", "R", 0, 0, 0, None, "0.5 m"], "'0.5 m' stands in a column without a header"),
+        (["j1", "R", 0, 0, None, None, 5], "'5' stands in a column without a header"),
+    ],
+)
+def test_a_number_without_a_header_is_refused(sheet: Worksheet, row: list[Any], said: str) -> None:
+    """Beside the table nothing separates it from a column whose header is missing."""
+    fill(sheet, HEADER, row)
+    assert said in refusal()
+
+
+def test_a_number_beside_an_empty_column_is_a_note(sheet: Worksheet) -> None:
+    """A notice speaks of it."""
+    fill(sheet, HEADER, [*FIRST, None, 18.4])
+    assert "nothing is read from what stands beside the table: '18.4'" in notices(read_one())
+
+
+def test_a_row_behind_an_empty_one_is_a_row(sheet: Worksheet) -> None:
+    """Where it has geometry."""
+    fill(sheet, HEADER, FIRST, [], SECOND)
+    assert len(read_one().rows) == 2
+
+
+# --- Headers ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "units",
+    [
+        ["", "", "mm", "deg", "mm", "deg"],
+        ["-", "-", "[mm]", "[°]", "[mm]", "[°]"],
+        [None, None, "(mm)", "(deg)", "(mm)", None],
+    ],
+)
+def test_a_row_of_units_below_the_header(sheet: Worksheet, units: list[Any]) -> None:
+    """Is part of it."""
+    fill(sheet, HEADER, units, ["j1", "R", 100, 90, 0, None])
+    row = read_one().rows[0]
+    assert (row.a, row.alpha) == (0.1, QUARTER)
+
+
+def test_a_row_of_units_that_contradicts_the_header(sheet: Worksheet) -> None:
+    """Is refused, with its cell."""
+    fill(sheet, ["a [mm]", "alpha", "d"], ["cm", "deg", "mm"], [1, 2, 3])
+    assert "arm.xlsx:Sheet2!A2: error: the row of units says 'cm', and the header above says 'a [mm]'" in refusal()
+
+
+def test_titles_over_several_columns(sheet: Worksheet) -> None:
+    """A merged title gives the columns below it its unit; one without effect is spoken of."""
+    fill(
+        sheet, ["", "", "DH parameters", "", "", "Limits [deg]"], ["joint", "type", "a", "alpha", "d", "lower", "upper"]
+    )
+    fill(sheet, ["j1", "R", 0, 0, 0.5, -170, 170], at="A3")
+    sheet.merge_cells("C1:E1")
+    sheet.merge_cells("F1:G1")
+    save(sheet)
+    arm = read_one()
+    assert (arm.rows[0].limits.lower, arm.rows[0].limits.upper) == pytest.approx(
+        (-math.radians(170), math.radians(170))
+    )
+    assert "nothing is read from what stands above the header: 'DH parameters'" in notices(arm)
+    assert "Limits" not in notices(arm)
+
+
+def test_a_header_of_two_rows(sheet: Worksheet) -> None:
+    """Names that are merged down, and units or further names below the others."""
+    fill(sheet, ["joint", "type", "a", "alpha", "d", "com", "", "", "mass"])
+    fill(
+        sheet, [None, None, "mm", "deg", "mm", "x", "y", "z", "kg"], ["j1", "R", 100, 90, 0, 0.1, 0.2, 0.3, 2], at="A2"
+    )
+    for cells in ("A1:A2", "B1:B2", "F1:H1"):
+        sheet.merge_cells(cells)
+    save(sheet)
+    row = read_one().rows[0]
+    assert (row.a, row.alpha, row.mass) == (0.1, QUARTER, 2)
+    assert row.com is not None
+
+
+def test_a_header_broken_into_lines(sheet: Worksheet) -> None:
+    """Alt and Enter in a cell are a blank."""
+    fill(sheet, ["joint", "type", "a\n[mm]", "alpha\n[deg]", "d\n[mm]"], ["j", "R", 100, 90, 0])
+    assert read_one().rows[0].a == 0.1
+
+
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        (HEADER, "Sheet2!A4: error: joint 'joint_2': row 2 is the header of Sheet2!A1 again"),
+        (["name", "a [mm]", "alpha", "d"], "Sheet2!A4: error: joint 'joint_2': row 2 is the header of another table"),
+    ],
+)
+def test_a_second_table_on_a_sheet_is_refused(sheet: Worksheet, second: list[Any], said: str) -> None:
+    """Each on a sheet of its own, the message says."""
+    fill(sheet, HEADER, FIRST, [], second, ["j", 1, 2, 3])
+    assert said in refusal()
+
+
+# --- Merged cells -----------------------------------------------------------------------------------------------------
+
+
+def test_cells_merged_down_have_their_value_in_each_row(sheet: Worksheet) -> None:
+    """The manipulator's name, and a number."""
+    fill(sheet, ["robot", *HEADER], ["A", *FIRST], [None, *SECOND], ["B", *FIRST], [None, *SECOND])
+    for cells in ("A2:A3", "A4:A5", "F2:F3"):
+        sheet.merge_cells(cells)
+    save(sheet)
+    arms = [arm for arm in read() if isinstance(arm, Manipulator)]
+    assert [(arm.name, [row.d for row in arm.rows]) for arm in arms] == [
+        ("A", [0.089159, 0.089159]),
+        ("B", [0.089159, 0.0]),
+    ]
+
+
+@pytest.mark.parametrize("cells", ["C2:D2", "C2:D3"])
+def test_cells_merged_across_columns_are_refused(sheet: Worksheet, cells: str) -> None:
+    """Whose value would it be?"""
+    fill(sheet, HEADER, FIRST, SECOND)
+    sheet.merge_cells(cells)
+    save(sheet)
+    assert (
+        "arm.xlsx:Sheet2!C2: error: joint 'joint_1', field 'a': the cell with '0' is merged across several columns"
+        in refusal()
+    )
+
+
+# --- Cells ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("number_format", "unit"),
+    [
+        ("General", ""),
+        ("0.00", ""),
+        ("#,##0.00", ""),
+        ("0.00E+00", ""),
+        ("0.00;[Red]-0.00", ""),
+        ("0_);(0)", ""),
+        ("# ?/?", ""),
+        ("@", ""),
+        ('0.00" mm"', "mm"),
+        ('#,##0.0 "mm"', "mm"),
+        ("0.0\\ \\m\\m", "mm"),
+        ("0.0°", "°"),
+        ('0.0"°"', "°"),
+        ('General" deg"', "deg"),
+        ('0.0" m";-0.0" m";0', "m"),
+        ('[>100]0" mm";0" mm"', "mm"),
+        ('+0.0" mm";-0.0" mm"', "mm"),
+    ],
+)
+def test_what_a_number_format_shows(number_format: str, unit: str) -> None:
+    """The unit behind the number, whatever else the format does."""
+    assert shown_unit(number_format) == unit
+
+
+@pytest.mark.parametrize(
+    "number_format", ["0%", "0.00%", "0,", '0.0" pcs"', "#,##0.00 [$€-407]", "$0.00", '"d = "0.00', '"mm "0.0']
+)
+def test_formats_that_show_something_else(number_format: str) -> None:
+    """A percentage, thousands, and what is no unit."""
+    with pytest.raises(ShownOtherwiseError):
+        shown_unit(number_format)
+
+
+def test_the_section_of_the_number_counts() -> None:
+    """A format may show negative numbers and zero in another way."""
+    words = '0" mm";0" m";0" cm"'
+    assert [shown_unit(words), shown_unit(words, negative=True), shown_unit(words, zero=True)] == ["mm", "m", "cm"]
+
+
+def test_units_that_number_formats_show_are_read(sheet: Worksheet) -> None:
+    """425 shown as `425 mm` is 0.425 m; with another unit in the header the cell's own counts, as in every table."""
+    fill(sheet, HEADER, ["j1", "R", 425, 90, 0.5, None])
+    sheet["C2"].number_format = '0" mm"'
+    sheet["D2"].number_format = '0"°"'
+    save(sheet)
+    row = read_one().rows[0]
+    assert (row.a, row.alpha, row.d) == (0.425, QUARTER, 0.5)
+
+
+def test_a_percentage_is_refused(sheet: Worksheet) -> None:
+    """A message has the number and the format."""
+    fill(sheet, HEADER, ["j1", "R", 0.05, 0, 0, None])
+    sheet["C2"].number_format = "0%"
+    save(sheet)
+    assert (
+        "arm.xlsx:Sheet2!C2: error: joint 'joint_1', field 'a': the cell holds 0.05, and its number format '0%' shows a "
+        "percentage" in refusal()
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (dt.datetime(2024, 3, 4), "the cell holds a date, 2024-03-04 00:00:00"),  # noqa: DTZ001 - a cell has no zone
+        (dt.date(2024, 3, 4), "the cell holds a date, 2024-03-04"),
+        (dt.time(1, 30), "the cell holds a time, 01:30:00"),
+        (dt.timedelta(hours=30), "the cell holds a duration, 1 day, 6:00:00"),
+        ("#REF!", "the cell shows the error #REF!"),
+        ("#DIV/0!", "the cell shows the error #DIV/0!"),
+        (True, "'true' cannot be read"),
+        ("(425)", "'(425)'"),
+    ],
+)
+def test_what_is_no_number_is_refused(sheet: Worksheet, value: Any, said: str) -> None:
+    """With sheet, cell, joint and field."""
+    fill(sheet, HEADER, ["j1", "R", value, 0, 0])
+    assert re.search(rf"arm\.xlsx:Sheet2!C2: error: joint 'j(oint_)?1', field 'a': {re.escape(said)}", refusal())
+
+
+def test_a_date_that_nothing_is_read_from(sheet: Worksheet) -> None:
+    """Is no matter: the column gets the notice of all unknown ones."""
+    fill(sheet, [*HEADER, "measured on"], [*FIRST, dt.date(2024, 3, 4)])
+    assert "'measured on'" in notices(read_one())
+
+
+@pytest.mark.parametrize("text", ["-0.425", "-425 mm", "-0,425", " -0.425 ", "−0.425"])
+def test_texts_are_read_as_in_every_table(sheet: Worksheet, text: str) -> None:
+    """A number that is stored as text, too, and one with a decimal comma."""
+    fill(sheet, HEADER, ["j1", "R", text, 0, 0])
+    assert read_one().rows[0].a == -0.425
+
+
+def test_truth_values_are_words(sheet: Worksheet) -> None:
+    """Where a word is wanted."""
+    fill(sheet, [*HEADER, "flip"], [*FIRST, True], [*SECOND, False])
+    assert [row.sign for row in read_one().rows] == [-1, 1]
+
+
+def test_whole_numbers_are_exact(sheet: Worksheet) -> None:
+    """A number that no double holds is read as the text that it is."""
+    fill(sheet, HEADER, ["j1", 0, 1, 0, 0])
+    row = read_one().rows[0]
+    assert (row.a, str(row.type)) == (1.0, "revolute")
+
+
+# --- Formulas ---------------------------------------------------------------------------------------------------------
+
+
+def test_formulas_have_the_value_that_the_workbook_holds(sheet: Worksheet) -> None:
+    """As a spreadsheet program has computed it."""
+    fill(sheet, HEADER, ["j1", "R", 0.25, 0, 0])
+    edit(r'(<c r="C2"[^>]*>)<v>0.25</v>', r"\1<f>1/4</f><v>0.25</v>")
+    assert read_one().rows[0].a == 0.25
+
+
+@pytest.mark.parametrize("value", ["", "<v></v>", "<v/>"])
+def test_a_formula_without_a_value_is_refused(sheet: Worksheet, value: str) -> None:
+    """A program has written it that computes none."""
+    fill(sheet, HEADER, ["j1", "R", 0.25, 0, 0])
+    edit(r'(<c r="C2"[^>]*>)<v>0.25</v>', rf"\1<f>1/4</f>{value}")
+    assert refusal() == (
+        "arm.xlsx:Sheet2!C2: error: joint 'joint_1', field 'a': the cell holds a formula without a value\n"
+        "    accepted: a formula whose value the workbook holds too\n"
+        "    open the workbook in a spreadsheet program, which computes it, and save it"
+    )
+
+
+def test_a_formula_in_an_optional_field_without_a_value_is_refused(sheet: Worksheet) -> None:
+    """The cell is not empty, though nothing can be read there."""
+    fill(sheet, HEADER, ["j1", "R", 0, 0, 0, "=PI()/2"])
+    assert "Sheet2!F2: error: joint 'joint_1', field 'theta': the cell holds a formula without a value" in refusal()
+
+
+def test_a_formula_whose_value_is_an_empty_text_is_an_empty_cell(sheet: Worksheet) -> None:
+    """Such as ``=IF(B2="P";0.1;"")``."""
+    fill(sheet, HEADER, ["j1", "R", 0, 0, 0, 0.25])
+    edit(r'<c r="F2"[^>]*><v>0.25</v>', r'<c r="F2" t="str"><f>""</f><v></v>')
+    assert read_one().rows[0].theta == 0.0
+
+
+# --- What is not shown ------------------------------------------------------------------------------------------------
+
+
+def test_hidden_rows_and_columns_are_read_with_a_notice(sheet: Worksheet) -> None:
+    """A filter hides rows, too; those that are empty or beside the table do not matter."""
+    fill(sheet, HEADER, FIRST, SECOND)
+    for row in (3, 9):
+        sheet.row_dimensions[row].hidden = True
+    for column in ("F", "K"):
+        sheet.column_dimensions[column].hidden = True
+    save(sheet)
+    arm = read_one()
+    assert len(arm.rows) == 2
+    assert "arm.xlsx:Sheet2!A3: notice: manipulator 'arm': what is hidden is read too: row 3, column F\n" in notices(
+        arm
+    )
+
+
+def test_struck_cells_are_read_with_a_notice(sheet: Worksheet) -> None:
+    """Someone meant to delete them."""
+    fill(sheet, HEADER, FIRST, SECOND)
+    sheet["C3"].font = Font(strike=True)
+    save(sheet)
+    arm = read_one()
+    assert "arm.xlsx:Sheet2!C3: notice: what is struck through is read too: C3\n" in notices(arm)
+
+
+def test_empty_cells_that_are_formatted_are_empty(sheet: Worksheet) -> None:
+    """Down to the last row of the sheet."""
+    fill(sheet, HEADER, FIRST, SECOND)
+    for place in ("A4", "Z9", "A1048576"):
+        sheet[place].font = Font(bold=True)
+    save(sheet)
+    arm = read_one()
+    assert (len(arm.rows), arm.notices) == (2, ())
+
+
+def test_what_a_sheet_says_of_its_size_is_not_believed(sheet: Worksheet) -> None:
+    """Some programs write a wrong one."""
+    fill(sheet, HEADER, FIRST, SECOND)
+    edit(r'<dimension ref="[^"]*"/>', '<dimension ref="A1:B2"/>')
+    assert len(read_one().rows) == 2
+
+
+# --- Sheets -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def two(sheet: Worksheet) -> Worksheet:
+    """A workbook with a sheet of notes, two with a table, and a hidden one."""
+    fill(sheet, HEADER, FIRST, SECOND)
+    book = sheet.parent
+    fill(book.create_sheet("Notes", 0), ["measured by Tom"])
+    fill(book.create_sheet("UR10"), HEADER, FIRST)
+    hidden = fill(book.create_sheet("Old"), HEADER, SECOND)
+    hidden.sheet_state = "hidden"
+    save(sheet)
+    return sheet
+
+
+@pytest.mark.usefixtures("two")
+def test_every_sheet_with_a_table_is_a_manipulator() -> None:
+    """It has the sheet's title; what is not read is spoken of once."""
+    arms = [arm for arm in read() if isinstance(arm, Manipulator)]
+    assert [(arm.name, len(arm.rows)) for arm in arms] == [("Sheet2", 2), ("UR10", 1)]
+    assert notices(arms[0]).splitlines() == [
+        "arm.xlsx: notice: manipulator 'Sheet2': the sheet 'Notes' holds no table, and is not read",
+        "arm.xlsx: notice: manipulator 'Sheet2': the sheet 'Old' is hidden, and is not read",
+    ]
+    assert arms[1].notices == ()
+
+
+@pytest.mark.usefixtures("two")
+@pytest.mark.parametrize(("title", "joints"), [("UR10", 1), ("ur10", 1), ("Sheet2", 2), ("Old", 1)])
+def test_the_option_names_the_sheet(title: str, joints: int) -> None:
+    """A hidden one too; the manipulator has the file's name then."""
+    arm = read_one(sheet=title)
+    assert (arm.name, len(arm.rows)) == ("arm", joints)
+
+
+@pytest.mark.usefixtures("two")
+@pytest.mark.parametrize(
+    ("title", "said"),
+    [
+        (
+            "UR1O",
+            "field 'sheet': the workbook has no sheet 'UR1O'\n    accepted: 'Notes', 'Sheet2', 'UR10', 'Old'\n    did you mean 'UR10'?",
+        ),
+        ("Notes", "arm.xlsx:Notes!A1: error: no row is a header whose columns are known"),
+    ],
+)
+def test_a_sheet_that_is_not_there_or_holds_no_table(title: str, said: str) -> None:
+    """Is an error that says what is there."""
+    assert said in refusal(sheet=title)
+
+
+def test_one_bad_sheet_does_not_spoil_the_others(sheet: Worksheet) -> None:
+    """It is refused, and the others are read."""
+    fill(sheet, HEADER, FIRST)
+    fill(sheet.parent.create_sheet("bad"), ["a", "alpha", "x"], [0, 0, 0])
+    first, second = read()
+    assert isinstance(first, Manipulator)
+    assert isinstance(second, Rejected)
+    assert (second.name, second.problems[0].message) == ("bad", "there is no column for d in the header")
+
+
+def test_a_workbook_that_shows_no_table(sheet: Worksheet) -> None:
+    """Names the hidden sheets, which may have it."""
+    fill(sheet, ["notes"])
+    fill(sheet.parent.create_sheet("more"), ["notes"])
+    hidden = fill(sheet.parent.create_sheet("UR5"), HEADER, FIRST)
+    hidden.sheet_state = "veryHidden"
+    save(sheet)
+    assert refusal() == (
+        "arm.xlsx: error: no sheet holds a table: 'Sheet2', 'more'\n"
+        "    accepted: a sheet with a header of at least the columns a, alpha and d, and one row for each joint\n"
+        "    hidden sheets are read where the option sheet names them: 'UR5'"
+    )
+
+
+# --- The file ---------------------------------------------------------------------------------------------------------
+
+
+def archive(**parts: str) -> bytes:
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as file:
+        for name, text in parts.items():
+            file.writestr(name, text)
+    return content.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "arm.xlsx: error: this is no workbook\n"),
+        (b"a,alpha,d\n0,0,0\n", "a table of text is read by the reader csv"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "this is a workbook of Excel 97 to 2003 (xls), or one with a password\n"),
+        (archive(mimetype="x", **{"content.xml": "<x/>"}), "this is a spreadsheet in the OpenDocument format (ods)"),
+        (archive(**{"a.txt": "x"}), "this zip archive is no workbook in XML"),
+        (archive(**{"[Content_Types].xml": "x"}), "the workbook cannot be read: "),
+        (b"PK\x03\x04 and then nothing", "the workbook is broken: "),
+    ],
+)
+def test_files_of_another_kind_are_refused(content: bytes, said: str) -> None:
+    """With advice."""
+    Path("arm.xlsx").write_bytes(content)
+    assert said in refusal()
+
+
+def test_a_workbook_of_gigabytes_is_refused(sheet: Worksheet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before any of it is unpacked."""
+    fill(sheet, HEADER, FIRST)
+    monkeypatch.setattr(xlsx_file, "MAX_UNPACKED", 1000)
+    assert re.match(r"arm.xlsx: error: the workbook holds 0 MiB in \d+ parts when unpacked\n", refusal())
+
+
+@pytest.mark.parametrize("part", ["xl/worksheets/sheet1.xml", "xl/workbook.xml", "xl/styles.xml"])
+def test_entities_are_refused(sheet: Worksheet, part: str) -> None:
+    """A few lines of them unfold to gigabytes."""
+    fill(sheet, HEADER, FIRST)
+    edit(r"^(<\?xml[^>]*\?>)?", r'\1<!DOCTYPE x [<!ENTITY a "b">]>', part)
+    assert f"its part {part} has a document type" in refusal()
+
+
+@pytest.mark.parametrize("part", ["xl/worksheets/sheet1.xml", "xl/workbook.xml", "xl/styles.xml", "_rels/.rels"])
+def test_a_broken_part_is_an_error_of_the_table(sheet: Worksheet, part: str) -> None:
+    """Whichever it is."""
+    fill(sheet, HEADER, FIRST)
+    edit(r"(?s)>.*", "><", part)
+    assert "arm.xlsx: error: the workbook cannot be read: " in refusal()
+
+
+def test_without_openpyxl(sheet: Worksheet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The error says what installs it."""
+    fill(sheet, HEADER, FIRST)
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    with pytest.raises(MissingDependencyError, match=r"pip install 'dh2urdf\[xlsx\]'"):
+        read()
+
+
+def test_columns_are_named_as_spreadsheets_do() -> None:
+    """From A to XFD."""
+    assert [letters(column) for column in (1, 26, 27, 52, 703, 16384)] == ["A", "Z", "AA", "AZ", "AAA", "XFD"]
+
+
+# --- The same as CSV --------------------------------------------------------------------------------------------------
+
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
+
+
+@pytest.mark.parametrize("name", ["scara", "stanford", "track", "ur5", "ur5_paper"])
+def test_a_csv_table_pasted_into_a_sheet_is_the_same_arm(sheet: Worksheet, name: str) -> None:
+    """Each line cut at its commas, comments too, and numbers made numbers, as a spreadsheet does on opening."""
+    for line in (TABLES / f"{name}.csv").read_text("utf-8").splitlines():
+        sheet.append([number_or_text(cell) for cell in line.split(",")])
+    save(sheet)
+    (expected,) = csv.read(TABLES / f"{name}.csv", xlsx.TableOptions())
+    arm = read_one(convention=None)
+    assert isinstance(expected, Manipulator)
+    assert (arm.convention, arm.base, arm.tool, arm.geometry, arm.rows) == (
+        expected.convention,
+        expected.base,
+        expected.tool,
+        expected.geometry,
+        expected.rows,
+    )
+
+
+DENSE = (
+    ["units: {length: mm, angle: deg}", None, "tool: {xyz: [0, 0, 100]}"],
+    [
+        "joint",
+        "link",
+        "type",
+        "a",
+        "alpha",
+        "d",
+        "theta",
+        "offset",
+        "sign",
+        "lower",
+        "upper",
+        "velocity",
+        "effort",
+        "mass",
+    ],
+    ["j1", "l1", "R", 100, 90, 50, 10, 5, 1, -170, 170, 90, 30, 4],
+    ["j2", "l2", "P", 200, 45, 0, 20, 15, -1, 0, 300, 100, 40, 3],
+)
+
+
+def outcome(items: list[Manipulator | Rejected]) -> str:
+    return "\n".join(map(repr, map(astuple, items)))
+
+
+def read_outcome() -> str:
+    try:
+        return outcome(read())
+    except TableError as error:
+        return str(error)
+
+
+@pytest.mark.parametrize(
+    "place", [(row, column) for row, cells in enumerate(DENSE) for column, cell in enumerate(cells) if cell]
+)
+def test_no_cell_is_without_effect(sheet: Worksheet, place: tuple[int, int]) -> None:
+    """Another value, or no value, is another arm, an error or a notice; so is a number that is shown as a percentage."""
+    fill(sheet, [DENSE[0][0]], [DENSE[0][2]], *DENSE[1:])
+    before = read_outcome()
+    assert "severity='error'" not in before
+    row, column = place
+    cell = sheet.cell(row + 2, column + 1) if row else sheet.cell(column // 2 + 1, 1)
+    value = cell.value
+    for other in (value + 1 if isinstance(value, int) else f"x{value}", None):
+        cell.value = other
+        save(sheet)
+        assert read_outcome() != before or (other is None and value == 1)  # a sign that is not said is 1
+    cell.value = value
+    if isinstance(value, int):
+        cell.number_format = "0%"
+        save(sheet)
+        assert read_outcome() != before
+
+
+def number_or_text(cell: str) -> float | str | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return cell or None
+
+
+def test_the_options_are_those_of_every_table(sheet: Worksheet) -> None:
+    """Units and convention that the workbook does not say."""
+    fill(sheet, HEADER, ["j1", "R", 100, 90, 0, None])
+    arm = read_one(length_unit="mm", angle_unit="deg", convention="craig")
+    assert (arm.rows[0].a, arm.rows[0].alpha, arm.convention) == (0.1, QUARTER, Convention.MODIFIED)
+
+
+@pytest.mark.skipif(shutil.which("soffice") is None, reason="LibreOffice is not installed")
+def test_a_workbook_that_libreoffice_has_saved(sheet: Worksheet, tmp_path: Path) -> None:
+    """It computes the formulas that openpyxl has written, and keeps formats and merged cells."""
+    fill(sheet, ["joint", "type", "a", "alpha", "d", "Limits [deg]", ""], ["", "", "mm", "deg", "mm", "lower", "upper"])
+    fill(
+        sheet, ["j1", "R", "=400+25", "=DEGREES(PI()/2)", 0, -170, 170], ["j2", "P", 0, 0, 0, "0 mm", "50 mm"], at="A3"
+    )
+    sheet["C3"].number_format = '0" mm"'
+    sheet.merge_cells("F1:G1")
+    save(sheet)
+    subprocess.run(
+        [str(shutil.which("soffice")), f"-env:UserInstallation=file://{tmp_path}/profile", "--headless", "--convert-to", "xlsx:Calc MS Excel 2007 XML", "--outdir", "saved", "arm.xlsx"],
+        check=True,
+        capture_output=True,
+        timeout=120,
+    )  # fmt: skip
+    arm = read_one("saved/arm.xlsx")
+    assert [(row.a, row.alpha) for row in arm.rows] == [(0.425, QUARTER), (0.0, 0.0)]
+    assert arm.rows[0].limits.upper == pytest.approx(math.radians(170))
+    assert (arm.rows[1].limits.upper, arm.notices) == (0.05, ())

@@ -1,0 +1,246 @@
+"""Published dynamics of real arms: the mass matrix and the gravity torques of the URDF are those of the table.
+
+The oracle knows neither the readers nor the transform: it computes both from the published numbers, by the Jacobians of
+the centres of mass in the Denavit-Hartenberg product. Pinocchio computes them from the file.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import yaml
+
+from dh2urdf.errors import TransformError
+from dh2urdf.manipulator import Inertia, Manipulator
+from dh2urdf.mass_properties import has_zero_moments, inertia_problem, principal_moments, with_floor
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.readers import csv
+from dh2urdf_plugins.readers import yaml as yaml_reader
+from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dh2urdf.robot import Robot
+
+ARMS = yaml.safe_load((Path(__file__).parents[2] / "reference" / "dynamics.yaml").read_text("utf-8"))
+HAND = {"mass": 0.73, "com": [-0.01, 0.0, 0.03], "inertia": [0.001, 0.0025, 0.0017, 0.0001, 0.0, -0.0002]}
+"""Franka's hand, as its description has it but for two products of inertia, which it lacks."""
+POSES = 20
+GRAVITY = 9.81
+ELEMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+# --- The oracle -------------------------------------------------------------------------------------------------------
+
+
+def number(text: float | str) -> float:
+    """The number that a sum or a multiple of π is."""
+    if not isinstance(text, str):
+        return float(text)
+    if "pi" in text:
+        head, _, part = text.partition("/")
+        return (-math.pi if head.startswith("-") else math.pi) / float(part or 1)
+    return sum(float(term) for term in text.split(" + "))
+
+
+def tensor(elements: list[float]) -> NDArray[np.float64]:
+    ixx, iyy, izz, ixy, ixz, iyz = elements
+    return np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+
+
+def turn(axis: str, angle: float) -> NDArray[np.float64]:
+    c, s = math.cos(angle), math.sin(angle)
+    rows = [[1, 0, 0], [0, c, -s], [0, s, c]] if axis == "x" else [[c, -s, 0], [s, c, 0], [0, 0, 1]]
+    result = np.eye(4)
+    result[:3, :3] = rows
+    return result
+
+
+def shift(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> NDArray[np.float64]:
+    result = np.eye(4)
+    result[:3, 3] = (x, y, z)
+    return result
+
+
+def dynamics(
+    arm: dict[str, Any], q: NDArray[np.float64], payload: dict[str, Any] | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mass matrix and gravity torques: sums over the bodies of what the Jacobians of their centres make of them."""
+    pose, axes, bodies = np.eye(4), [], []
+    for row, angle in zip(arm["rows"], q, strict=True):
+        screw = shift(x=number(row["a"])) @ turn("x", number(row["alpha"]))
+        if arm["convention"] == "modified":
+            pose = pose @ screw
+        axes.append((pose[:3, 2].copy(), pose[:3, 3].copy()))
+        pose = pose @ turn("z", angle) @ shift(z=number(row["d"]))
+        if arm["convention"] == "standard":
+            pose = pose @ screw
+        bodies.append((pose, row, len(axes)))
+    if payload:
+        bodies.append((pose @ shift(*arm.get("tool", (0, 0, 0))), payload, len(axes)))
+    mass_matrix, torques = np.zeros((len(q), len(q))), np.zeros(len(q))
+    for frame, body, moved_by in bodies:
+        centre = frame[:3, :3] @ [number(part) for part in body["com"]] + frame[:3, 3]
+        linear, angular = np.zeros((3, len(q))), np.zeros((3, len(q)))
+        for column, (axis, point) in enumerate(axes[:moved_by]):
+            linear[:, column] = np.cross(axis, centre - point)
+            angular[:, column] = axis
+        inertia = frame[:3, :3] @ tensor(body["inertia"]) @ frame[:3, :3].T
+        mass_matrix += body["mass"] * linear.T @ linear + angular.T @ inertia @ angular
+        torques += body["mass"] * GRAVITY * linear[2]
+    return mass_matrix, torques
+
+
+# --- The tables -------------------------------------------------------------------------------------------------------
+
+
+def as_csv(arm: dict[str, Any], payload: dict[str, Any] | None) -> str:
+    """One column for each number."""
+    lines = [f"# convention: {arm['convention']}", f"# tool: {{xyz: {arm.get('tool', [0, 0, 0])}}}"]
+    if payload:
+        lines.append(f"# payload: {_payload(payload)}")
+    lines.append(",".join(("a", "alpha", "d", "mass", "com_x", "com_y", "com_z", *ELEMENTS)))
+    for row in arm["rows"]:
+        cells = (row["a"], row["alpha"], row["d"], row["mass"], *row["com"], *row["inertia"])
+        lines.append(",".join(map(str, cells)))
+    return "\n".join([*lines, ""])
+
+
+def as_yaml(arm: dict[str, Any], payload: dict[str, Any] | None) -> str:
+    """Centres of mass as lists, inertias as mappings."""
+    joints = [{**row, "inertia": dict(zip(ELEMENTS, row["inertia"], strict=True))} for row in arm["rows"]]
+    table = {"convention": arm["convention"], "tool": {"xyz": arm.get("tool", [0, 0, 0])}, "joints": joints}
+    return yaml.safe_dump(table) + (f"payload: {_payload(payload)}\n" if payload else "")
+
+
+def _payload(payload: dict[str, Any]) -> str:
+    inertia = ", ".join(f"{name}: {value}" for name, value in zip(ELEMENTS, payload["inertia"], strict=True))
+    return f"{{mass: {payload['mass']}, com: {payload['com']}, inertia: {{{inertia}}}}}"
+
+
+def read(text: str, folder: Path, suffix: str) -> Manipulator:
+    path = folder / f"arm{suffix}"
+    path.write_text(text, encoding="utf-8")
+    (arm,) = (csv if suffix == ".csv" else yaml_reader).READER.read(path, TableOptions())
+    assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
+    return arm
+
+
+def robot_of(arm: Manipulator, **options: Any) -> Robot:
+    return TRANSFORM.transform(arm, TRANSFORM.options(**options))
+
+
+def possible(arm: dict[str, Any]) -> dict[str, Any]:
+    """The arm with 1e-3 kg·m² more about x, y and z where an inertia is none of a body."""
+    rows = [
+        row | {"inertia": [value + 1e-3 * (k < 3) for k, value in enumerate(row["inertia"])]}
+        if inertia_problem(Inertia(**dict(zip(ELEMENTS, row["inertia"], strict=True))))
+        else row
+        for row in arm["rows"]
+    ]
+    return arm | {"rows": rows}
+
+
+# --- The proof --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("payload", [None, HAND], ids=["alone", "with payload"])
+@pytest.mark.parametrize("frames", ["aligned", "dh"])
+@pytest.mark.parametrize("form", [".csv", ".yaml"])
+@pytest.mark.parametrize("name", ARMS)
+def test_the_robot_moves_as_the_published_numbers_say(
+    name: str, form: str, frames: str, payload: dict[str, Any] | None, tmp_path: Path
+) -> None:
+    """Mass matrix and gravity torques at 20 joint vectors; and no mass beside the published ones."""
+    pinocchio = pytest.importorskip("pinocchio")
+    arm = possible(ARMS[name])
+    text = as_csv(arm, payload) if form == ".csv" else as_yaml(arm, payload)
+    robot = robot_of(read(text, tmp_path, form), frames=frames)
+    masses = [row["mass"] for row in arm["rows"]] + ([payload["mass"]] if payload else [])
+    assert robot.mass == pytest.approx(sum(masses), rel=1e-15)
+    (file,) = URDF.emit(robot, "arm", URDF.options())
+    model = pinocchio.buildModelFromXML(file.content.decode())
+    data = model.createData()
+    dice = np.random.default_rng(7)
+    for _ in range(POSES):
+        q = dice.uniform(-math.pi, math.pi, len(arm["rows"]))
+        mass_matrix, torques = dynamics(arm, q, payload)
+        found = pinocchio.crba(model, data, q)
+        found = np.triu(found) + np.triu(found, 1).T
+        assert np.abs(found - mass_matrix).max() <= 1e-12 * np.abs(mass_matrix).max()
+        assert np.abs(pinocchio.computeGeneralizedGravity(model, data, q) - torques).max() <= 1e-12 * max(
+            1.0, np.abs(torques).max()
+        )
+
+
+def test_an_inertia_that_no_body_has_is_refused(tmp_path: Path) -> None:
+    """Two of those identified for the LBR iiwa 14: the message names both, with their principal moments."""
+    path = tmp_path / "arm.csv"
+    path.write_text(as_csv(ARMS["iiwa14"], None), encoding="utf-8")
+    (rejected,) = csv.READER.read(path, TableOptions())
+    assert not isinstance(rejected, Manipulator)
+    assert {problem.joint for problem in rejected.problems} == {"joint_4", "joint_7"}
+    assert all("the inertia breaks the triangle inequality" in problem.message for problem in rejected.problems)
+
+
+class TestFloor:
+    """Moments of 0, as UR prints those of its last link."""
+
+    @pytest.fixture
+    def arm(self, tmp_path: Path) -> Manipulator:
+        """A UR20 whose last link has diag(0, 0, 0.0002)."""
+        table = ARMS["ur20"]
+        last = table["rows"][-1] | {"inertia": [0, 0, 0.0002, 0, 0, 0]}
+        return read(as_csv(table | {"rows": [*table["rows"][:-1], last]}, None), tmp_path, ".csv")
+
+    def test_they_are_refused_with_advice(self, arm: Manipulator) -> None:
+        """The option is named, and a value for it."""
+        with pytest.raises(TransformError) as caught:
+            robot_of(arm)
+        (problem,) = caught.value.problems
+        assert (problem.joint, problem.field) == ("joint_6", "inertia")
+        assert "its principal moments are 0, 0 and 0.0002 kg·m²" in problem.message
+        assert "`--set inertia_floor=1e-6`" in (problem.suggestion or "")
+
+    def test_a_floor_makes_them_those_of_a_body(self, arm: Manipulator) -> None:
+        """The least that the triangle inequality asks for, and a notice with both."""
+        robot = robot_of(arm, inertia_floor=1e-6, frames="dh")
+        body = next(link.inertial for link in robot.links if link.name == "link_6")
+        assert body is not None
+        assert principal_moments(body.inertia) == pytest.approx((1e-4, 1e-4, 2e-4), rel=1e-12)
+        (notice,) = (notice for notice in robot.notices if notice.field == "inertia")
+        assert "0, 0, 0.0002 kg·m², which no body has; 0.0001, 0.0001, 0.0002 kg·m² are used" in notice.message
+
+    @pytest.mark.parametrize(
+        ("elements", "floor", "expected"),
+        [
+            ([0, 0, 2e-4, 0, 0, 0], 1e-6, (1e-4, 1e-4, 2e-4)),
+            ([0, 0, 2e-4, 0, 0, 0], 3e-4, (2e-4, 3e-4, 3e-4)),
+            ([0, 1e-3, 2e-3, 0, 0, 0], 1e-6, (1e-3, 1e-3, 2e-3)),
+            ([0, 0, 0, 0, 0, 0], 1e-6, (1e-6, 1e-6, 1e-6)),
+            ([1, 1, 0, 1, 0, 0], 1e-6, (1, 1, 2)),  # a rod across x and y
+        ],
+    )
+    def test_only_moments_of_0_are_raised(
+        self, elements: list[float], floor: float, expected: tuple[float, ...]
+    ) -> None:
+        """To the floor, or to what a body with the other moments has; the axes stay."""
+        given = Inertia(**dict(zip(ELEMENTS, elements, strict=True)))
+        raised = with_floor(given, floor)
+        assert has_zero_moments(given)
+        assert inertia_problem(raised) is None
+        assert principal_moments(raised) == pytest.approx(expected, rel=1e-12)
+        before, after = tensor(elements), tensor([getattr(raised, name) for name in ELEMENTS])
+        assert np.abs(before @ after - after @ before).max() <= 1e-15 * np.abs(after).max()
+
+    @pytest.mark.parametrize("elements", [[1, 1, 1, 0, 0, 0], [0.1, 0.1, 0.5, 0, 0, 0], [-1e-3, 1, 1, 0, 0, 0]])
+    def test_other_tensors_stay_as_they_are(self, elements: list[float]) -> None:
+        """Those of bodies, and those that break the rules otherwise: they are refused with a floor, too."""
+        given = Inertia(**dict(zip(ELEMENTS, elements, strict=True)))
+        assert with_floor(given, 1e-3) is given

@@ -1,0 +1,236 @@
+"""No command writes over what it reads, whatever name the output has; nothing is written then."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import OutputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+TABLE = "# convention: standard\njoint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
+JSON = '{"convention": "standard", "joints": [{"a": 0.4, "alpha": 0, "d": 0.1}]}'
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "arm.csv").write_text(TABLE)
+    return tmp_path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() if path.is_file() else b"" for path in folder.rglob("*")}
+
+
+# --- convert ----------------------------------------------------------------------------------------------------------
+
+
+def same(_: Path) -> str:
+    return "arm.csv"
+
+
+def dotted(folder: Path) -> str:
+    return "./x/../arm.csv" if (folder / "x").mkdir() is None else ""
+
+
+def absolute(folder: Path) -> str:
+    return str(folder / "arm.csv")
+
+
+def symbolic(folder: Path) -> str:
+    (folder / "link.urdf").symlink_to("arm.csv")
+    return "link.urdf"
+
+
+def linked_folder(folder: Path) -> str:
+    (folder / "here").symlink_to(".")
+    return "here/arm.csv"
+
+
+def hard(folder: Path) -> str:
+    os.link(folder / "arm.csv", folder / "hard.urdf")
+    return "hard.urdf"
+
+
+def other_case(_: Path) -> str:
+    return "ARM.CSV"
+
+
+@pytest.mark.parametrize("name_of", [same, dotted, absolute, symbolic, linked_folder, hard, other_case])
+def test_a_conversion_refuses_to_overwrite_its_table(cli: Cli, folder: Path, name_of: Callable[[Path], str]) -> None:
+    """By its name, a path to it, a link of any kind, or another case; status 2, and every file is as it was."""
+    name = name_of(folder)
+    before = contents(folder)
+    answer = cli("convert", "arm.csv", "-o", name, "--to", "urdf", status=2)
+    assert "the output would overwrite the input 'arm.csv'" in answer.stderr
+    assert contents(folder) == before
+
+
+def test_a_table_that_is_a_link_is_kept(cli: Cli, folder: Path) -> None:
+    """Read by a link, written to the file behind the link, and the other way round."""
+    (folder / "link.csv").symlink_to("arm.csv")
+    before = contents(folder)
+    for table, out in (("link.csv", "arm.csv"), ("arm.csv", "link.csv"), ("link.csv", "link.csv")):
+        assert "would overwrite the input" in cli("convert", table, "-o", out, "--to", "urdf", status=2).stderr
+        assert contents(folder) == before
+
+
+def test_the_second_file_of_a_format_counts(cli: Cli, folder: Path) -> None:
+    """A xacro has its macro in a file beside, whose name nobody typed."""
+    (folder / "arm.csv").rename(folder / "arm_macro.xacro")
+    before = contents(folder)
+    words = ("convert", "arm_macro.xacro", "--from", "csv", "-o", "arm.urdf.xacro")
+    answer = cli(*words, status=2)
+    assert "the output would overwrite the input 'arm_macro.xacro'" in answer.stderr
+    assert contents(folder) == before
+
+
+def test_a_mesh_is_an_input(cli: Cli, folder: Path) -> None:
+    """A mesh file that the table names is not overwritten by the description."""
+    (folder / "link.obj").write_text(TETRAHEDRON)
+    (folder / "arm.yaml").write_text(
+        "convention: standard\njoints: [{a: 0.4, alpha: 0, d: 0.1, mass: 1, visual: link.obj}]\n"
+    )
+    before = contents(folder)
+    answer = cli("convert", "arm.yaml", "-o", "link.obj", "--to", "urdf", status=2)
+    assert "would overwrite the input" in answer.stderr
+    assert contents(folder) == before
+
+
+def test_a_program_is_refused_too(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`dh2urdf.convert`, with the table's file, and with a manipulator that was read from it."""
+    monkeypatch.chdir(folder)
+    for table in ("arm.csv", dh2urdf.read("arm.csv")):
+        with pytest.raises(OutputError, match="would overwrite the input"):
+            dh2urdf.convert(table, "arm.csv", formats="urdf")
+        with pytest.raises(OutputError, match="would overwrite the input"):
+            dh2urdf.convert(table, folder / "ARM.csv", formats="urdf")
+    assert (folder / "arm.csv").read_text() == TABLE
+
+
+@pytest.mark.usefixtures("folder")
+def test_an_older_output_is_no_input(cli: Cli) -> None:
+    """A second conversion replaces the file of the first one."""
+    cli("convert", "arm.csv", "-o", "arm.urdf")
+    cli("convert", "arm.csv", "-o", "arm.urdf")
+
+
+# --- run --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["index.json", "report.json", "timing.json", "Report.JSON"])
+@pytest.mark.parametrize("words", [(), ("--dry-run",), ("--resume",)], ids=" ".join)
+def test_a_run_refuses_to_overwrite_a_table(cli: Cli, folder: Path, name: str, words: tuple[str, ...]) -> None:
+    """A table in the output folder that is called like a file of the run is named before anything is written."""
+    (folder / name).write_text(JSON)
+    (folder / "run.yaml").write_text(f"inputs: {name}\noutput: {{directory: .}}\n")
+    before = contents(folder)
+    answer = cli("run", "run.yaml", *words, status=2)
+    assert f"the run would overwrite its input '{name}'" in answer.stderr
+    assert "`output: {directory: DIR}`" in answer.stderr
+    assert contents(folder) == before
+
+
+def test_a_run_refuses_to_overwrite_its_run_file(cli: Cli, folder: Path) -> None:
+    """A run file in the output folder that is called like a file of the run."""
+    (folder / "report.json").write_text('{"inputs": "arm.csv", "output": {"directory": "."}}')
+    before = contents(folder)
+    assert "the run would overwrite its input 'report.json'" in cli("run", "report.json", status=2).stderr
+    assert contents(folder) == before
+
+
+def test_a_run_refuses_links_into_its_folder(cli: Cli, folder: Path) -> None:
+    """A table elsewhere that is a link to a file in the output folder, or the other way round, or has a second name."""
+    (folder / "run.yaml").write_text("inputs: {path: table.json}\noutput: {directory: out}\n")
+    (folder / "out").mkdir()
+    index, table = folder / "out" / "index.json", folder / "table.json"
+    index.write_text(JSON)
+    table.symlink_to(index)
+    cli("run", "run.yaml", status=2)
+    table.unlink()
+    os.link(index, table)
+    cli("run", "run.yaml", status=2)
+    index.unlink()
+    index.symlink_to(table)
+    cli("run", "run.yaml", status=2)
+    assert table.read_text() == JSON
+
+
+def test_a_run_refuses_to_overwrite_a_table_called_like_a_description(cli: Cli, folder: Path) -> None:
+    """What ends like the files of an emitter may be one of them; the macro of a xacro too."""
+    for name, emitter in (("arm.urdf", "urdf"), ("arm_macro.xacro", "xacro")):
+        (folder / "arm.csv").write_text(TABLE)
+        shutil.move(folder / "arm.csv", folder / name)
+        (folder / "run.yaml").write_text(
+            f"inputs: {{path: {name}, stage: csv}}\nemitters: {emitter}\noutput: {{directory: .}}\n"
+        )
+        assert "the run would overwrite its input" in cli("run", "run.yaml", status=2).stderr
+        assert (folder / name).read_text() == TABLE
+
+
+def test_a_mesh_of_the_run_file_is_an_input(cli: Cli, folder: Path) -> None:
+    """A mesh of the section `meshes` that is called like a file of the run."""
+    (folder / "report.json").write_text(TETRAHEDRON)
+    (folder / "run.yaml").write_text(
+        "inputs: arm.csv\nmeshes: [{of: arm, joints: {elbow: {visual: report.json}}}]\noutput: {directory: .}\n"
+    )
+    assert "the run would overwrite its input" in cli("run", "run.yaml", status=2).stderr
+    assert (folder / "report.json").read_text() == TETRAHEDRON
+
+
+def test_what_only_the_way_shows_is_refused_by_the_store(
+    dh2urdf: Callable[..., object], install: Callable[..., None], folder: Path
+) -> None:
+    """The second file of a third party's emitter, whose name nobody knows before; the table is kept."""
+    install(folder / "lab", "lab-notes", NOTES)
+    (folder / "run.yaml").write_text("inputs: arm.csv\nemitters: [urdf, notes]\noutput: {directory: .}\n")
+    answer = dh2urdf("run", "run.yaml", path=[folder / "lab"], status=2)
+    assert "arm.csv' is an input, and would be overwritten" in answer.stderr  # type: ignore[attr-defined]
+    assert (folder / "arm.csv").read_text() == TABLE
+
+
+NOTES = """
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.stages import EmittedFile, Emitter, NoOptions
+
+def emit(robot, stem, options):
+    return [EmittedFile(name=f"{stem}.notes", content=b"x"), EmittedFile(name=f"{stem}.csv", content=b"x")]
+
+@hookimpl
+def dh2urdf_emitters():
+    return [Emitter(name="notes", summary="notes", emit=emit, options=NoOptions, suffixes=(".notes",))]
+"""
+
+
+def test_tables_beside_the_output_are_fine(cli: Cli, folder: Path) -> None:
+    """A table in the output folder under a name of its own is read, kept, and no cause for a word."""
+    (folder / "run.yaml").write_text("inputs: arm.csv\noutput: {directory: .}\n")
+    for words in ((), ("--resume",)):
+        assert cli("run", "run.yaml", "--quiet", *words).stderr == ""
+    assert (folder / "arm.csv").read_text() == TABLE
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/stdin"), reason="the system has no name for standard input")  # noqa: PTH110 - at import
+def test_standard_input_is_an_input(folder: Path) -> None:
+    """A table that the shell redirects into `convert -` is not written over."""
+    main = "from dh2urdf.cli import main; main()"
+    command = [sys.executable, "-c", main, "convert", "-", "-o", "arm.csv", "--to", "urdf"]
+    with (folder / "arm.csv").open("rb") as table:
+        answer = subprocess.run(command, cwd=folder, stdin=table, capture_output=True, encoding="utf-8", check=False)
+    assert answer.returncode == 2
+    assert "the output would overwrite the input" in answer.stderr
+    assert (folder / "arm.csv").read_text() == TABLE

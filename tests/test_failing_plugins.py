@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.cli import _status
-from dh2urdf.errors import StageError
+from dh2urdf.errors import InputError, StageError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import KINDS, RECORDS, load
 from dh2urdf.studio.opening import open_tables
 from dh2urdf.studio.save import table_file
+from dh2urdf.studio.viewing import load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,7 +86,7 @@ def load(request, options):
 GOOD = {
     "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",), schema=dict),
     "transform": replace(TRANSFORM, name="bad"),
-    "emitter": replace(EMITTER, name="bad", suffixes=(".bad",)),
+    "emitter": replace(EMITTER, name="bad", suffixes=(".bad", ".robot")),
     "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("urdf", "bad"),
                      poses=lambda _: 2, picture=lambda _: False),
     "executor": Executor(name="bad", summary="s", map=lambda work, tasks, _: map(work, tasks), options=NoOptions),
@@ -162,6 +163,8 @@ def said(answer: Answer) -> str:
             "emitter.emit.give_numbers",
             "emitter 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.stages.Emit",
         ),
+        ("emitter.notices.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("emitter.notices.give_numbers", "emitter 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf."),
         ("emitter.read_back.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.load.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.load.fail_oddly", "loader 'bad' of lab 1.0 failed: RuntimeError: Unpicklable: at work and odd"),
@@ -299,6 +302,22 @@ def test_where_rows_of_cells_are_given(
         Manipulator.from_dh([{"a": 0.4, "alpha": 0, "d": 0.1}])
 
 
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("emitter.read_foreign.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("emitter.read_foreign.leave", "emitter 'bad' of lab 1.0 failed: SystemExit: 7"),
+        ("emitter.read_foreign.give_nothing", "emitter 'bad' of lab 1.0 failed: TypeError: it gave NoneType, not dh2"),
+    ],
+)
+def test_where_a_foreign_description_is_viewed(lab: Callable[[str], Path], what: str, message: str) -> None:
+    """`dh2urdf view` names the emitter, the distribution and the version."""
+    file = lab(what) / "arm.robot"
+    file.touch()
+    with pytest.raises(InputError, match=re.escape(message)):
+        load_figures([file], load())
+
+
 def test_every_function_of_every_record_is_tried() -> None:
     """The lists above have each field of each kind of stage that may hold code of a plugin."""
     tried = set()
@@ -309,6 +328,7 @@ def test_every_function_of_every_record_is_tried() -> None:
         test_where_the_studio_opens_and_saves,
         test_where_cells_are_asked_for,
         test_where_rows_of_cells_are_given,
+        test_where_a_foreign_description_is_viewed,
     ):
         mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
@@ -462,5 +482,6 @@ def test_what_an_emitter_prints_is_not_in_its_file(
     install(tmp_path / "site", "noisy", source)
     (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
     answer = dh2urdf("convert", "arm.csv", "--to", "noisy", path=[tmp_path / "site"])
-    assert answer.stdout == dh2urdf("convert", "arm.csv", "--to", "urdf", path=[tmp_path / "site"]).stdout
-    assert answer.stderr == "at work\n"
+    quiet = dh2urdf("convert", "arm.csv", "--to", "urdf", path=[tmp_path / "site"])
+    assert answer.stdout == quiet.stdout
+    assert answer.stderr == "at work\n" + quiet.stderr

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Rejected
 
 PATH = Path(__file__).parent / "plugins" / "readers" / "test_dialects.py"
-SPEC = importlib.util.spec_from_file_location("dialects", PATH)
+SPEC = importlib.util.spec_from_file_location("reader_dialects", PATH)
 assert SPEC
 assert SPEC.loader
 dialects: Any = importlib.util.module_from_spec(SPEC)
@@ -172,7 +172,7 @@ def oracle(text: str, *, convention: Convention | None = None) -> Reading:
     lines = text.split("\n")
     top = 0
     for top, line in enumerate(lines):  # noqa: B007 - where the loop ends is what matters
-        if match := re.match(r"[#\s]*convention\s*:\s*(.*)", line, re.IGNORECASE):
+        if match := re.match(r"[\W_]*convention\s*:\s*(.*)", line, re.IGNORECASE):
             convention = CONVENTIONS.get(plain(match[1]))
         elif is_commented_header(line) or (not line.lstrip().startswith("#") and names_geometry(line)):
             break

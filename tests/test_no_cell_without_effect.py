@@ -407,6 +407,11 @@ def options() -> Iterator[Change]:
         ("length_unit", "cm"),
         ("length_unit", "mn"),
         ("angle_unit", "rad"),
+        ("units", {"length": "cm"}),
+        ("units", {"inertia": "g·cm²"}),
+        ("units", "mn"),
+        ("payload", {"mass": 2}),
+        ("payload", {"weight": 2}),
         ("base", {"xyz": [0, 0, 1]}),
         ("tool", {"xyz": [0, 0, 1]}),
         ("tool", {"xyz": [0, 0]}),
@@ -721,7 +726,7 @@ def test_a_line_said_twice_or_below_the_header_is_spoken_of(line: str, tmp_path:
 
 
 @pytest.mark.parametrize("function", [dh2urdf.read, dh2urdf.read_all, dh2urdf.convert])
-@pytest.mark.parametrize("name", ["convention", "length_unit", "angle_unit", "base", "tool"])
+@pytest.mark.parametrize("name", ["convention", "length_unit", "angle_unit", "units", "base", "tool", "payload"])
 def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path: Path) -> None:
     """Another value is another arm; a name that is misspelt, or a value that is none, is refused by its name."""
     path = tmp_path / "arm.csv"
@@ -733,6 +738,7 @@ def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path:
 
     default: dict[str, Any] = {"convention": "standard"}
     values: dict[str, Any] = {"convention": "mdh", "length_unit": "cm", "angle_unit": "deg"}
+    values |= {"units": {"length": "cm"}, "payload": {"mass": 1}}
     value = values.get(name, {"xyz": [0, 0, 1]})
     assert call(**{**default, name: value}) != call(**default)
     for slip in (name[:-1], name + "s", name.upper()):

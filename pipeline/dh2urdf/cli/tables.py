@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     F = TypeVar("F", bound=Callable[..., Any])
 
-READER_OPTIONS = ("convention", "length_unit", "angle_unit", "base", "tool", "payload")
+READER_OPTIONS = ("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload")
 """The options of readers that have a flag of their own."""
 
 
@@ -48,6 +48,9 @@ def table_options(function: F) -> F:
             click.option("--convention", metavar="C", help="standard or modified, where the table does not say it."),
             click.option("--length-unit", metavar="UNIT", help="Unit of lengths without one: m, cm or mm."),
             click.option("--angle-unit", metavar="UNIT", help="Unit of angles without one: rad or deg."),
+            click.option(
+                "--units", metavar="YAML", help='Units by what they measure: "{length: mm, inertia: kg·mm²}", "mm, deg".'
+            ),
             click.option(
                 "--base",
                 metavar="YAML",

@@ -58,7 +58,7 @@ class DecimalSigns:
         """Takes the columns of angles in rad."""
         self._turns = turns
         self._sure: dict[str, Cell] = {}
-        self._grouped: tuple[Cell, str, str, int] | None = None
+        self._grouped: dict[str, tuple[Cell, str, int]] = {}
         self.has_commas = False
 
     def note(self, cell: Cell, name: str, number: int) -> None:
@@ -69,38 +69,41 @@ class DecimalSigns:
             self.has_commas |= sign == "," and any(form[sign].search(cell.text) for form in (_SURE, _GROUPED))
             if _SURE[sign].search(cell.text) or (name in self._turns and _PLAIN[sign].fullmatch(cell.text)):
                 self._sure.setdefault(sign, cell)
-            elif self._grouped is None and _GROUPED[sign].search(cell.text):
-                self._grouped = (cell, name, sign, number)
+            elif sign not in self._grouped and _GROUPED[sign].search(cell.text):
+                self._grouped[sign] = (cell, name, number)
 
     def problem(self) -> Problem | None:
         """What is wrong with the arm's numbers, where one may have a sign between thousands; forgets the arm."""
         grouped, sure = self._grouped, self._sure
-        self._grouped, self._sure = None, {}
-        if grouped is None:
-            return None
-        cell, name, sign, number = grouped
-        other = "," if sign == "." else "."
-        if other in sure:
-            return Problem(
-                message=f"{shown(cell.text)} can be read in two ways, since {shown(sure[other].text)} in "
-                f"{sure[other].mark.in_file} has a decimal {_WORDS[other]}: the {_WORDS[sign]} may separate thousands",
-                mark=cell.mark,
-                joint=f"joint_{number}",
-                found=cell.text,
-                accepted="decimal commas alone, or decimal points alone, without separators of thousands",
-            )
-        if sign in sure:
-            return None
+        self._grouped, self._sure = {}, {}
+        problems = [_in_doubt(sign, *found, sure) for sign, found in grouped.items()]
+        return next((problem for problem in problems if problem), None)
+
+
+def _in_doubt(sign: str, cell: Cell, name: str, number: int, sure: Mapping[str, Cell]) -> Problem | None:
+    """What is wrong with a number that may have its sign between thousands, where the other numbers show so much."""
+    other = "," if sign == "." else "."
+    if other in sure:
         return Problem(
-            message=f"{shown(cell.text)} can be read in two ways: the {_WORDS[sign]} is a decimal sign or separates "
-            "thousands, and no other number of the manipulator shows which",
+            message=f"{shown(cell.text)} can be read in two ways, since {shown(sure[other].text)} in "
+            f"{sure[other].mark.in_file} has a decimal {_WORDS[other]}: the {_WORDS[sign]} may separate thousands",
             mark=cell.mark,
             joint=f"joint_{number}",
-            field=name,
             found=cell.text,
-            accepted="numbers without separators of thousands",
-            suggestion=_both_readings(cell.text, sign),
+            accepted="decimal commas alone, or decimal points alone, without separators of thousands",
         )
+    if sign in sure:
+        return None
+    return Problem(
+        message=f"{shown(cell.text)} can be read in two ways: the {_WORDS[sign]} is a decimal sign or separates "
+        "thousands, and no other number of the manipulator shows which",
+        mark=cell.mark,
+        joint=f"joint_{number}",
+        field=name,
+        found=cell.text,
+        accepted="numbers without separators of thousands",
+        suggestion=_both_readings(cell.text, sign),
+    )
 
 
 def _both_readings(text: str, sign: str) -> str:

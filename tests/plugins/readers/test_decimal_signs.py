@@ -58,6 +58,9 @@ def lengths(arm: Manipulator | Rejected) -> list[tuple[float, float]] | None:
         ("1.250;0.5*pi;3", (1.25, 3.0)),
         ("1.250;0;0,5", None),
         ("1,250;0;0.5", None),
+        ("9.000;0.00;1,000", None),
+        ("1,000;0.00;9.000", None),
+        ("9.000;0;1,000", None),
         ("0.250;0;0.125", (0.25, 0.125)),  # no number of thousands begins with 0
         ("1250;0;425", (1250.0, 425.0)),
     ],

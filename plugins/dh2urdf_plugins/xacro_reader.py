@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Robot
+    from dh2urdf.stages import Expansion
 
 
 _ONE_AT_A_TIME = threading.Lock()
@@ -36,13 +37,17 @@ def read_xacro(path: Path) -> Robot:
     return parse_urdf(expand(path), f"{path} (expanded)")
 
 
-def read_foreign_xacro(path: Path) -> Robot:
+def read_foreign_xacro(path: Path, expansion: Expansion | None = None) -> Robot:
     """The robot of a xacro file of unknown origin, expanded where it can do no harm.
+
+    Args:
+        path: the file.
+        expansion: the values of its arguments, and the packages that it may read; defaults where it is None.
 
     Raises:
         ProofError: xacro cannot expand the file, something in it is refused, or what comes out is no robot's URDF.
     """
-    return parse_urdf(expand_foreign(path), f"{path} (expanded)")
+    return parse_urdf(expand_foreign(path, expansion), f"{path} (expanded)")
 
 
 def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:

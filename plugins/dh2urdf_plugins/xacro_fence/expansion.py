@@ -11,8 +11,9 @@ from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.fence import enter
 from dh2urdf.isolation import run_in_child
 from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
-from dh2urdf_plugins.xacro_fence.files import Files
+from dh2urdf_plugins.xacro_fence.files import Files, packages_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -29,8 +30,7 @@ MAX_MACROS = 50_000
 
 def expand_foreign(
     path: Path,
-    arguments: Mapping[str, str] | None = None,
-    packages: Mapping[str, Path] | None = None,
+    expansion: Expansion | None = None,
     *,
     timeout: float | None = None,
 ) -> bytes:
@@ -42,18 +42,17 @@ def expand_foreign(
 
     Args:
         path: the file.
-        arguments: values of its ``xacro:arg`` elements.
-        packages: folders of further packages, by name.
+        expansion: values of its ``xacro:arg`` elements, and the folders of further packages.
         timeout: how long it may take [s]; `EXPANSION` by default.
 
     Raises:
         ProofError: xacro cannot expand the file, or something in it is refused.
     """
     limit = EXPANSION if timeout is None else timeout
+    given = expansion or Expansion()
+    packages = packages_in(given.package_paths)
     try:
-        return run_in_child(
-            _expanded, path, dict(arguments or {}), dict(packages or {}), limit, timeout=limit, who="xacro"
-        ).value
+        return run_in_child(_expanded, path, dict(given.arguments), packages, limit, timeout=limit, who="xacro").value
     except TimeLimitError:
         raise _failure(path, f"it did not finish within {limit:g} s") from None
     except CrashError as error:

@@ -76,7 +76,7 @@ ATTACKS = {
     "eval": ('<link name="$(eval 9**9**9)"/>', "bits"),
     "eval behind a value": ('<link name="$(eval [].__class__)"/>', "'__class__' is refused"),
     "power": ('<link name="${9**9**9}"/>', "bits"),
-    "memory": ('<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>', "memory"),
+    "memory": ('<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>', "a length of more"),
     "entities": ("", "declares entities"),
     "into itself": ('<xacro:include filename="r.xacro"/>', "recursion"),
     "macro into itself": ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion"),
@@ -291,6 +291,12 @@ def test_arguments_have_the_values_that_are_given(tmp_path: Path) -> None:
     path = tmp_path / "r.xacro"
     path.write_text(ROBOT.format('<xacro:arg name="side" default="left"/><link name="$(arg side)"/>'))
     assert b'"right"' in expand_foreign(path, Expansion(arguments={"side": "right"}))
+    path.write_text(ROBOT.format('<xacro:arg name="side"/><link name="$(arg side)"/>'))
+    with pytest.raises(ProofError, match=r"missing attribute 'default'"):
+        expand_foreign(path)
+    path.write_text(ROBOT.format('<link name="$(arg side)"/>'))
+    with pytest.raises(ProofError, match=r"the argument 'side' has no value: give it one, side:=VALUE"):
+        expand_foreign(path)
 
 
 @pytest.fixture

@@ -204,10 +204,12 @@ class PlainRows:
             if not (math.isfinite(sum(angles)) and -bounds[name] <= min(angles) and max(angles) <= bounds[name]):
                 return False
             # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.
-            near = [x for x in angles if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
+            close = max(NEARLY * HALF_PI * bounds[name], SMALL_ANGLE if name in self.degrees else 0.0)
+            some = [x for x in angles if not close < x % HALF_PI < HALF_PI - close]  # a few more: no call for each
+            near = [x for x in some if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
             if not all(x == 0 or quarter_turns(x) is not None for x in near):
                 return False
-            if name in self.degrees and any(are_radians(x) for x in angles if -SMALL_ANGLE < x < SMALL_ANGLE):
+            if name in self.degrees and any(are_radians(x) for x in some if -SMALL_ANGLE < x < SMALL_ANGLE):
                 return False
         return True
 
@@ -224,11 +226,19 @@ class PlainRows:
 
     def _are_plain_lengths(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
         """Whether every arm is of a length that needs no word, and its numbers are of such."""
+        return self._are_usual_sizes(a, d, sizes) and self._are_of_their_unit(a, d, sizes)
+
+    def _are_usual_sizes(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+        size, largest = sizes[0], max(map(abs, (max(a), min(a), max(d), min(d))))
+        first = min(d[::size]) if sizes == [size] * len(sizes) else 0.0
+        if first >= self.shortest and 2.0 * size * largest <= longest_plain(size) and math.isfinite(sum(a) + sum(d)):
+            return True  # so much is sure of every arm without its own sum
         totals = list(map(sum, _by_arm(list(map(add, map(abs, a), map(abs, d))), sizes)))
         if math.isnan(sum(totals)) or min(totals) < self.shortest:
             return False
-        if max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))):
-            return False
+        return not (max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))))
+
+    def _are_of_their_unit(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
         for column in (column for name, column in (("a", a), ("d", d)) if name in self.foreign_lengths):
             largest = (max(map(abs, numbers)) for numbers in _by_arm(column, sizes))
             if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):

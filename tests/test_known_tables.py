@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from known_arms import ANGLE, LENGTH, Exact, KnownArm, KnownRow, documented
+from known_arms import KnownArm, KnownRow
+from known_quantities import ANGLE, LENGTH, Exact
+from known_words import documented
 from tables import Figures, WrongReading, counted_fast, run_case
 
 from dh2urdf.units import Unit

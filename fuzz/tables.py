@@ -1,11 +1,11 @@
 """Tables of known arms through every reader: each must be read as the arm that it is, wherever it stands.
 
-    python fuzz/tables.py --tables 50000 --seed 1
+    python fuzz/tables.py --tables 50000 --seed 1 --workers 2
 
 Every table is an arm whose meaning is known (`known_arms.py`), written in a random dialect (`known_tables.py`,
-`dialects.py`). It is read from CSV, YAML, JSON, Parquet and workbooks, alone and as one of many, at the first, a middle
-and the last place of a file, and by `Manipulator.from_dh`. Its forward kinematics, limits and masses must be the known
-ones to 1e-12, and all readings of one table must be equal to the last bit.
+`dialects.py`, `row_dialects.py`). It is read from CSV, YAML, JSON, Parquet and workbooks, alone and as one of many, at
+the first, a middle and the last place of a file, and by `Manipulator.from_dh`. Its forward kinematics, limits, masses,
+shapes and payload must be the known ones to 1e-12, and all readings of one table must be equal to the last bit.
 """
 
 from __future__ import annotations

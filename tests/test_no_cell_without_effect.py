@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from dialects import WRITERS
-from file_texts import File, flow
 from effects import Outcome, has_effect, outcome
+from file_texts import File, flow
 from known_arms import KnownArm
 from known_quantities import Text
 from known_tables import Arm, Column, Table

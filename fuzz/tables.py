@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import argparse
 import random
+import signal
 import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from multiprocessing import get_context
@@ -325,7 +326,8 @@ def run_all(
     if workers == 1:
         yield from map(run, parts)
         return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    ignore = (signal.SIGINT, signal.SIG_IGN)  # an interrupt is for this process
+    with ProcessPoolExecutor(workers, get_context("spawn"), signal.signal, ignore) as pool:
         try:
             yield from pool.map(run, parts)
         finally:
@@ -333,7 +335,7 @@ def run_all(
 
 
 def main() -> int:
-    """Read so many tables, and print what was done."""
+    """Read so many tables, and print what was done; 1 where a reading is wrong, or not all are done."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tables", type=int, default=50_000, help="how many tables")
     parser.add_argument("--seed", type=int, default=1, help="of everything that is random")
@@ -341,29 +343,28 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=1, help="how many processes; the result does not depend on it")
     parser.add_argument("--progress", action="store_true", help="say how far it is, now and then")
     given = parser.parse_args()
-    figures, wrong, started = Figures(), 0, time.perf_counter()
-    for part, messages in run_all(
-        given.seed, cases(given.seed, given.tables), given.workers, keep_going=given.keep_going
-    ):
-        figures.add(part)
-        wrong += len(messages)
-        for message in messages:
-            print(f"{message}\n", file=sys.stderr, flush=True)
-        if given.progress:
-            print(
-                f"{figures.tables:,} tables, {figures.readings:,} readings, wrong {wrong:,}",
-                file=sys.stderr,
-                flush=True,
-            )
-        if messages and not given.keep_going:
-            break
+    figures, wrong, done, started = Figures(), 0, False, time.perf_counter()
+    parts = run_all(given.seed, cases(given.seed, given.tables), given.workers, keep_going=given.keep_going)
+    with suppress(KeyboardInterrupt):  # what was done until then is printed
+        for part, messages in parts:
+            figures.add(part)
+            wrong += len(messages)
+            for message in messages:
+                print(f"{message}\n", file=sys.stderr, flush=True)
+            if given.progress:
+                said = f"{figures.tables:,} tables, {figures.readings:,} readings, wrong {wrong:,}"
+                print(said, file=sys.stderr, flush=True)
+            if messages and not given.keep_going:
+                break
+        else:
+            done = True
     print(f"tables     {figures.tables:9,}\nfiles      {figures.files:9,}\nreadings   {figures.readings:9,}")
     print(f"read fast  {figures.fast:9,}")
     print(f"dialects   {len(figures.dialects):9,}")
     for name, count in figures.by_reader.items():
         print(f"  {name:8} {count:9,}")
     print(f"wrong      {wrong:9,}\nseconds    {time.perf_counter() - started:9.0f}")
-    return int(wrong > 0)
+    return int(wrong > 0 or not done)
 
 
 def run_case(seed: int, number: int, folder: Path, figures: Figures) -> None:

@@ -19,10 +19,13 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from dialects import WRITERS, File, flow
+from dialects import WRITERS
 from effects import Outcome, has_effect, outcome
-from known_arms import KnownArm, Text, documented
+from file_texts import File, flow
+from known_arms import KnownArm
+from known_quantities import Text
 from known_tables import Arm, Column, Table
+from known_words import documented
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError

@@ -30,6 +30,8 @@ _BATCH = 200
 """Rows that are handed on at once [1]."""
 _FEW = 5
 _NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
+_PROSE = late_pattern(r"[^\W\d_]{3,}(?:[\s:,.]|$)")
+"""How a note begins, and no number, expression or symbol: with a word."""
 
 
 class CellRows:
@@ -173,13 +175,17 @@ class CellRows:
         if is_comment(texts[0]):
             self._see_comment(row, texts)
             return False
-        if self.ended and not any(
-            text_in(row.cells[index]).strip(SPACES) for index in self.geometry if index < len(row.cells)
-        ):
+        if self.ended and self._is_below(row, texts):
             self.below.append((comment_text(row), row.mark))
             return False
         self.begun = True
         return True
+
+    def _is_below(self, row: CellRow, texts: Sequence[str]) -> bool:
+        """Whether a row after an empty one is a note: it has no geometry, or is one cell of prose."""
+        if len(texts) == 1 and _PROSE.match(texts[0].strip(SPACES)):
+            return True
+        return not any(text_in(row.cells[index]).strip(SPACES) for index in self.geometry if index < len(row.cells))
 
     def _see_comment(self, row: CellRow, texts: Sequence[str]) -> None:
         text = comment_text(row)

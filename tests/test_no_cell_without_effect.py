@@ -26,6 +26,8 @@ from known_tables import Arm, Column, Table
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -641,6 +643,105 @@ def test_the_unit_of_a_header_has_an_effect(reader: str, name: str, tmp_path: Pa
         content.columns[index] = Column(name, header.strip())
         missing = has_effect(before, read(content), changes=changes if unit in others else None, words=(name,))
         assert missing is None, f"{header}: {missing}"
+
+
+OUTSIDE = {
+    "base: {xyz: [0, 0, 40]}": "base.xyz",
+    "tool: {xyz: [0, 0, 40]}": "tool.xyz",
+    "payload: {mass: 1, com: [0, 0, 40]}": "payload.com",
+    "defaults: {geometry: {radius: 40}}": "defaults.geometry.radius",
+    "base: {geometry: {radius: 40}}": "base.geometry.radius",
+    "base: {rpy: [0, 0, 3]}": "base.rpy",
+    "tool: {rpy: [0, 0, 3]}": "tool.rpy",
+    "base: {matrix: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 40], [0, 0, 0, 1]]}": "base",
+}
+
+
+@pytest.mark.parametrize("form", ["csv", "bulk", "yaml"])
+@pytest.mark.parametrize("said", OUTSIDE)
+@pytest.mark.parametrize(
+    ("lengths", "angles", "fails"),
+    [
+        (("300 mm", "0"), ("90°", "0"), True),
+        (("300 mm", "20 cm"), ("90°", "45 deg"), True),
+        (("300 mm", "0.2"), ("90°", "0.5"), False),
+        (("0.3", "0.2"), ("pi/2", "0"), False),
+        (("0.3 m", "0"), ("1 rad", "0"), False),
+        (("0", "0"), ("0", "0"), False),
+    ],
+)
+def test_a_number_above_rows_that_all_name_their_unit_needs_one(
+    form: str, said: str, lengths: tuple[str, str], angles: tuple[str, str], *, fails: bool
+) -> None:
+    """40 beside cells in mm may be 40 mm or 40 m: refused, fast or with care, alone or among many."""
+    cells = list(zip(lengths, angles, strict=True))
+    if form == "yaml":
+        rows = "".join(f"- {{a: {a}, alpha: {alpha}, d: 0}}\n" for a, alpha in cells)
+        text = f"convention: standard\n{said}\njoints:\n{rows}"
+    else:
+        arms = 300 if form == "bulk" else 1
+        lines = [f"r{arm},{a},{alpha},0" for arm in range(arms) for a, alpha in cells]
+        text = "\n".join([f"# convention: standard\n# {said}\nrobot,a,alpha,d", *lines])
+    for item in dh2urdf.read_all(text, reader="yaml" if form == "yaml" else "csv"):
+        if fails:
+            (problem,) = item.problems
+            assert problem.field == OUTSIDE[said]
+            assert "has no unit, and" in problem.message
+        else:
+            assert isinstance(item, Manipulator), item.problems
+
+
+def test_a_base_of_any_rotation_is_written_beside_its_body() -> None:
+    """As a matrix where no angles are it to the last bit; `matrix` and `rpy` together are refused."""
+    arm = dh2urdf.read("convention: standard\njoints: [{a: 0.3, alpha: 0, d: 0}]\n", reader="yaml")
+    turns = [RigidTransform.from_xyz_rpy((0.1, 0.2, 0.3), (0.1 * k, 0.2, 1.0 + k)) for k in range(20)]
+    written = []
+    for one, other in pairwise(turns):
+        placed = replace(arm, base=one @ other, base_mass=4.0)
+        written.append(placed.to_yaml())
+        assert dh2urdf.read(written[-1], reader="yaml") == placed
+    assert any("base: {matrix: [[" in text for text in written)
+    both = "base: {matrix: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], rpy: [0, 0, 1]}"
+    with pytest.raises(Dh2UrdfError, match="base has a matrix and rpy"):
+        dh2urdf.read(f"convention: standard\n{both}\njoints: [{{a: 0.3, alpha: 0, d: 0}}]\n", reader="yaml")
+
+
+@pytest.mark.parametrize(
+    ("defaults", "joint", "said"),
+    [
+        ("damping: 0.5", "damping: 0.4", "defaults.damping has no effect"),
+        ("sign: -1", "flip: false", "defaults.sign has no effect"),
+        ("limits: {velocity: 2, effort: 3}", "limits: {velocity: 1}", "defaults.velocity has no effect"),
+        ("damping: 0.5", "friction: 0.4", None),
+    ],
+)
+def test_a_default_that_every_joint_overrules_is_said(defaults: str, joint: str, said: str | None) -> None:
+    """One of two joints without the key is enough for its effect."""
+    for joints, silent in ((f"[{{{_ROW}, {joint}}}]", said is None), (f"[{{{_ROW}, {joint}}}, {{{_ROW}}}]", True)):
+        text = f"convention: standard\ndefaults: {{{defaults}}}\njoints: {joints}\n"
+        found = [notice.message for notice in dh2urdf.read(text, reader="yaml").notices]
+        assert [message.partition(":")[0] for message in found] == ([] if silent else [said])
+
+
+_ROW = "a: 0.3, alpha: 0, d: 0"
+
+
+@pytest.mark.parametrize(
+    ("limits", "units", "count"),
+    [
+        ("effort: 150", "mm", 1),
+        ("effort: 150", "{length: mm, effort: Nm}", 0),
+        ("effort: 150 Nm", "mm", 0),
+        ("effort: 150", "m", 0),
+    ],
+)
+def test_an_effort_without_a_unit_beside_mm_is_said_in_yaml_too(limits: str, units: str, count: int) -> None:
+    """Once for an arm, at the first of them."""
+    joints = f"[{{{_ROW}, limits: {{{limits}}}}}, {{{_ROW}, limits: {{{limits}}}}}]"
+    text = f"convention: standard\nunits: {units}\njoints: {joints}\n".replace("a: 0.3", "a: 300 mm")
+    notices = [notice for notice in dh2urdf.read(text, reader="yaml").notices if notice.field == "effort"]
+    assert len(notices) == count
+    assert all("it is read in Nm" in notice.message and notice.mark.column for notice in notices if notice.mark)
 
 
 PLAIN = "robot,i,joint,link,type,a,alpha,d,theta,offset,lower,upper,velocity,effort"

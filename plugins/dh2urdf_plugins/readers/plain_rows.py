@@ -116,7 +116,7 @@ class PlainRows:
             return None
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
-        if not (plain and self.points.are_sure(columns, sizes)):
+        if self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
             return None
         made = make_rows(zip(*names, kinds, a, alpha, d, theta, offset, limits, marks, strict=True))
         ends = accumulate(sizes)
@@ -194,6 +194,13 @@ class PlainRows:
         )
 
     # --- Numbers
+
+    def _are_foreign(self, columns: Sequence[Sequence[Any]]) -> bool:
+        """Whether a cell of geometry names another unit than the SI unit where a number outside of rows names none."""
+        names = self.numbers.keys() - {"offset"} if self.units.bare else ()
+        with_words = [name for name in names if self.numbers[name].has_expressions]
+        cells = ((name, cell) for name in with_words for cell in set(columns[self.column[name]]))
+        return any(names_foreign_unit(text_of(cell), name) for name, cell in cells)
 
     def _are_plain_angles(self, values: dict[str, list[float]]) -> bool:
         """Whether all angles are of a size that needs no word, and none is nearly a quarter turn."""

@@ -804,6 +804,41 @@ def _place_texts(name: str, text: str) -> Iterator[tuple[str, str]]:
         yield "a digit more", f"{text}1" if "." in text else f"{text}.1"
 
 
+ODD = {
+    "upper: the joint slides no further": ("# units: mm, deg", "P,300,0,0,0,250,90", "P,300,0,0,0,0.5,90"),
+    "velocity: no joint turns faster": ("# units: mm, deg", "R,300,0,0,-170,170,90", "R,300,0,0,-170,170,3.14"),
+    "upper: its limits reach to": ("# units: mm, deg", "R,300,0,0,-170,170,90", "R,300,0,0,-2.967,2.967,90"),
+    "upper: no joint turns further": ("# units: mm, deg", "R,300,0,0,-170,170,90", "R,300,0,0,-3,3,90"),
+    "payload.mass: the payload weighs": (
+        "# payload: {mass: 100, com: [0, 0, 0]}",
+        "R,2,0,0,-1,1,1",
+        "R,0.9,0,0,-1,1,1",
+    ),
+    "payload.com: the payload's centre": (
+        "# payload: {mass: 1, com: [0, 0, 1.5]}",
+        "R,2,0,0,-1,1,1",
+        "R,1.2,0,0,-1,1,1",
+    ),
+}
+
+
+@pytest.mark.parametrize("said", ODD)
+@pytest.mark.parametrize("varied", [False, True], ids=["few limits", "many limits"])
+def test_what_is_hardly_meant_is_said_among_many_as_alone(said: str, *, varied: bool) -> None:
+    """Of 400 arms that are read fast, the one that is odd has its notice, and no other has one."""
+    units, usual, odd = ODD[said]
+    rows = [usual] * 400
+    if varied:  # more limits than are read one by one
+        rows = [f"{usual[: usual.rindex(',')]},{float(usual.rpartition(',')[2]) + 0.001 * arm}" for arm in range(400)]
+    rows[317] = odd
+    lines = [f"r{arm},{row}" for arm, row in enumerate(rows)]
+    top = f"# convention: standard\n{units}\nrobot,type,a,alpha,d,lower,upper,velocity\n"
+    arms = list(dh2urdf.read_all(top + "\n".join(lines), reader="csv"))
+    found = {arm.name: [f"{notice.field}: {notice.message}" for notice in arm.notices] for arm in arms[1:]}
+    (notices,) = [notices for notices in found.values() if notices]
+    assert any(notice.startswith(said) for notice in found["r317"]), notices
+
+
 @pytest.mark.parametrize("line", [f"# {key}: {flow(value)}" for key, value in SAID.items()])
 def test_a_line_said_twice_or_below_the_header_is_spoken_of(line: str, tmp_path: Path) -> None:
     """A statement that stands where it could be overlooked, or that is said again."""

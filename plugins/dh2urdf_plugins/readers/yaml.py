@@ -223,7 +223,7 @@ class _Table:
                 found.append((None, node.mark))
                 continue
             cells = self._cells(node, common, f"joint_{number}")
-            unused -= {name for name in unused if cells.get(name) is common[name]}
+            unused -= {name for name in unused if name in cells and cells[name].mark == common[name].mark}
             found.append((cells, node.mark))
         self.problems += [_unused_default(name, common[name]) for name in common if name in unused and found]
         rows: list[DHRow | None] = []

@@ -154,7 +154,7 @@ def make_table(rng: random.Random, count: int, *, plain: bool = False) -> Table:
     if where in ("option", "both"):
         table.options["convention"] = rng.choice(words("conventions", convention))
     units.state(table)
-    shared = {what: _placement(rng, units) for what in ("base", "tool") if rng.random() < 0.4}
+    shared = {what: _placement(rng, units, plain=plain) for what in ("base", "tool") if rng.random() < 0.4}
     for what, placement in shared.items():
         (table.options if rng.random() < 0.3 else table.said)[what] = placement.said
     for number in range(count):
@@ -278,9 +278,13 @@ def key_of(dimension: str) -> str:
     return next(key for key, dimensions in KEYS.items() if dimension in dimensions)
 
 
-def _placement(rng: random.Random, units: _Units) -> Placement:
-    """A base or a tool, as xyz and rpy or as a matrix."""
+def _placement(rng: random.Random, units: _Units, *, plain: bool) -> Placement:
+    """A base or a tool, as xyz and rpy or as a matrix.
+
+    A number whose unit nothing says is bare beside bare rows only: rows may all name their unit in other tables.
+    """
     speller = Speller(rng)
+    sure = ("said", "option", "si") if plain else ("said", "option")
     xyz = [length(rng) for _ in "xyz"]
     rpy = [angle(rng) for _ in "xyz"]
     if rng.random() < 0.3:
@@ -290,7 +294,7 @@ def _placement(rng: random.Random, units: _Units) -> Placement:
     matrix = shift(x, y, z) @ turn("z", yaw) @ turn("y", pitch) @ turn("x", roll)
 
     def leaf(number: Exact, dimension: str) -> str:
-        unit = units.unit[dimension] if units.place[key_of(dimension)] in ("said", "option", "si") else None
+        unit = units.unit[dimension] if units.place[key_of(dimension)] in sure else None
         return speller.text(number, unit).bare
 
     lengths = [leaf(number, LENGTH) for number in xyz]

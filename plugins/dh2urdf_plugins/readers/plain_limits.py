@@ -101,7 +101,7 @@ class PlainLimits:
             return None
         slides, turns = JointType.PRISMATIC in kinds, JointType.REVOLUTE in kinds
         ranges = list(map(sub, upper, lower)) if upper and lower else []
-        if slides and any(0 < stroke < SHORTEST_STROKE for stroke in ranges):
+        if slides and any(map(_is_short, ranges)):
             return None
         slowest = self.slowest if turns else 0.0
         if not _are_usual(ranges if turns else (), velocity or (), effort or (), slowest, linear=slides):
@@ -134,13 +134,18 @@ class PlainLimits:
         free = lower is None and upper is None
         if kind is JointType.FIXED or not (free or (bounded and kind is not JointType.CONTINUOUS)):
             return None
-        ranges = () if linear or lower is None or upper is None else (upper - lower,)
+        ranges = () if lower is None or upper is None else (upper - lower,)
         speeds, efforts = (() if number is None else (number,) for number in (velocity, effort))
-        if linear and lower is not None and upper is not None and 0 < upper - lower < SHORTEST_STROKE:
-            return None
-        if not _are_usual(ranges, speeds, efforts, 0.0 if linear else self.slowest, linear=linear):
+        is_short = linear and any(map(_is_short, ranges))
+        slowest = 0.0 if linear else self.slowest
+        if is_short or not _are_usual(() if linear else ranges, speeds, efforts, slowest, linear=linear):
             return None
         return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
+
+
+def _is_short(stroke: float) -> bool:
+    """Whether the range of a joint that slides is worth a word."""
+    return 0 < stroke < SHORTEST_STROKE
 
 
 def _are_usual(
@@ -150,7 +155,7 @@ def _are_usual(
     fastest = FASTEST_SLIDE if linear else FASTEST_TURN
     return (
         min(ranges, default=1.0) >= NARROWEST_RANGE
-        and 0 < min(speeds, default=1.0)
+        and min(speeds, default=1.0) > 0
         and slowest <= min(speeds, default=1.0) <= max(speeds, default=1.0) < fastest
         and 0 < min(efforts, default=1.0) <= max(efforts, default=1.0) <= STRONGEST
     )

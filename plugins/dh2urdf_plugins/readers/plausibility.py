@@ -128,7 +128,7 @@ def plausibility(rows: Sequence[DHRow], statements: Statements, units: Units) ->
     """
     reach = reach_of(rows)
     yield from _of_the_arm(rows, statements, units, reach)
-    yield from _of_the_payload(rows, statements, reach)
+    yield from _of_the_payload(statements, reach)
     yield from _of_joints(rows, units)
     yield from _of_resistances(rows)
     yield from _of_links(rows, units, reach)
@@ -168,7 +168,7 @@ def _of_the_arm(rows: Sequence[DHRow], statements: Statements, units: Units, rea
             yield _of_all(message, rows, what, "is one of them in another unit?")
 
 
-def _of_the_payload(rows: Sequence[DHRow], statements: Statements, reach: float) -> Iterator[Problem]:
+def _of_the_payload(statements: Statements, reach: float) -> Iterator[Problem]:
     payload, mark = statements.payload, statements.placed.get("payload")
     if payload is None:
         return

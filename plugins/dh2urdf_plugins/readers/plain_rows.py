@@ -27,7 +27,7 @@ from dh2urdf_plugins.readers.records import make_rows
 from dh2urdf_plugins.readers.row_cells import FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.row_names import are_joints
 from dh2urdf_plugins.readers.rows import NEARLY
-from dh2urdf_plugins.readers.unknown_columns import unit_of
+from dh2urdf_plugins.readers.unknown_columns import is_beside, is_number, unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -61,6 +61,7 @@ class PlainRows:
         self.silent = columns.silent  # to be spoken of as soon as one of them holds anything
         others = set(range(self.width)) - {*self.column.values(), *columns.ignored}
         self.others = {index: set[str]() for index in sorted(others - columns.unheld.keys())}
+        self.strays = {k for k in self.others if not columns.headers[k] and not is_beside(k, columns.headers)}
         # Without a column of types, one that no field knows may hold them.
         known = "type" in self.column or not any(columns.headers[index] for index in self.others)
         turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
@@ -129,6 +130,8 @@ class PlainRows:
                 if any(columns[index]):
                     return False
                 continue
+            if index in self.strays and not _count(columns[index]):
+                return False
             new = set(columns[index]) - known
             if any(unit_of(text.strip(SPACES)) for text in new):
                 return False
@@ -241,6 +244,16 @@ class PlainRows:
             if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
                 return False
         return True
+
+
+def _count(cells: Sequence[str]) -> bool:
+    """Whether cells without a header hold no number, or count all rows of the table one by one, as pandas does."""
+    if not any(is_number(text.strip(SPACES)) for text in cells):
+        return True
+    if not all(text.isascii() and text.isdigit() for text in cells):
+        return False
+    first = int(cells[0])
+    return list(map(int, cells)) == list(range(first, first + len(cells)))
 
 
 def _by_arm(column: Sequence[float], sizes: Sequence[int]) -> Iterable[Sequence[float]]:

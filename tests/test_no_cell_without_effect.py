@@ -882,3 +882,48 @@ def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path:
             call(**{**default, slip: value})
     with pytest.raises(Dh2UrdfError, match=name):
         call(**{**default, name: "perhaps"})
+
+
+@pytest.mark.parametrize("command", ["run", "view", "studio"])
+def test_a_dash_where_no_standard_input_is_read_is_refused(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """With what to do, and not as a file that is missing."""
+    from dh2urdf.cli import main
+
+    with pytest.raises(SystemExit) as ended:
+        main([command, "-"])
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert f"`dh2urdf {command}` reads no standard input" in said
+    assert "save it as a file first" in said
+
+
+def test_info_says_where_shapes_and_masses_are_said(tmp_path: Path) -> None:
+    """What holds for all links has a place, as a cell has."""
+    from dh2urdf.provenance import Trace
+    from dh2urdf.report.info import details
+    from dh2urdf_plugins.readers import yaml
+    from dh2urdf_plugins.readers.statements import TableOptions
+
+    text = """convention: standard
+base: {mass: 4, geometry: {shape: box}}
+defaults: {geometry: {radius: 0.05}, density: 2000}
+visuals: none
+collisions: none
+payload: {mass: 1}
+joints: [{a: 0.3, alpha: 0, d: 0}]
+"""
+    (tmp_path / "arm.yaml").write_text(text)
+    trace = Trace()
+    (arm,) = yaml.read(tmp_path / "arm.yaml", TableOptions(), trace)
+    assert isinstance(arm, Manipulator)
+    found = {key: said["place"] for key, said in details(arm, trace, None)["stated"].items()}
+    path = tmp_path / "arm.yaml"
+    assert found == {
+        "geometry": f"{path}:3:22",
+        "density": f"{path}:3:47",
+        "base_mass": f"{path}:2:14",
+        "base_geometry": f"{path}:2:27",
+        "payload": f"{path}:6:10",
+        "visuals": f"{path}:4:10",
+        "collisions": f"{path}:5:13",
+    }

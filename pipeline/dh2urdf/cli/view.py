@@ -9,6 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import refuse_dash
 
 
 @click.command(name="view", epilog=EXIT_STATUS)
@@ -32,6 +33,7 @@ def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bo
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.viewing import load_figures
 
+    refuse_dash(files, "view")
     require_nicegui("view")
     figures = load_figures(files, catalog())
     from dh2urdf.studio.app import build_view

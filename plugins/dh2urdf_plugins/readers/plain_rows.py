@@ -18,7 +18,7 @@ from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf_plugins.readers.cells import SPACES, text_of
 from dh2urdf_plugins.readers.decimal_signs import PlainPoints
 from dh2urdf_plugins.readers.fields import FIELDS, joint_type
-from dh2urdf_plugins.readers.joint_rows import NUMBER
+from dh2urdf_plugins.readers.joint_rows import DECIMAL, NUMBER
 from dh2urdf_plugins.readers.names import MAX_NAME, RESERVED, are_out_of_order
 from dh2urdf_plugins.readers.plain_limits import LIMITS, PlainLimits
 from dh2urdf_plugins.readers.plain_numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
@@ -192,6 +192,7 @@ class PlainRows:
             and list(map(str.strip, names)) == list(names)
             and not are_out_of_order(joints)
             and not any(map(_HASH, names))
+            and not any(map(DECIMAL.fullmatch, names))
             and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints
             and are_joints(alike, typed="type" in self.column)
         )

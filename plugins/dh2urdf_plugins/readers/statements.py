@@ -92,7 +92,7 @@ class Statements:
         base_meshes: meshes of the base's body.
         visuals: whether links are seen.
         collisions: whether links touch.
-        placed: where base, tool and payload are said.
+        placed: where base, tool, payload, shapes, masses and what is drawn are said.
         bare: the numbers among them that are in the SI unit since nothing says their unit, as `Units` has them.
     """
 
@@ -309,15 +309,17 @@ class Statements:
         shapes = ShapeReader(self.units(), add)
         if geometry := node.value.get("geometry"):
             self.geometry = shapes.geometry(geometry, "defaults.geometry")
+            self.placed["geometry"] = geometry.mark
         if density := node.value.get("density"):
             self.density = shapes.positive(density, "defaults.density", Dimension.DENSITY)
+            self.placed["density"] = density.mark
 
     def say_what_is_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
         """Takes `visuals` and `collisions`: all or none."""
         if node := entries.get("visuals"):
-            self.visuals = drawn_or_not(node, "visuals", add)
+            self.visuals, self.placed["visuals"] = drawn_or_not(node, "visuals", add), node.mark
         if node := entries.get("collisions"):
-            self.collisions = drawn_or_not(node, "collisions", add)
+            self.collisions, self.placed["collisions"] = drawn_or_not(node, "collisions", add), node.mark
 
     def say_body(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes mass, geometry and meshes of the base's body from `base`."""
@@ -328,12 +330,13 @@ class Statements:
             self._say_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
         if geometry := node.value.get("geometry"):
             self.base_geometry = shapes.geometry(geometry, "base.geometry")
+            self.placed["base_geometry"] = geometry.mark
         self.base_meshes = MeshReader(self.units(), add).read(node.value, "base.")
 
     def _say_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
         if self.base_mass is not None and mass is not None and self.base_mass != mass:
             self._said_twice("base.mass", node, add)
-        self.base_mass = mass
+        self.base_mass, self.placed["base_mass"] = mass, node.mark
 
     def say_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `payload`: what the arm carries at tool0."""

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.cells import Cell
 
 _WITH_UNIT = late_pattern(r"[+-]?[0-9]+(?:[.,][0-9]+)?\s*([^\s0-9].{0,15})")
-_NOUNS = {"acceleration": "an acceleration", "stiffness": "a stiffness or a play", "gear": "of a gear"}
+_NOUNS = {
+    "acceleration": "an acceleration",
+    "jerk": "a jerk or the rate of a torque",
+    "stiffness": "a stiffness or a play",
+    "gear": "of a gear",
+}
 """What has no field, as the end of a sentence."""
 _NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
 _FEW = 5

@@ -49,7 +49,7 @@ def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path
     return _kept(content, catalog.get("reader", reader).suffixes), reader
 
 
-def refuse_dash(files: Iterable[Path | None], command: str) -> None:
+def refuse_dash(files: Iterable[Path | str | None], command: str) -> None:
     """Refuses a dash where a command reads files, and not standard input.
 
     Raises:

@@ -288,7 +288,7 @@ def _cell(value: Any, mark: Mark) -> Cell:  # noqa: ANN401 - whatever is given
         return value
     if isinstance(value, str):
         return str.__str__(value)
-    if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0):  # a range, a centre of mass, an inertia tensor
+    if isinstance(value, (list, tuple)) or getattr(value, "ndim", None):  # a range, a centre of mass, an inertia tensor
         return json.dumps(value, default=lambda items: items.tolist() if hasattr(items, "tolist") else str(items))
     from dh2urdf.coercion import as_number
 

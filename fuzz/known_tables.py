@@ -140,7 +140,7 @@ def make_table(rng: random.Random, count: int, *, plain: bool = False) -> Table:
         table.options["convention"] = rng.choice(convention_words(convention))
     units.state(table)
     example = KnownArm("", convention, [])
-    Beside(rng, units).state(table, example)
+    Beside(rng, units, plain=plain).state(table, example)
     table.in_texts = not plain and rng.random() < 0.2
     for number in range(count):
         known = replace(example, name=f"r{number}" if plain else name(rng, f"r{number}_"))

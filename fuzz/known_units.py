@@ -152,15 +152,22 @@ def key_of(dimension: str) -> str:
 class Beside:
     """Writes what stands beside the rows: base, tool, payload, and what holds for all links."""
 
-    def __init__(self, rng: random.Random, units: Units) -> None:
-        """Takes a source of chance, and where the table says its units."""
+    def __init__(self, rng: random.Random, units: Units, *, plain: bool) -> None:
+        """Takes a source of chance, where the table says its units, and whether its rows are all bare."""
         self.rng = rng
+        self.plain = plain
         self.units = units
         self.speller = Speller(rng)
 
     def leaf(self, number: Exact) -> str:
-        """A number, which says its unit where no statement, and no option, holds for it."""
-        said = self.units.place.get(key_of(number.dimension)) in ("said", "option", "si")
+        """A number, which says its unit where no statement, and no option, holds for it.
+
+        A length or an angle whose unit nothing says is bare beside bare rows only: rows may all name their unit in
+        other tables.
+        """
+        beside_named = number.dimension in (LENGTH, ANGLE) and not self.plain
+        sure = ("said", "option", *(() if beside_named else ("si",)))
+        said = self.units.place.get(key_of(number.dimension)) in sure
         return self.speller.text(number, self.units.unit[number.dimension] if said else None).bare
 
     def placement(self) -> Placement:

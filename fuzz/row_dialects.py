@@ -54,7 +54,9 @@ def header_rows(rng: random.Random, before: Sequence[str], columns: Sequence[Col
 
 
 def _share_title(columns: Sequence[Column]) -> bool:
-    return [column.field for column in columns] == ["lower", "upper"]
+    """Whether two columns are the limits under headers of their own, which no test has changed."""
+    own = all(column.header == (column.parts.text if column.parts else column.field) for column in columns)
+    return own and [column.field for column in columns] == ["lower", "upper"]
 
 
 # --- CSV --------------------------------------------------------------------------------------------------------------

@@ -93,6 +93,7 @@ def with_index(word: str) -> str:
 
 HEADERS = {plain(word): field for field, words in dialects.HEADERS.items() for word in words}
 PREVIOUS = {with_index(word): field for field, words in dialects.PREVIOUS.items() for word in words}
+PREVIOUS |= {word.replace("i-1", "-1"): field for word, field in PREVIOUS.items()}  # which can mean nothing else
 TYPES = {word.casefold(): kind for kind, words in dialects.TYPES.items() for word in words}
 CONVENTIONS = {"standard": Convention.STANDARD, "dh": Convention.STANDARD, "classic": Convention.STANDARD}
 CONVENTIONS |= {"mdh": Convention.MODIFIED, "craig": Convention.MODIFIED}

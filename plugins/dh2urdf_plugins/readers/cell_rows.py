@@ -164,22 +164,16 @@ class CellRows:
     def _is_row(self, row: CellRow) -> bool:
         texts = [text for text in map(text_in, row.cells) if text.strip(SPACES)]
         if not texts:
-            self.ended = self.begun
+            self.ended = self.ended or self.begun
             return False
         if is_comment(texts[0]):
             self._see_comment(row, texts)
             return False
-        if self.ended and self._is_below(row, texts):
+        if self.ended and is_note(row, self.geometry, len(self.named)):
             self.below.append((comment_text(row), row.mark))
             return False
         self.begun = True
         return True
-
-    def _is_below(self, row: CellRow, texts: Sequence[str]) -> bool:
-        """Whether a row after an empty one is a note: it has no geometry, or is one cell of prose."""
-        if len(texts) == 1 and _PROSE.match(texts[0].strip(SPACES)):
-            return True
-        return not any(text_in(row.cells[index]).strip(SPACES) for index in self.geometry if index < len(row.cells))
 
     def _see_comment(self, row: CellRow, texts: Sequence[str]) -> None:
         text = comment_text(row)
@@ -193,6 +187,27 @@ class CellRows:
                     found=text,
                 )
             )
+
+
+def is_note(row: CellRow, geometry: Iterable[int], width: int) -> bool:
+    """Whether a row after an empty one is a note below the table, and not a row, whole or cut off.
+
+    A note is one cell of prose; or it begins with prose, has no number, and says nothing where the geometry stands. A
+    text with commas in it, which a reader takes for cells, is a note without a number.
+
+    Args:
+        row: the row.
+        geometry: the columns of a, alpha and d.
+        width: how many columns the table has.
+    """
+    texts = [text_in(cell).strip(SPACES) for cell in row.cells]
+    filled = [text for text in texts if text]
+    if not _PROSE.match(filled[0]):
+        return False
+    if len(filled) == 1:
+        return True
+    says = len(texts) >= width and any(texts[index] for index in geometry)
+    return not (says or any(map(is_number, filled)) or is_header(row))
 
 
 def unread_notes(what: str, notes: Sequence[tuple[str, Mark]]) -> list[Problem]:

@@ -41,6 +41,7 @@ class CsvLines:
         required: the columns that every row fills: a comment that does so looks like a row, and is worth a notice.
         notices: of such comments, the first ones.
         comments: those below the header that nobody has looked at yet.
+        passed: the lines of the comments among the latest rows, which are no empty rows.
     """
 
     def __init__(self, path: Path) -> None:
@@ -54,6 +55,7 @@ class CsvLines:
         self.required: Sequence[int] = ()
         self.notices: list[Problem] = []
         self.comments: list[Comment] = []
+        self.passed: set[int] = set()
 
     def __iter__(self) -> Iterator[str]:
         """The lines as they are, one by one: the top of the file."""
@@ -101,6 +103,7 @@ class CsvLines:
             TableError: it says something, which would not hold for the rows above.
         """
         mark = Mark(file=self.file, line=number)
+        self.passed.add(number)
         self.comments += [comment_below(text, mark) for text in as_typed(line, delimiter)]
         if len(self.notices) < SCREENFUL and looks_like_row(line, delimiter, self.required):
             self.notices.append(
@@ -124,6 +127,7 @@ class CsvLines:
         for start, lines in blocks:
             if not self.quotes_in_block and max(map(len, lines), default=0) < csv.field_size_limit():
                 yield range(start, start + len(lines)), list(csv.reader(lines, delimiter=delimiter))
+                self.passed.clear()
                 continue
             source = _Joined(lines, blocks)
             reader = csv.reader(source, delimiter=delimiter, strict=True)
@@ -139,6 +143,7 @@ class CsvLines:
             except csv.Error as error:
                 self._refuse_cell(error, starts[-1])
             yield starts, batch
+            self.passed.clear()
 
     def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
         """Refuses the file for a cell whose quotes are wrong, or that has no end."""

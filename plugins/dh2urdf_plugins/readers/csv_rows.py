@@ -6,20 +6,19 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark, Problem
-from dh2urdf_plugins.readers.cell_rows import BELOW, unread_notes
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.cell_rows import BELOW, is_note, unread_notes
 from dh2urdf_plugins.readers.comment_lines import joined, marks_a_comment
 from dh2urdf_plugins.readers.csv_header import DELIMITERS, row_below, top_rows
 from dh2urdf_plugins.readers.csv_lines import CsvLines
 from dh2urdf_plugins.readers.fields import REQUIRED
 from dh2urdf_plugins.readers.header_rows import completed
 from dh2urdf_plugins.readers.records import make_marks
-from dh2urdf_plugins.readers.unknown_columns import is_number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.headers import Columns
     from dh2urdf_plugins.readers.row_source import Row
 
@@ -86,19 +85,14 @@ class CsvRows:
     def _is_row(self, line: int, cells: Sequence[str]) -> bool:
         """Whether cells are a row: they hold something, and are no note behind an empty row."""
         if not any(map(str.strip, cells)):
-            self.ended = self.begun
+            self.ended = self.ended or (self.begun and line not in self.lines.passed)
             return False
-        if self.ended and not any(self._says_geometry(cells, index) for index in self.lines.required):
-            text = joined([cell for cell in cells if cell.strip()])
-            self.below.append((text.strip(), Mark(file=self.lines.file, line=line)))
+        mark = Mark(file=self.lines.file, line=line)
+        if self.ended and is_note(CellRow(cells, mark), self.lines.required, self.needed):
+            self.below.append((joined([cell for cell in cells if cell.strip()]).strip(), mark))
             return False
         self.begun = True
         return True
-
-    def _says_geometry(self, cells: Sequence[str], index: int) -> bool:
-        """Whether a cell of geometry holds anything; in a row that is too short, as of a text with commas, a number."""
-        text = cells[index].strip() if index < len(cells) else ""
-        return is_number(text) if len(cells) < self.needed else bool(text)
 
     def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
         """The lines of rows."""

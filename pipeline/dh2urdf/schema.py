@@ -6,7 +6,6 @@ and the schema asks for quotes.
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.attribution import Call, depending_on
@@ -129,11 +128,13 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
 
 
 def _names(catalog: Catalog, kind: Kind) -> dict[str, list[str]]:
-    """How each stage of a kind may be named, by its full name: its own name does where nobody else has it."""
-    items = catalog.provided(kind)
-    count = Counter(item.stage.name for item in items)
-    own = {item.full_name: [item.stage.name] if count[item.stage.name] == 1 else [] for item in items}
-    return {full_name: [*names, full_name] for full_name, names in own.items()}
+    """How each stage of a kind may be named, by its full name: its own name does where that chooses it."""
+    chosen = {name: item.full_name for name, item in catalog.by_name(kind).items()}
+    names = {item.full_name: item.stage.name for item in catalog.provided(kind)}
+    return {
+        full_name: [name, full_name] if chosen.get(name) == full_name else [full_name]
+        for full_name, name in names.items()
+    }
 
 
 def _output() -> dict[str, Any]:

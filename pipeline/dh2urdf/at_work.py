@@ -17,10 +17,13 @@ if TYPE_CHECKING:
     from mmap import mmap
     from types import TracebackType
 
-__all__ = ["AtWork", "Place", "at_work_here", "importing"]
+__all__ = ["MARK", "AtWork", "Place", "at_work_here", "has_parent", "importing", "unmarked"]
 
 SLOW_IMPORT = 3.0
 """Time after which a line says which import is waited for [s]."""
+
+MARK = "\x1e"
+"""What a line on a child's standard error begins with if its parent has the line from the child's results, too."""
 
 _VARIABLE = "DH2URDF_AT_WORK"
 _MAGIC = b"dh2urdf\n"
@@ -175,6 +178,16 @@ def _memory_of_parent() -> mmap | None:
     except (OSError, ValueError):  # It came here through a process that does not hand files on.
         return None
     return shared if shared[: len(_MAGIC)] == _MAGIC else None
+
+
+def has_parent() -> bool:
+    """Whether a parent holds this process, who is at work in it, and what it prints on standard error."""
+    return _shared is not None
+
+
+def unmarked(printed: str) -> list[str]:
+    """The lines of a child's standard error that its results do not have."""
+    return [line for line in printed.removesuffix("\n").split("\n") if line and not line.startswith(MARK)]
 
 
 _shared = _memory_of_parent()

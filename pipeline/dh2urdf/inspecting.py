@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, a_record, depending_on
+from dh2urdf.attribution import Call, depending_on
 from dh2urdf.errors import ConfigError
 from dh2urdf.source import Mark, Problem
+from dh2urdf.stage_answers import a_whole_record
 from dh2urdf.stages import Inspection
 
 if TYPE_CHECKING:
@@ -43,4 +44,4 @@ def inspect(catalog: Catalog, file: Path, format_name: str | None, choice: str) 
             )
         )
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
-        return a_record(emitter.check(file), Inspection)
+        return a_whole_record(emitter.check(file), Inspection)

@@ -181,6 +181,14 @@ class Catalog:
         emitter: Emitter[Any] = self._by_suffix("emitter", path, advice)
         return emitter
 
+    def is_table(self, path: Path) -> bool:
+        """Whether the suffix of a file is that of a reader; where a built-in stage has it, no plugin is asked."""
+        for plugins in (_by_right(self._plugins, "reader")[0], self._plugins):
+            for kind in ("reader", "emitter"):
+                if self._with_suffix(kind, path.name, plugins):
+                    return kind == "reader"
+        return False
+
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind
         builtin, *_ = _by_right(self._plugins, kind)
         best = self._with_suffix(kind, path.name, builtin)

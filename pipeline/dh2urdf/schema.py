@@ -25,6 +25,7 @@ from dh2urdf.option_types import type_hints
 from dh2urdf.registry import KINDS
 from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, MOST
 from dh2urdf.sampling import MOST_POINTS, Sampling
+from dh2urdf.stage_answers import a_record
 from dh2urdf.variation_section import LAWS, MOST_SEED, MOST_VALUES
 from dh2urdf.variations import AXES, FIELDS
 
@@ -115,7 +116,7 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
         reader: Any = item.stage
         if reader.schema:
             with depending_on(Call(stage=reader, options=None, plugin=item.plugin), "schema"):
-                schemas[item.full_name] = reader.schema()
+                schemas[item.full_name] = a_record(reader.schema(), dict)
     if not schemas:
         raise ConfigError("no reader that is installed has a schema of its tables")
     if len(schemas) == 1:

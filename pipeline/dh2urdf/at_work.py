@@ -36,6 +36,9 @@ class _Plugin(Protocol):
     name: str
 
     @property
+    def is_builtin(self) -> bool: ...
+
+    @property
     def distribution(self) -> str: ...
 
     @property
@@ -75,7 +78,8 @@ class AtWork:
                 _shared[len(_MAGIC)] = 0
             else:
                 before.tell(_shared)
-        if isinstance(error, KeyboardInterrupt) and not getattr(error, "__notes__", ()):
+        is_foreign = self.plugin is not None and not self.plugin.is_builtin
+        if is_foreign and isinstance(error, KeyboardInterrupt) and not getattr(error, "__notes__", ()):
             error.add_note(f"{self} was at work")
 
     def tell(self, shared: mmap) -> None:

@@ -99,8 +99,12 @@ def _catalog(whose: tuple[str, str] | None) -> Catalog:
 
 
 @contextmanager
-def blaming(call: Call[Any]) -> Iterator[None]:
+def blaming(call: Call[Any], what: str = "") -> Iterator[None]:
     """Turn whatever a stage raises about one manipulator, unless it is an error of dh2urdf, into one that names it.
+
+    Args:
+        call: the stage.
+        what: what is asked of it, where that is not its work itself, such as ``notices``.
 
     Raises:
         StageError: the stage raised something else.
@@ -110,10 +114,10 @@ def blaming(call: Call[Any]) -> Iterator[None]:
             yield
     except (Dh2UrdfError, *INTERRUPTS) as error:
         if _is_fault(error, call):
-            raise fault(call, error) from error
+            raise fault(call, error, what) from error
         raise
     except BaseException as error:
-        raise fault(call, error) from error
+        raise fault(call, error, what) from error
 
 
 def _is_fault(error: BaseException, call: Call[Any]) -> bool:
@@ -128,11 +132,11 @@ def _is_fault(error: BaseException, call: Call[Any]) -> bool:
     return isinstance(error, (RecordError, OutputError))
 
 
-def fault(call: Call[Any], error: BaseException) -> StageError:
+def fault(call: Call[Any], error: BaseException, what: str = "") -> StageError:
     """The error that says which stage failed at a manipulator, and how."""
     plugin = call.plugin
     return StageError(
-        str(call),
+        f"`{what}` of the {call}" if what else str(call),
         reason_of(error),
         traceback_of(error),
         plugin=plugin.name if plugin else "",

@@ -165,7 +165,7 @@ def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
     notices = dict.fromkeys(robot.notices)
     for call in emitters:
         if call.stage.notices is not None:
-            with blaming(call):
+            with blaming(call, "notices"):
                 found = whole_records(call.stage.notices(robot, call.options), Problem)
             notices.update(dict.fromkeys(replace(each.about(robot=robot.name), severity="notice") for each in found))
     return replace(robot, notices=tuple(notices))
@@ -246,8 +246,8 @@ def emit_robot(
         emitter = call.stage
         with blaming(call):
             files = emitted_files(emitter.emit(robot, stem, call.options))
-        if not files:
-            raise EmitterError(f"the emitter {emitter.name!r} gave no file")
+            if not files:
+                raise ValueError("it gave no file")
         if main_file is not None and not written:
             files[0] = replace(files[0], name=main_file)
         for file in files:
@@ -265,7 +265,7 @@ def _prove_file(truth: Truth, path: Path, call: Call[Emitter[Any]], poses: Poses
     emitter = call.stage
     if emitter.read_back is None:
         return None
-    with blaming(call):
+    with blaming(call, "read_back"):
         described = _a_robot(emitter.read_back(path), call)
     proof = prove(truth, described, poses)
     accept(proof, emitter, truth.name, truth.mark, recipe=recipe)

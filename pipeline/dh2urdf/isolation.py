@@ -97,7 +97,7 @@ def run_in_child(
             cannot be pickled. What the child printed is in its cause, a `ChildFailure`.
     """
     kind: type[CrashError] = CrashError
-    child = _Child(_pickled_call(function, args))
+    child = _Child(_pickled_call(function, args, who))
     try:
         outcome = child.outcome(timeout)
     finally:
@@ -156,7 +156,7 @@ def load_in_child(loader: Loader[O], request: LoadRequest, options: O, who: str 
     return replace(report, findings=findings, output=child.output.replace(folder, ""))
 
 
-def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
+def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) -> bytes:
     """The function, by its name, and its arguments."""
     if getattr(function, "__module__", None) == "__main__":
         raise CrashError(
@@ -166,7 +166,8 @@ def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
         return pickle.dumps((function, args))
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         name = getattr(function, "__qualname__", repr(function))
-        raise CrashError(f"{name} and its arguments cannot be sent to a child process: {error}") from error
+        message = f"{who}: {name} and its arguments cannot be sent to a child process: {error}"
+        raise CrashError(message) from error
 
 
 def _last_words(output: str) -> str:

@@ -38,8 +38,10 @@ def load_written(
     loader = call.stage
     names = {emitted.stage: emitted.files[0].name for emitted in written}
     path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
-    with blaming(call):
-        poses = joint_vectors(truth, robot, a_record(loader.poses(call.options), int))
+    with blaming(call, "poses"):
+        count = a_record(loader.poses(call.options), int)
+    poses = joint_vectors(truth, robot, count)
+    with blaming(call, "picture"):
         pictured = a_record(loader.picture(call.options), bool)
     expected: dict[str, tuple[tuple[float, ...], ...]] = {}
     for tip in truth.tips:

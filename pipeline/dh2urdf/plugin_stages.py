@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from contextlib import contextmanager
 from dataclasses import dataclass, is_dataclass
 from typing import TYPE_CHECKING, Any, get_args
@@ -17,7 +18,7 @@ from dh2urdf.faults import INTERRUPTS, reason_of, traceback_of
 from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
 RECORDS: dict[Kind, type[Any]] = {
     "reader": Reader,
@@ -102,8 +103,11 @@ class PluginStages:
                 continue
             with AtWork(f"the hook {name}", plugin):
                 stages = implementation.function()
-                if stages is None:
-                    raise TypeError(f"the hook {name} gave None, not a list of dh2urdf.stages.{RECORDS[kind].__name__}")
+                if not isinstance(stages, Iterable):
+                    given = None if stages is None else type(stages).__name__
+                    raise TypeError(
+                        f"the hook {name} gave {given}, not a list of dh2urdf.stages.{RECORDS[kind].__name__}"
+                    )
                 stages = list(stages)
             for stage in stages:
                 check_record(kind, stage)

@@ -44,9 +44,9 @@ def a_whole_record(value: T, *kinds: type[Any]) -> T:
     kind: Any = type(value)
     misfit = _check_of(kind)(value)
     if misfit:
-        raise TypeError(
-            f"it gave {type(value).__name__} whose {misfit.path.lstrip('.')} is {misfit.found}, not {misfit.wanted}"
-        )
+        name = kind.__name__
+        what = f"{'an' if name[0] in 'AEIO' else 'a'} {name} whose {misfit.path.lstrip('.')}"
+        raise TypeError(f"it gave {what} is {misfit.found}, not {misfit.wanted}")
     return value
 
 
@@ -56,7 +56,7 @@ def items_of(value: Iterable[T] | None, kind: type[Any] | str) -> Iterator[T]:
     Raises:
         TypeError: it gave nothing of which there can be several.
     """
-    if not isinstance(value, Iterable):
+    if not isinstance(value, Iterable) or isinstance(value, (str, bytes)):
         wanted = kind if isinstance(kind, str) else f"several of {kind.__module__}.{kind.__name__}"
         raise TypeError(f"it gave {_name(type(value))}, not {wanted}")
     return iter(value)
@@ -93,7 +93,7 @@ def a_plain_name(name: str) -> str:
         ValueError: it leads somewhere else, or no file can have it.
     """
     if not name or name in {".", ".."} or not {"/", "\\", "\0"}.isdisjoint(name):
-        raise ValueError(f"{shown(name)} is not a plain file name: it stands for a file in the output folder itself")
+        raise ValueError(f"{shown(name)} is not a plain file name; accepted: a name without a folder")
     return name
 
 
@@ -215,7 +215,7 @@ def _misfit(value: Any, wanted: str) -> _Misfit:  # noqa: ANN401 - whatever a st
     except Exception as error:  # noqa: BLE001 - a stranger's __repr__ may raise anything
         text = f"an object whose repr raises {type(error).__name__}"
     text = text if len(text) <= _LONG else f"{text[: _LONG - 1]}…"
-    return _Misfit("", text if value is None else f"{text} of type {type(value).__name__}", wanted)
+    return _Misfit("", text if value is None else f"{text} ({type(value).__name__})", wanted)
 
 
 def _name(hint: Any) -> str:  # noqa: ANN401 - an annotation

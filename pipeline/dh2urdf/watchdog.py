@@ -53,6 +53,6 @@ def watched(home: str, seconds: float, loaders: Sequence[Call[Loader[Any]]] = ()
 
 
 def _limit_of(call: Call[Loader[Any]]) -> float | None:
-    with blaming(call):
+    with blaming(call, "time_limit"):
         limit = call.stage.time_limit(call.options)
         return None if limit is None else a_record(limit, int, float)

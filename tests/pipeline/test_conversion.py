@@ -321,7 +321,7 @@ class TestWhenAnEmitterFails:
 
     def test_without_a_file(self, out: Path) -> None:
         """An emitter that gives no file is a failure, not a success of nothing."""
-        with pytest.raises(EmitterError, match="the emitter 'bad' gave no file"):
+        with pytest.raises(StageError, match="emitter 'bad' failed: ValueError: it gave no file"):
             write(emitting(), emitting("bad", lambda *_: []), to=out)
 
     def test_with_the_name_of_another_emitter_s_file(self, out: Path) -> None:

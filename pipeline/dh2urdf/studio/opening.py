@@ -72,7 +72,7 @@ def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, Table
     if reader.texts is None:
         return {}
     try:
-        with blaming(default_call(catalog, reader)):
+        with blaming(default_call(catalog, reader), "texts"):
             return {table.name: table for table in whole_records(reader.texts(path), TableText)}
     except InputError:  # It can be read, if not so: then its numbers are what there is.
         return {}

@@ -104,7 +104,7 @@ def write_table(table: TableText, reader: Reader[Any], catalog: Catalog) -> Writ
     """
     if reader.write is None:
         raise InputError(Problem(message=f"the reader {reader.name!r} does not write tables", found=reader.name))
-    with blaming(default_call(catalog, reader)):
+    with blaming(default_call(catalog, reader), "write"):
         return a_whole_record(reader.write(table), WrittenTable)
 
 

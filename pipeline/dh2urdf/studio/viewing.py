@@ -83,7 +83,7 @@ def _figures(path: Path, catalog: Catalog) -> Iterator[Figure]:
     emitter = catalog.emitter_for(path)
     if (reading := emitter.read_foreign or emitter.read_back) is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
-    with blaming(default_call(catalog, emitter)):
+    with blaming(default_call(catalog, emitter), "read_foreign" if emitter.read_foreign else "read_back"):
         robot = a_whole_record(reading(path), Robot)
     yield Figure(robot=robot, title=robot.name or path.stem)
 

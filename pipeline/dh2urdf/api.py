@@ -213,6 +213,8 @@ def check(
     description: Source | Robot,
     *,
     emitter: str | None = None,
+    arguments: Mapping[str, str] | None = None,
+    package_paths: Iterable[StrPath] = (),
     without: Iterable[str] = (),
 ) -> Inspection:
     """What each simulator will do with a robot description of any origin, as `dh2urdf check` finds it.
@@ -225,6 +227,8 @@ def check(
     Args:
         description: the file; or its text of several lines, its bytes, or a stream; or a robot, as URDF.
         emitter: name of the emitter that knows the format, such as ``urdf``; without it the file's suffix says it.
+        arguments: values of a xacro's arguments.
+        package_paths: folders of ROS packages, or folders that hold some: a xacro may include their files.
         without: plugins or distributions to leave out.
 
     Returns:
@@ -236,6 +240,7 @@ def check(
         PluginError: a plugin that is needed is broken.
     """
     from dh2urdf.inspecting import inspect
+    from dh2urdf.stages import Expansion
 
     asker = _asker("check")
     catalog = _catalog(without, asker)
@@ -247,7 +252,11 @@ def check(
         description, emitter = description.to_urdf(), DEFAULT_EMITTER
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
         check_file(path, InputError)
-        return inspect(catalog, path, emitter, "`emitter=NAME`")
+        expansion = Expansion(
+            arguments={name: str(value) for name, value in (arguments or {}).items()},
+            package_paths=tuple(map(Path, package_paths)),
+        )
+        return inspect(catalog, path, emitter, "`emitter=NAME`", expansion)
 
 
 def run(

@@ -123,7 +123,7 @@ class TestProcesses:
         printed = capfd.readouterr()
         assert printed.out == ""
         line = "a worker prints: WARNING: a screw is loose"
-        bound = f"a worker prints: [the last 100 lines of {len(texts[1]):,} bytes]"
+        bound = f"a worker prints: [the last 100 lines of {4 * len(texts[1]) + 2:,} bytes]"
         assert sorted(printed.err.splitlines()) == sorted([line] * (2 * 4 + 2 * 100) + [bound] * 2)
 
 

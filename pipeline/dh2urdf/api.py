@@ -5,7 +5,6 @@ What goes wrong is raised as one of `dh2urdf.errors`, with the text that the com
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -13,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.argument_words import word_of
 from dh2urdf.asking import Asker, Setting, stage_calls
 from dh2urdf.attribution import blaming
 from dh2urdf.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
@@ -22,7 +22,6 @@ from dh2urdf.given_tables import GivenRows, as_file
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import load
 from dh2urdf.robot import Robot
-from dh2urdf.rotations import RigidTransform
 from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, convert_table
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.spooled import STEM
@@ -295,6 +294,7 @@ def run(
         PluginError: the run needs a plugin that is broken, or something it needs is not installed.
     """
     from dh2urdf.runs import execute, load_plan
+    from dh2urdf.settings import Asked
 
     asker, root = _asker("run"), None
     for flag, value in (("resume", resume), ("dry_run", dry_run)):
@@ -308,7 +308,8 @@ def run(
 
         root = load_yaml(word_of(config), str(asker.mark), ConfigError)
         config = "run"
-    plan = load_plan(Path(config), catalog, overrides, None if out is None else os.fspath(out), root)
+    asked, output = Asked(asker.mark, "settings: "), None if out is None else os.fspath(out)
+    plan = load_plan(Path(config), catalog, overrides, output, root, asked=asked)
     _, report = execute(plan, resume=resume, dry_run=dry_run)
     return report
 
@@ -371,19 +372,3 @@ def _names(names: str | Iterable[str]) -> tuple[str, ...]:
 
 def _settings(options: Mapping[str, object]) -> list[Setting]:
     return [Setting(f"{key}={word_of(value)}", key, word_of(value)) for key, value in options.items()]
-
-
-def word_of(value: object) -> str:
-    """A value as a word of the command line: JSON is YAML."""
-    if isinstance(value, RigidTransform):  # which is in metres, whatever the unit of the table is
-        x, y, z = (f"{length!r} m" for length in value.translation)
-        r = value.rotation
-        value = [[*r[0:3], x], [*r[3:6], y], [*r[6:9], z], [0, 0, 0, 1]]
-    return value if isinstance(value, str) else json.dumps(value, default=_plain)
-
-
-def _plain(value: Any) -> object:  # noqa: ANN401 - what JSON has no word for
-    """Arrays and numbers of numpy as lists and numbers, mappings and sequences as such, all else as text."""
-    if isinstance(value, Mapping):
-        return dict(value)
-    return value.tolist() if hasattr(value, "tolist") else str(value)

@@ -1,9 +1,9 @@
-"""Changes of a run file from the command line: ``--set transform.options.frames=dh``."""
+"""Changes of a run file from the command line or a program: ``--set transform.options.frames=dh``."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import Node
 from dh2urdf.errors import ConfigError
@@ -13,17 +13,35 @@ from dh2urdf.source import Problem, did_you_mean, shown
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.source import Mark
+
 MAX_KEYS = 16
 """Names in the key of a setting [1]."""
 
 
-def with_setting(root: Node, setting: str, sections: Sequence[str]) -> Node:
+class Asked(NamedTuple):
+    """Where settings are said, for messages.
+
+    Attributes:
+        mark: the place.
+        before: what stands before a setting there.
+    """
+
+    mark: Mark = COMMAND_LINE
+    before: str = "--set "
+
+
+ON_THE_COMMAND_LINE = Asked()
+
+
+def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked = ON_THE_COMMAND_LINE) -> Node:
     """A run file with a setting put in its place; the file's own nodes stay as they are.
 
     Args:
         root: the run file.
         setting: KEY=VALUE, where KEY is a path of names and of indices from 0.
         sections: the sections that a run file has.
+        asked: where the setting is said.
 
     Raises:
         ConfigError: the setting leads nowhere.
@@ -31,20 +49,21 @@ def with_setting(root: Node, setting: str, sections: Sequence[str]) -> Node:
     key, equals, word = setting.partition("=")
     keys = [part.strip() for part in key.split(".")]
     if not equals:
-        raise _error(setting, "has no value", accepted="KEY=VALUE, such as transform.options.frames=dh")
+        raise _error(asked, setting, "has no value", accepted="KEY=VALUE, such as transform.options.frames=dh")
     if keys[0] not in sections:
         raise _error(
+            asked,
             setting,
             f"begins with {shown(keys[0])}, which is no section of a run file",
             accepted=f"a key that begins with {', '.join(sections)}",
             suggestion=did_you_mean(keys[0], sections),
         )
     if len(keys) > MAX_KEYS:
-        raise _error(setting, f"has a key of {len(keys)} names", accepted=f"at most {MAX_KEYS}")
-    return _put(root, keys, word_node(word.strip()), setting)
+        raise _error(asked, setting, f"has a key of {len(keys)} names", accepted=f"at most {MAX_KEYS}")
+    return _put(root, keys, word_node(word.strip(), asked.mark.file), setting, asked)
 
 
-def _put(node: Node, keys: Sequence[str], value: Node, setting: str) -> Node:
+def _put(node: Node, keys: Sequence[str], value: Node, setting: str, asked: Asked) -> Node:
     """A copy of a node with a value put in its place; mappings on the way there are made."""
     if not keys:
         return value
@@ -53,26 +72,29 @@ def _put(node: Node, keys: Sequence[str], value: Node, setting: str) -> Node:
         indices = [str(index) for index in range(len(node.value))]
         if key not in indices:
             raise _error(
+                asked,
                 setting,
                 f"names the entry {shown(key)} of a list that has {len(indices)}",
                 accepted=f"{', '.join(indices[:MAX_KEYS])}: the first entry is 0" if indices else None,
                 suggestion="a whole list can be given as [a, b]",
             )
         entries = list(node.value)
-        entries[int(key)] = _put(entries[int(key)], rest, value, setting)
+        entries[int(key)] = _put(entries[int(key)], rest, value, setting, asked)
         return replace(node, value=entries)
     if node.value is not None and not isinstance(node.value, dict):
-        raise _error(setting, f"looks for {shown(key)} in {node.describe()}")
+        raise _error(asked, setting, f"looks for {shown(key)} in {node.describe()}")
     mapping = dict(node.value or {})
-    mapping[key] = _put(mapping.get(key, Node(None, COMMAND_LINE.file, 0, 0)), rest, value, setting)
+    mapping[key] = _put(mapping.get(key, Node(None, asked.mark.file, 0, 0)), rest, value, setting, asked)
     return replace(node, value=mapping)
 
 
-def _error(setting: str, message: str, accepted: str | None = None, suggestion: str | None = None) -> ConfigError:
+def _error(
+    asked: Asked, setting: str, message: str, accepted: str | None = None, suggestion: str | None = None
+) -> ConfigError:
     return ConfigError(
         Problem(
-            message=f"--set {shown(setting)} {message}",
-            mark=COMMAND_LINE,
+            message=f"{asked.before}{shown(setting)} {message}",
+            mark=asked.mark,
             found=setting,
             accepted=accepted,
             suggestion=suggestion,

@@ -9,6 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import package_paths_option
 from dh2urdf.options import COMMAND_LINE
 
@@ -44,6 +45,7 @@ def command(
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.viewing import load_figures
 
+    refuse_dash(files, "view")
     require_nicegui("view")
     words = [word for word in files if ":=" in word and not Path(word).exists()]
     expansion = Expansion(arguments=given_arguments(words, COMMAND_LINE), package_paths=package_paths)

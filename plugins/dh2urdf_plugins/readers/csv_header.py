@@ -216,6 +216,23 @@ def _no_header(line: str, number: int, file: str) -> Problem:
     )
 
 
+_BARS = (
+    "this is a table between bars: take out the lines of dashes and the bars at both ends, and put commas in place of "
+    "the other bars"
+)
+_LATEX = "this is a table of LaTeX: put commas in place of &, and take out \\\\, \\hline and \\begin"
+_ARRAY = (
+    "this is an array of a program: write its rows on lines of their own with commas between the numbers, below a "
+    "header that names the columns, such as `theta,d,a,alpha`: programs differ in their order"
+)
+_OTHER_FORMS = (
+    (late_pattern(r"[─-╿]|^\s*\+[-=]{2}|^\s*\|.*\|\s*$"), _BARS),
+    (late_pattern(r"\\\\|\\hline|\\begin\{|[^&]&[^&]*&"), _LATEX),
+    (late_pattern(r"^\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\(\s*)?\["), _ARRAY),
+)
+"""What tables of other programs look like, and what to do about them."""
+
+
 def _advice(line: str) -> str | None:
     """What to do about a line that is no header."""
     text = line.strip(SPACES + ',\t"')
@@ -223,6 +240,9 @@ def _advice(line: str) -> str | None:
         return f"write `# {text}`: what holds for all rows stands in comment lines"
     if any(are_joints(split(line, delimiter)) for delimiter in DELIMITERS):
         return TURN_ROUND
+    for pattern, advice in _OTHER_FORMS:
+        if pattern.search(line):
+            return advice
     if "  " in line or "|" in line:
         return "columns aligned with spaces or bars cannot be told apart; put commas between them"
     return None

@@ -76,7 +76,10 @@ ATTACKS = {
     "eval": ('<link name="$(eval 9**9**9)"/>', "bits"),
     "eval behind a value": ('<link name="$(eval [].__class__)"/>', "'__class__' is refused"),
     "power": ('<link name="${9**9**9}"/>', "bits"),
-    "memory": ('<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>', "a length of more"),
+    "memory": (
+        '<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>',
+        "a length of more",
+    ),
     "entities": ("", "declares entities"),
     "into itself": ('<xacro:include filename="r.xacro"/>', "recursion"),
     "macro into itself": ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion"),

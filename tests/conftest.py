@@ -228,7 +228,7 @@ def install() -> Callable[..., None]:
         metadata = folder / f"{stem}-{version}.dist-info"
         metadata.mkdir(parents=True, exist_ok=True)
         (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n")
-        module = f"{stem}_{plugin}"
+        module = f"{stem}_{plugin}".replace(".", "_").replace("-", "_")
         with (metadata / "entry_points.txt").open("a") as points:
             points.write(f"[{group}]\n{plugin} = {module}\n")
         (folder / f"{module}.py").write_text(source)

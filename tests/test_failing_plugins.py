@@ -156,7 +156,7 @@ def said(answer: Answer) -> str:
         ("emitter.emit.fail_without_words", "emitter 'bad' of lab 1.0 failed: Speechless: its text cannot be made"),
         (
             "transform.transform.give_nothing",
-            "transform 'bad' of lab 1.0 failed: TypeError: it gave NoneType, not dh2urdf",
+            "transform 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf",
         ),
         ("emitter.emit.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         (
@@ -194,7 +194,11 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
         ("executor.require.fail", "run run.yaml", "`require` of the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.map.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.map.leave", "run run.yaml", "the executor 'bad' failed: SystemExit: 7"),
-        ("executor.map.give_nothing", "run run.yaml", "the executor 'bad' failed: TypeError: 'NoneType' object is not"),
+        (
+            "executor.map.give_nothing",
+            "run run.yaml",
+            "the executor 'bad' failed: TypeError: it gave None, not an iter",
+        ),
         (
             "emitter.one_file.fail",
             "convert arm.bad --robot left --to bad",
@@ -255,7 +259,7 @@ def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what:
             "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.table_text.T",
         ),
         ("reader.write.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("reader.write.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave NoneType, not dh2urdf.table"),
+        ("reader.write.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf.table"),
     ],
 )
 def test_where_the_studio_opens_and_saves(lab: Callable[[str], Path], what: str, message: str) -> None:
@@ -287,7 +291,7 @@ def test_where_cells_are_asked_for(
     [
         ("reader.read_cells.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("reader.read_cells.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
-        ("reader.read_cells.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: 'NoneType' object is not iter"),
+        ("reader.read_cells.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not several of"),
         ("reader.read_cells.give_numbers", "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manip"),
     ],
 )
@@ -307,7 +311,7 @@ def test_where_rows_of_cells_are_given(
     [
         ("emitter.read_foreign.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("emitter.read_foreign.leave", "emitter 'bad' of lab 1.0 failed: SystemExit: 7"),
-        ("emitter.read_foreign.give_nothing", "emitter 'bad' of lab 1.0 failed: TypeError: it gave NoneType, not dh2"),
+        ("emitter.read_foreign.give_nothing", "emitter 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2"),
     ],
 )
 def test_where_a_foreign_description_is_viewed(lab: Callable[[str], Path], what: str, message: str) -> None:
@@ -484,4 +488,4 @@ def test_what_an_emitter_prints_is_not_in_its_file(
     answer = dh2urdf("convert", "arm.csv", "--to", "noisy", path=[tmp_path / "site"])
     quiet = dh2urdf("convert", "arm.csv", "--to", "urdf", path=[tmp_path / "site"])
     assert answer.stdout == quiet.stdout
-    assert answer.stderr == "at work\n" + quiet.stderr
+    assert answer.stderr == "emitter 'noisy' of noisy 1.0 prints: at work\n" + quiet.stderr

@@ -6,6 +6,9 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
+from jsonschema import Draft202012Validator
+
+from dh2urdf import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,6 +42,7 @@ def dh2urdf_emitters():
     yield Emitter(name="usd", summary="s", emit=emit, options=NoOptions, suffixes=(".usd",))
 """
 RUN = "inputs: [a.csv, b.csv]\nemitters: [{emitter}]\noutput: {{directory: out}}\nreport: {{html: false}}\n"
+BUILT_IN = f"dh2urdf {__version__}"
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
 CLAIMED = "emitter 'usd' is claimed by lab-one 1.0 and by lab-two 1.0; say which is meant: lab-one:usd or lab-two:usd"
 
@@ -222,3 +226,171 @@ class TestLeavingOut:
         words = ("arm.tab", "--from", "lab-one:table", "--transform", "dh2urdf:alpha-swap", "--to", "lab-one:usd")
         assert dh2urdf("convert", *words, path=site).stdout == "by one"
         assert imported() == {"one"}
+
+
+ALL_FORMATS = """
+from dataclasses import replace
+from pathlib import Path
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.stages import EmittedFile
+from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.readers.csv import READER
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+with Path("imported").open("a") as log:
+    log.write("greedy\\n")
+
+NOTHING_MORE = {"read_back": None, "emit_columns": None, "read_columns": None}
+
+def emit(robot, stem, options):
+    return [EmittedFile(name=stem + ".urdf", content=b"greedy")]
+
+@hookimpl
+def dh2urdf_readers():
+    return [replace(READER, read=None)]
+
+@hookimpl
+def dh2urdf_transforms():
+    return [replace(TRANSFORM, transform=None)]
+
+@hookimpl
+def dh2urdf_emitters():
+    claims = [("urdf", (".urdf", ".sdf")), ("robot", (".urdf", ".robot")), ("lab", (".lab.urdf",))]
+    return [replace(EMITTER, name=name, emit=emit, suffixes=ends, **NOTHING_MORE) for name, ends in claims]
+"""
+HANGING = """
+from pathlib import Path
+with Path("imported").open("a") as log:
+    log.write("hanging\\n")
+raise SystemExit("imported")
+"""
+
+
+class TestBuiltInNames:
+    @pytest.fixture
+    def greedy(self, tmp_path: Path, install: Callable[..., None]) -> list[Path]:
+        """A distribution that claims names and suffixes of built-in stages."""
+        install(tmp_path / "greedy", "greedy", ALL_FORMATS)
+        (tmp_path / "a.csv").write_text(TABLE)
+        return [tmp_path / "greedy"]
+
+    def test_a_name_and_a_suffix_mean_the_built_in_stage(
+        self, dh2urdf: Command, greedy: list[Path], tmp_path: Path
+    ) -> None:
+        """Another distribution that claims them breaks nothing."""
+        dh2urdf("convert", "a.csv", "-o", "out.urdf", path=greedy)
+        assert (tmp_path / "out.urdf").read_text().startswith("<?xml")
+        assert dh2urdf("convert", "a.csv", "--to", "urdf", path=greedy).stdout.startswith("<?xml")
+
+    @pytest.mark.parametrize(
+        ("words", "chosen"),
+        [
+            (("--to", "greedy:urdf"), b"greedy"),
+            (("--to", "greedy:robot"), b"greedy"),
+            (("--to", "robot"), b"greedy"),
+            (("-o", "out.lab.urdf"), b"greedy"),
+            (("-o", "out.robot"), b"greedy"),
+            (("-o", "v2.urdf"), b"<?xml"),
+        ],
+    )
+    def test_what_chooses_the_other_one(
+        self, dh2urdf: Command, greedy: list[Path], tmp_path: Path, words: tuple[str, str], chosen: bytes
+    ) -> None:
+        """Its full name, a name or a suffix that no built-in stage has, and a longer suffix."""
+        answer = dh2urdf("convert", "a.csv", *words, path=greedy)
+        written = (tmp_path / words[1]).read_bytes() if words[0] == "-o" else answer.stdout.encode()
+        assert written.startswith(chosen)
+
+    def test_a_run_file_chooses(self, dh2urdf: Command, greedy: list[Path], tmp_path: Path) -> None:
+        """By the short name the built-in stage, by the full name the other one; in workers, too."""
+        for name, chosen in (("urdf", "<?xml"), ('"greedy:urdf"', "greedy")):
+            (tmp_path / "b.csv").write_text(TABLE)
+            (tmp_path / "run.yaml").write_text(RUN.format(emitter=name))
+            dh2urdf("run", "run.yaml", "--workers", "2", path=greedy)
+            assert (tmp_path / "out" / "a.urdf").read_text().startswith(chosen)
+
+    def test_a_warning_says_so(self, dh2urdf: Command, greedy: list[Path]) -> None:
+        """Where the other plugin is imported for something else, or its entry point names the stage: once."""
+        told = dh2urdf("convert", "a.csv", "-o", "out.v2.urdf", path=greedy).stderr
+        used = f"warning: the emitter 'urdf' of {BUILT_IN} is used"
+        assert told.count(f"{used}; `greedy:urdf` chooses the one of greedy 1.0\n") == 1
+        assert told.count(f"{used} for files .urdf; `greedy:robot` chooses the one of greedy 1.0\n") == 1
+
+    def test_a_warning_needs_no_import(
+        self, dh2urdf: Command, tmp_path: Path, install: Callable[..., None], imported: Callable[[], set[str]]
+    ) -> None:
+        """An entry point that is called by kind and name of the stage says what the plugin has."""
+        install(tmp_path / "site", "greedy", ALL_FORMATS, plugin="emitter.urdf")
+        (tmp_path / "a.csv").write_text(TABLE)
+        told = dh2urdf("convert", "a.csv", "-o", "out.urdf", path=[tmp_path / "site"]).stderr
+        assert "is used; `greedy:urdf` chooses the one of greedy 1.0\n" in told
+        assert imported() == set()
+
+    def test_it_is_listed(self, dh2urdf: Command, greedy: list[Path]) -> None:
+        """`dh2urdf plugins` says whose the name is, as text and as JSON; no name is claimed twice."""
+        line = f"shadowed: emitter urdf of greedy 1.0 by {BUILT_IN}; say greedy:urdf"
+        assert line in dh2urdf("plugins", path=greedy).stdout.splitlines()
+        listed = json.loads(dh2urdf("plugins", "--json", path=greedy).stdout)
+        Draft202012Validator(json.loads(dh2urdf("schema", "plugins").stdout)).validate(listed)
+        assert listed["clashes"] == []
+        assert [(each["kind"], each["choice"], each["winner"]) for each in listed["shadowed"]] == [
+            ("reader", "greedy:csv", BUILT_IN),
+            ("transform", "greedy:alpha-swap", BUILT_IN),
+            ("emitter", "greedy:urdf", BUILT_IN),
+        ]
+        assert '"urdf"' in dh2urdf("schema", path=greedy).stdout
+
+
+class TestWhatIsNotNeeded:
+    @pytest.fixture
+    def hanging(self, tmp_path: Path, install: Callable[..., None]) -> list[Path]:
+        """A plugin whose import is seen, and a plugin of two stages whose entry points name them."""
+        install(tmp_path / "site", "hanging", HANGING)
+        install(tmp_path / "site", "lab-one", STAGES.replace("{who}", "one"), plugin="emitter.usd")
+        points = tmp_path / "site" / "lab_one-1.0.dist-info" / "entry_points.txt"
+        points.write_text(points.read_text() + "reader.table = lab_one_emitter_usd\n")
+        (tmp_path / "a.csv").write_text(TABLE)
+        (tmp_path / "b.csv").write_text(TABLE)
+        (tmp_path / "arm.tab").touch()
+        (tmp_path / "run.yaml").write_text(RUN.format(emitter="urdf"))
+        return [tmp_path / "site"]
+
+    @pytest.mark.parametrize(
+        "words",
+        [
+            ("convert", "a.csv", "--to", "urdf"),
+            ("convert", "a.csv", "-o", "out.urdf"),
+            ("convert", "a.csv", "-o", "out.urdf.xacro"),
+            ("run", "run.yaml"),
+            ("run", "run.yaml", "--workers", "2"),
+            ("info", "a.csv"),
+        ],
+        ids=" ".join,
+    )
+    def test_what_built_in_stages_do_imports_no_plugin(
+        self, dh2urdf: Command, hanging: list[Path], imported: Callable[[], set[str]], words: tuple[str, ...]
+    ) -> None:
+        """So no plugin can stop it."""
+        dh2urdf(*words, path=hanging)
+        assert imported() == set()
+
+    def test_a_name_in_an_entry_point_is_found_by_it(
+        self, dh2urdf: Command, hanging: list[Path], imported: Callable[[], set[str]]
+    ) -> None:
+        """The other plugins are not asked; one module may have an entry point for each of its stages."""
+        words = ("convert", "arm.tab", "--from", "table", "--to", "usd")
+        assert dh2urdf(*words, path=hanging).stdout == "by one"
+        assert imported() == {"one"}
+        listed = json.loads(dh2urdf("plugins", "--json", path=hanging).stdout)
+        theirs = [(each["kind"], each["name"]) for each in listed["stages"] if each["distribution"] == "lab-one 1.0"]
+        assert theirs == [("reader", "table"), ("emitter", "usd")]
+
+    def test_an_entry_point_that_promises_too_much(
+        self, dh2urdf: Command, tmp_path: Path, install: Callable[..., None]
+    ) -> None:
+        """The plugin is broken, and the message has both names."""
+        install(tmp_path / "site", "lab-one", STAGES.replace("{who}", "one"), plugin="emitter.usdz")
+        assert (
+            "broken: emitter.usdz = lab_one_emitter_usdz of lab-one 1.0: LookupError: its entry point 'emitter.usdz' names "
+            "the emitter 'usdz', and the hook dh2urdf_emitters gives 'usd'"
+        ) in dh2urdf("plugins", path=[tmp_path / "site"]).stdout

@@ -33,6 +33,7 @@ TABLE = re.compile(r"(?<=<!-- public: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!
 
 PUBLIC = {
     "dh2urdf": "the commands as functions, and the records of arms: the Python API",
+    "dh2urdf.at_work": "who is at work, where it survives the end of a process",
     "dh2urdf.attribution": "calls of stages, and whose fault it is when one fails",
     "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
     "dh2urdf.conversion": "one manipulator on its way: transform, check, emit, prove",

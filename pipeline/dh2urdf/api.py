@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.argument_words import word_of
 from dh2urdf.asking import Asker, Setting, stage_calls
-from dh2urdf.attribution import a_record, blaming
+from dh2urdf.attribution import blaming
 from dh2urdf.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
-from dh2urdf.conversion import read_items
+from dh2urdf.conversion import checked_items, read_items
 from dh2urdf.errors import ConfigError, InputError, TableError
 from dh2urdf.given_tables import GivenRows, as_file
 from dh2urdf.manipulator import Manipulator
@@ -25,7 +25,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, convert_table
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.spooled import STEM
-from dh2urdf.stages import Rejected
+from dh2urdf.stage_answers import items_of
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from dh2urdf.given_tables import Source, StrPath
     from dh2urdf.registry import Catalog
     from dh2urdf.results import RunReport
-    from dh2urdf.stages import Inspection, Reader
+    from dh2urdf.stages import Inspection, Reader, Rejected
     from dh2urdf.table_text import CellRow
 
 
@@ -136,10 +136,10 @@ def manipulator_of(
 
 
 def _read_cells(call: Call[Reader[Any]], rows: Iterable[CellRow], file: str) -> Iterator[Manipulator | Rejected]:
-    with blaming(call):
-        if call.stage.read_cells is not None:
-            for item in call.stage.read_cells(rows, file, call.options):
-                yield a_record(item, Manipulator, Rejected)
+    if call.stage.read_cells is not None:
+        with blaming(call):
+            items = items_of(call.stage.read_cells(rows, file, call.options), Manipulator)
+        yield from checked_items(items, call)
 
 
 def convert(

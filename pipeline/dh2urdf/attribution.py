@@ -7,22 +7,37 @@ with the plugin, its distribution and its version: as a `StageError` where it co
 
 from __future__ import annotations
 
+import pickle
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from dh2urdf.at_work import AtWork
 from dh2urdf.discovery import UNKNOWN
-from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, RecordError, StageError
+from dh2urdf.errors import (
+    BrokenPluginError,
+    Dh2UrdfError,
+    ExecutorError,
+    MissingDependencyError,
+    MissingProgramError,
+    OutputError,
+    PluginError,
+    RecordError,
+    RecordTypeError,
+    StageError,
+)
 from dh2urdf.faults import INTERRUPTS, reason_of, traceback_of
 from dh2urdf.registry import RECORDS, Catalog, Plugin, load, load_plugin
+from dh2urdf.stage_answers import a_record
 from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+__all__ = ["Call", "a_record", "blaming", "broken", "default_call", "depending_on", "fault", "own_work"]
+
 S = TypeVar("S", Reader[Any], Transform[Any], Emitter[Any], Loader[Any], Executor[Any])
-T = TypeVar("T")
 
 _OWN = "raised by dh2urdf itself, not by a stage"
 
@@ -52,10 +67,17 @@ class Call(Generic[S]):
     def __str__(self) -> str:
         return f"{self.kind} {self.stage.name!r}"
 
+    @property
+    def at_work(self) -> AtWork:
+        """A context in which the stage is called."""
+        return AtWork(str(self), self.plugin)
+
     def __reduce__(self) -> tuple[Callable[..., Call[Any]], tuple[Any, ...]]:
         is_installed = self.plugin is not None and self.plugin.is_installed
         whose = (self.plugin.name, self.plugin.distribution_name) if self.plugin and is_installed else None
-        return _installed_call, (whose, self.kind, self.stage.name, self.options)
+        with depending_on(self, "options"):
+            options = pickle.dumps(self.options)
+        return _installed_call, (whose, self.kind, self.stage.name, options)
 
 
 def default_call(catalog: Catalog, stage: S) -> Call[S]:
@@ -63,10 +85,12 @@ def default_call(catalog: Catalog, stage: S) -> Call[S]:
     return Call(stage=stage, options=stage.options(), plugin=catalog.plugin_of(stage))
 
 
-def _installed_call(whose: tuple[str, str] | None, kind: Kind, name: str, options: Any) -> Call[Any]:  # noqa: ANN401 - the stage's own
+def _installed_call(whose: tuple[str, str] | None, kind: Kind, name: str, options: bytes) -> Call[Any]:
     catalog = _catalog(whose)
     stage: Any = catalog.get(kind, name)
-    return Call(stage=stage, options=options, plugin=catalog.plugin_of(stage))
+    call = Call(stage=stage, options=None, plugin=catalog.plugin_of(stage))
+    with depending_on(call, "options"):
+        return replace(call, options=pickle.loads(options))  # noqa: S301 - our own parent sent them
 
 
 @cache
@@ -75,27 +99,44 @@ def _catalog(whose: tuple[str, str] | None) -> Catalog:
 
 
 @contextmanager
-def blaming(call: Call[Any]) -> Iterator[None]:
+def blaming(call: Call[Any], what: str = "") -> Iterator[None]:
     """Turn whatever a stage raises about one manipulator, unless it is an error of dh2urdf, into one that names it.
+
+    Args:
+        call: the stage.
+        what: what is asked of it, where that is not its work itself, such as ``notices``.
 
     Raises:
         StageError: the stage raised something else.
     """
     try:
-        yield
+        with call.at_work:
+            yield
     except (Dh2UrdfError, *INTERRUPTS) as error:
-        # A reader makes the records of a table. What another stage puts wrongly into one is its own fault.
-        if isinstance(error, RecordError) and call.kind != "reader":
-            raise _fault(call, error) from error
+        if _is_fault(error, call):
+            raise fault(call, error, what) from error
         raise
     except BaseException as error:
-        raise _fault(call, error) from error
+        raise fault(call, error, what) from error
 
 
-def _fault(call: Call[Any], error: BaseException) -> StageError:
+def _is_fault(error: BaseException, call: Call[Any]) -> bool:
+    """Whether an error of dh2urdf is nothing that a stage may refuse a manipulator with."""
+    if isinstance(error, (*INTERRUPTS, MissingDependencyError, MissingProgramError)):
+        return False
+    if isinstance(error, (PluginError, ExecutorError)) or not getattr(error, "problems", True):
+        return True
+    if call.kind == "reader":
+        # A reader makes the records of a table, whose values come from the file. Their types do not.
+        return isinstance(error, RecordTypeError) and call.plugin is not None and not call.plugin.is_builtin
+    return isinstance(error, (RecordError, OutputError))
+
+
+def fault(call: Call[Any], error: BaseException, what: str = "") -> StageError:
+    """The error that says which stage failed at a manipulator, and how."""
     plugin = call.plugin
     return StageError(
-        str(call),
+        f"`{what}` of the {call}" if what else str(call),
         reason_of(error),
         traceback_of(error),
         plugin=plugin.name if plugin else "",
@@ -130,7 +171,8 @@ def depending_on(call: Call[Any], what: str = "") -> Iterator[None]:
         BrokenPluginError: the stage raised something else.
     """
     try:
-        yield
+        with call.at_work:
+            yield
     except (Dh2UrdfError, *INTERRUPTS):
         raise
     except BaseException as error:
@@ -148,15 +190,3 @@ def broken(error: BaseException, call: Call[Any], what: str = "") -> BrokenPlugi
         f"{f'`{what}` of ' if what else ''}the {call} failed: {reason_of(error)}",
         traceback_of(error),
     )
-
-
-def a_record(value: T, *kinds: type[Any]) -> T:
-    """What a stage gave, which is of one of these kinds.
-
-    Raises:
-        TypeError: it is something else, which a third party's stage may well give.
-    """
-    if not isinstance(value, kinds):
-        wanted = " or ".join(f"{kind.__module__}.{kind.__name__}" for kind in kinds)
-        raise TypeError(f"it gave {type(value).__name__}, not {wanted}")
-    return value

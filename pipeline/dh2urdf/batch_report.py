@@ -32,6 +32,7 @@ class BatchReport:
         keeps_kinematics: whether the transform keeps T(q).
         seconds: how long the steps took, added up [s].
         timings: how long the steps of each took, of a run's first manipulators [s].
+        printed: the lines that plugins printed in the worker.
     """
 
     first: int
@@ -44,6 +45,7 @@ class BatchReport:
     was_read: bool = True
     seconds: dict[str, float] = field(default_factory=dict)
     timings: tuple[dict[str, Any], ...] = ()
+    printed: tuple[str, ...] = ()
 
     @property
     def count(self) -> int:

@@ -8,15 +8,16 @@ from __future__ import annotations
 from operator import index
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.attribution import Call, a_record, blaming
+from dh2urdf.attribution import Call, blaming
 from dh2urdf.columns import RobotColumns
 from dh2urdf.robot import Robot
-from dh2urdf.stages import EmittedFile, Emitter, Transform
+from dh2urdf.stage_answers import a_record, emitted_files
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.columns import ManipulatorColumns
+    from dh2urdf.stages import EmittedFile, Emitter, Transform
 
 T = TypeVar("T")
 
@@ -46,7 +47,7 @@ def emit_columns(
         emitted = call.stage.emit_columns(robots, stems, call.options)  # type: ignore[misc] # asked before
         if emitted is None:
             return None
-        files = [tuple([a_record(file, EmittedFile) for file in own]) for own in emitted]
+        files = [tuple(emitted_files(own)) for own in emitted]
         if len(files) != len(stems):
             raise ValueError(f"emit_columns gave the files of {len(files)} robots, not of {len(stems)}")
         return files

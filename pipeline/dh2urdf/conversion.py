@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.attribution import Call, a_record, blaming, depending_on
+from dh2urdf.attribution import Call, blaming, depending_on
 from dh2urdf.cells import Cell, cannot_be, compose, truth_of
 from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError
 from dh2urdf.manipulator import Manipulator
@@ -19,6 +19,7 @@ from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stage_answers import a_record, a_whole_record, emitted_files, items_of, whole_records
 from dh2urdf.stages import EmittedFile, Emitter, Loader, Reader, Rejected, Transform
 from dh2urdf.truth import Truth
 
@@ -75,7 +76,7 @@ class Recipe:
     def keeps_kinematics(self) -> bool:
         """Whether a difference from the DH product is a failure."""
         with depending_on(self.transform, "keeps_kinematics"):
-            return self.transform.stage.keeps_kinematics(self.transform.options)
+            return a_record(self.transform.stage.keeps_kinematics(self.transform.options), bool)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,7 +113,7 @@ def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Rob
         ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
     """
     with blaming(transform):
-        robot = a_record(transform.stage.transform(manipulator, transform.options), Robot)
+        robot = _a_robot(transform.stage.transform(manipulator, transform.options), transform)
     return _checked(robot, manipulator.mark)
 
 
@@ -137,6 +138,16 @@ def make_cell(cell: Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth
     return robot, truth_of(cell, robots)
 
 
+def _a_robot(value: Robot, call: Call[Any]) -> Robot:
+    """The robot that a stage gave.
+
+    It may hold records of `dh2urdf.unchecked_records`, which a third party's stage may have filled with anything. The
+    built-in stages have tests instead: to look at each robot would take a third of a run.
+    """
+    is_trusted = call.plugin is not None and call.plugin.is_builtin
+    return a_record(value, Robot) if is_trusted else a_whole_record(value, Robot)
+
+
 def _checked(robot: Robot, mark: Mark | None) -> Robot:
     """A robot that breaks no rule, with the notices of the check."""
     problems = [problem.about(robot=robot.name, mark=mark) for problem in check_robot(robot)]
@@ -154,8 +165,8 @@ def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
     notices = dict.fromkeys(robot.notices)
     for call in emitters:
         if call.stage.notices is not None:
-            with blaming(call):
-                found = [a_record(problem, Problem) for problem in call.stage.notices(robot, call.options)]
+            with blaming(call, "notices"):
+                found = whole_records(call.stage.notices(robot, call.options), Problem)
             notices.update(dict.fromkeys(replace(each.about(robot=robot.name), severity="notice") for each in found))
     return replace(robot, notices=tuple(notices))
 
@@ -234,9 +245,9 @@ def emit_robot(
     for call in recipe.emitters:
         emitter = call.stage
         with blaming(call):
-            files = [a_record(file, EmittedFile) for file in emitter.emit(robot, stem, call.options)]
-        if not files:
-            raise EmitterError(f"the emitter {emitter.name!r} gave no file")
+            files = emitted_files(emitter.emit(robot, stem, call.options))
+            if not files:
+                raise ValueError("it gave no file")
         if main_file is not None and not written:
             files[0] = replace(files[0], name=main_file)
         for file in files:
@@ -254,8 +265,8 @@ def _prove_file(truth: Truth, path: Path, call: Call[Emitter[Any]], poses: Poses
     emitter = call.stage
     if emitter.read_back is None:
         return None
-    with blaming(call):
-        described = a_record(emitter.read_back(path), Robot)
+    with blaming(call, "read_back"):
+        described = _a_robot(emitter.read_back(path), call)
     proof = prove(truth, described, poses)
     accept(proof, emitter, truth.name, truth.mark, recipe=recipe)
     return proof
@@ -293,11 +304,32 @@ def read_items(call: Call[Reader[Any]], path: Path, trace: Trace | None = None) 
         TableError: the file as a whole cannot be read.
         StageError: the reader raised something else.
     """
+    reader = call.stage
     with blaming(call):
-        reader = call.stage
         if trace is None or reader.trace is None:
-            items = reader.read(path, call.options)
+            items = items_of(reader.read(path, call.options), Manipulator)
         else:
-            items = reader.trace(path, call.options, trace)
-        for item in items:
-            yield a_record(item, Manipulator, Rejected)
+            items = items_of(reader.trace(path, call.options, trace), Manipulator)
+    yield from checked_items(items, call)
+
+
+def checked_items(items: Iterator[Manipulator | Rejected], call: Call[Reader[Any]]) -> Iterator[Manipulator | Rejected]:
+    """What a reader yields, each looked at.
+
+    Raises:
+        TableError: the file as a whole cannot be read.
+        StageError: the reader raised or gave something else.
+    """
+    end = Rejected(name="", problems=())
+    while True:
+        with blaming(call):  # What is done with an item is not the reader's work.
+            item = next(items, end)
+            if item is end:
+                return
+            if isinstance(item, Rejected):
+                a_whole_record(item, Rejected)
+                if not item.problems:
+                    raise ValueError(f"it rejected {shown(item.name)} and did not say why")
+            else:
+                a_record(item, Manipulator, Rejected)
+        yield item

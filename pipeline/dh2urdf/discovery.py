@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf import __version__
+from dh2urdf.at_work import importing
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
 from dh2urdf.source import Mark, Problem, did_you_mean
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from importlib.metadata import Distribution, EntryPoint
 
 UNKNOWN = "an unknown distribution"
+_BUILT_IN = "builtin = dh2urdf_plugins"
 _GROUP = re.compile(rf"{PROJECT}(?:\.v([0-9]+))?")
 
 
@@ -55,7 +57,17 @@ class Plugin:
 
     @cached_property
     def module(self) -> Any:  # noqa: ANN401, D102 - anything; documented with the class
-        return self._module if self._point is None else self._point.load()
+        if self._point is None:
+            return self._module
+        if self.is_builtin:
+            return self._point.load()
+        with importing(self):
+            return self._point.load()
+
+    @property
+    def is_builtin(self) -> bool:
+        """Whether it is the plugin of dh2urdf itself."""
+        return self.name == _BUILT_IN
 
     @cached_property
     def distribution(self) -> str:  # noqa: D102 - documented with the class

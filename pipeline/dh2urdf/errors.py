@@ -33,12 +33,13 @@ Every exception carries its data as attributes; its text says where, what was fo
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 from dh2urdf.source import Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.source import Mark
 
@@ -67,8 +68,8 @@ class _ProblemsError(Dh2UrdfError):
     def __init__(self, problems: Problem | str | Iterable[Problem], notices: Iterable[Problem] = ()) -> None:
         if isinstance(problems, str):
             problems = Problem(message=problems)
-        self.problems: tuple[Problem, ...] = (problems,) if isinstance(problems, Problem) else tuple(problems)
-        self.notices: tuple[Problem, ...] = tuple(notices)
+        self.problems = _several(self, (problems,) if isinstance(problems, Problem) else problems)
+        self.notices = _several(self, notices)
         # The arguments are what pickle hands to __init__ again.
         super().__init__(self.problems, *([self.notices] if self.notices else []))
 
@@ -79,6 +80,23 @@ class _ProblemsError(Dh2UrdfError):
             if (more := len(problems) - SCREENFUL) > 0:
                 lines.append(f"and {more} more {what}{'s' if more > 1 else ''}")
         return "\n".join(lines)
+
+
+def _several(error: Exception, problems: Iterable[Problem]) -> tuple[Problem, ...]:
+    """Raises a TypeError where problems are something else: whoever prints them could not."""
+    given = problems if isinstance(problems, Iterable) and not isinstance(problems, (str, bytes)) else (problems,)
+    found = tuple(given)
+    for problem in found:
+        if not isinstance(problem, Problem):
+            raise TypeError(f"{type(error).__name__} was made of {problem!r:.60}, not of a text or of Problems")
+    return found
+
+
+def _texts(error: Exception, *words: str) -> None:
+    """Raises a TypeError where the words of an error are none."""
+    for word in words:
+        if not isinstance(word, str) or not word.strip():
+            raise TypeError(f"{type(error).__name__} was made of {word!r:.60}, not of a text")
 
 
 class InputError(_ProblemsError):
@@ -288,6 +306,7 @@ class MissingDependencyError(PluginError):
     """
 
     def __init__(self, stage: str, package: str, extra: str) -> None:
+        _texts(self, stage, package, extra)
         self.stage, self.package, self.extra = stage, package, extra
         super().__init__(stage, package, extra)
 
@@ -305,6 +324,7 @@ class MissingProgramError(PluginError):
     """
 
     def __init__(self, stage: str, program: str, remedy: str) -> None:
+        _texts(self, stage, program, remedy)
         self.stage, self.program, self.remedy = stage, program, remedy
         super().__init__(stage, program, remedy)
 

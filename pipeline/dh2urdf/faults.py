@@ -9,12 +9,13 @@ INTERRUPTS = (KeyboardInterrupt, GeneratorExit)
 
 
 def reason_of(error: BaseException) -> str:
-    """The class of an exception and what it says."""
+    """The class of an exception and what it says, in one line."""
     try:
         text = str(error)
     except Exception as failed:  # noqa: BLE001 - it is the exception's own code
         text = f"its text cannot be made: {type(failed).__name__}"
-    return f"{type(error).__name__}: {text}"
+    text = "; ".join(filter(None, map(str.strip, text.removeprefix("error: ").splitlines())))
+    return f"{type(error).__name__}: {text}" if text else f"{type(error).__name__}, without a message"
 
 
 def traceback_of(error: BaseException) -> str:

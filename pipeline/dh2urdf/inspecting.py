@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, a_record, depending_on
+from dh2urdf.attribution import Call, depending_on
 from dh2urdf.errors import ConfigError
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stage_answers import a_whole_record
 from dh2urdf.stages import Expansion, Inspection
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def inspect(
             )
         )
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
-        return a_record(emitter.check(file, *expanded_with(emitter, expansion, file)), Inspection)
+        return a_whole_record(emitter.check(file, *expanded_with(emitter, expansion, file)), Inspection)
 
 
 def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path) -> tuple[Expansion, ...]:

@@ -19,16 +19,19 @@ import sys
 import threading
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import NoneType
 from typing import IO, TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple, cast
 
+from dh2urdf.at_work import MARK, Place
 from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
-from dh2urdf.source import shown
+from dh2urdf.source import Problem, shown
+from dh2urdf.stage_answers import a_record, a_whole_record, whole_records
+from dh2urdf.stages import LoadReport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from dh2urdf.source import Problem
-    from dh2urdf.stages import Loader, LoadReport, LoadRequest
+    from dh2urdf.stages import Loader, LoadRequest
 
 T = TypeVar("T")
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
@@ -85,7 +88,7 @@ def run_in_child(
         function: a function of a module that can be imported by name.
         args: its arguments; they and the value must be picklable.
         timeout: how long it may take [s]; None where a person ends it, for example by closing a window.
-        who: what messages call the function.
+        who: what messages call the function, where nobody is known to be at work in the child.
 
     Raises:
         TimeLimitError: the child did not finish in time.
@@ -94,12 +97,12 @@ def run_in_child(
             cannot be pickled. What the child printed is in its cause, a `ChildFailure`.
     """
     kind: type[CrashError] = CrashError
-    child = _Child(_pickled_call(function, args))
+    child = _Child(_pickled_call(function, args, who))
     try:
         outcome = child.outcome(timeout)
     finally:
         status = child.end()
-    output = child.output.text()
+    output, who = child.output.text(), child.who or who
     match outcome:
         case ("value", value):
             return ChildResult(pickle.loads(value), output)  # noqa: S301 - our own child sent it
@@ -121,8 +124,14 @@ def run_in_child(
     raise kind(message + _last_words(output)) from ChildFailure(output)
 
 
-def load_in_child(loader: Loader[O], request: LoadRequest, options: O) -> LoadReport:
+def load_in_child(loader: Loader[O], request: LoadRequest, options: O, who: str | None = None) -> LoadReport:
     """Calls a loader in a child process and completes its report with what the simulator printed.
+
+    Args:
+        loader: the loader.
+        request: what it is asked to load.
+        options: its options.
+        who: what messages call it, such as ``the loader 'toy' of lab 1.0``.
 
     Raises:
         CrashError: as `run_in_child`.
@@ -136,17 +145,18 @@ def load_in_child(loader: Loader[O], request: LoadRequest, options: O) -> LoadRe
         return tuple(replace(problem, message=problem.message.replace(folder, "")) for problem in problems)
 
     try:
-        child = run_in_child(
-            loader.load, request, options, timeout=loader.time_limit(options), who=f"the loader {loader.name!r}"
-        )
+        limit = a_record(loader.time_limit(options), int, float, NoneType)
+        child = run_in_child(loader.load, request, options, timeout=limit, who=who or f"the loader {loader.name!r}")
     except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
-        raise type(error)(plain((*error.problems, *loader.read_output(request, output)))) from error
-    findings = plain((*child.value.findings, *loader.read_output(request, child.output)))
-    return replace(child.value, findings=findings, output=child.output.replace(folder, ""))
+        said = whole_records(loader.read_output(request, output), Problem)
+        raise type(error)(plain((*error.problems, *said))) from error
+    report = a_whole_record(child.value, LoadReport)
+    findings = plain((*report.findings, *whole_records(loader.read_output(request, child.output), Problem)))
+    return replace(report, findings=findings, output=child.output.replace(folder, ""))
 
 
-def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
+def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) -> bytes:
     """The function, by its name, and its arguments."""
     if getattr(function, "__module__", None) == "__main__":
         raise CrashError(
@@ -156,12 +166,13 @@ def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
         return pickle.dumps((function, args))
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         name = getattr(function, "__qualname__", repr(function))
-        raise CrashError(f"{name} and its arguments cannot be sent to a child process: {error}") from error
+        message = f"{who}: {name} and its arguments cannot be sent to a child process: {error}"
+        raise CrashError(message) from error
 
 
 def _last_words(output: str) -> str:
     """The end of the output, as the end of a message."""
-    words = " ".join(output.split())
+    words = " ".join(output.replace(MARK, "").split())
     if len(words) > _LAST_WORDS:
         words = f"…{words[1 - _LAST_WORDS :]}"
     return f"; it printed last: {shown(words, _LAST_WORDS)}" if words else ""
@@ -174,6 +185,8 @@ class _Child:
     """
 
     def __init__(self, call: bytes) -> None:
+        self._place = Place()
+        self.who = ""
         try:
             self._process = subprocess.Popen(  # noqa: S603 - our own script
                 [sys.executable, "-P", str(_SCRIPT)],  # -P: the folder of this package is not a folder of modules
@@ -181,8 +194,10 @@ class _Child:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 start_new_session=True,  # A process group of its own, to end it with all that it started.
+                **self._place.for_child(),
             )
         except OSError as error:
+            self._place.close()
             raise CrashError(f"a child process cannot be started: {error}") from error
         self._call = cast("IO[bytes]", self._process.stdin)
         self._outcome = cast("IO[bytes]", self._process.stdout)
@@ -211,6 +226,8 @@ class _Child:
         else:
             self._process.kill()
         status = self._process.wait()
+        self.who = self._place.who()
+        self._place.close()
         for thread, streams in (
             (self._talk, (self._call, self._outcome)),
             (self._listen, (self._printed,)),

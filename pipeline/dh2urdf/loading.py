@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, a_record, blaming
+from dh2urdf.attribution import Call, blaming
 from dh2urdf.isolation import load_in_child
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.proof import joint_vectors
+from dh2urdf.source import shown
+from dh2urdf.stage_answers import a_plain_name, a_record
 from dh2urdf.stages import Loader, LoadReport, LoadRequest
 
 if TYPE_CHECKING:
@@ -36,9 +38,11 @@ def load_written(
     loader = call.stage
     names = {emitted.stage: emitted.files[0].name for emitted in written}
     path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
-    with blaming(call):
-        poses = joint_vectors(truth, robot, loader.poses(call.options))
-        pictured = loader.picture(call.options)
+    with blaming(call, "poses"):
+        count = a_record(loader.poses(call.options), int)
+    poses = joint_vectors(truth, robot, count)
+    with blaming(call, "picture"):
+        pictured = a_record(loader.picture(call.options), bool)
     expected: dict[str, tuple[tuple[float, ...], ...]] = {}
     for tip in truth.tips:
         chain = KinematicChain.between(robot, truth.root, tip.link)
@@ -54,7 +58,10 @@ def load_written(
         picture=picture if pictured else None,
     )
     with blaming(call):
-        return a_record(load_in_child(loader, request, call.options), LoadReport)
+        report = load_in_child(loader, request, call.options, f"the {call.at_work}")
+        if report.picture and not picture.with_name(a_plain_name(report.picture)).is_file():
+            raise ValueError(f"it reported a picture {shown(report.picture)} and wrote none")
+        return report
 
 
 def _elements(frame: RigidTransform) -> tuple[float, ...]:

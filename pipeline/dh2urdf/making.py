@@ -33,13 +33,14 @@ from dh2urdf.memory import collected_at_the_end
 from dh2urdf.mesh_copies import MeshCopies
 from dh2urdf.meshes import located
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
+from dh2urdf.printed import collected_lines
 from dh2urdf.proof import Proof
 from dh2urdf.proof_columns import prove_columns
 from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.stores import Store
 from dh2urdf.variation_columns import variant_columns
 from dh2urdf.variations import Variant
-from dh2urdf.watchdog import watched
+from dh2urdf.watchdog import this_process, watched
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -94,8 +95,10 @@ class Maker:
 
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""
-        with own_work(), collected_at_the_end():
-            return _Work(self, batch).done()
+        is_worker = self.home != this_process()
+        with own_work(), collected_at_the_end(), collected_lines(is_worker=is_worker) as lines:
+            report = _Work(self, batch).done()
+        return replace(report, printed=tuple(lines))
 
 
 class _Work:

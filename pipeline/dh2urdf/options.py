@@ -68,7 +68,7 @@ def make_options(
     except (InputError, *INTERRUPTS):
         raise
     except BaseException as error:
-        told = reason_of(error).partition("\n")[0]
+        told = reason_of(error).partition("; ")[0]
         reason = f"the options type {options_type.__name__} of the {where} does not work: {told}"
         name, whose = (plugin.name, plugin.distribution) if plugin else (options_type.__module__, UNKNOWN)
         raise BrokenPluginError(name, whose, reason, traceback_of(error)) from error

@@ -338,6 +338,15 @@ class PluginEntry(TypedDict):
     distribution: str
 
 
+class ShadowedEntry(PluginEntry):
+    """A stage whose name alone means another plugin's stage."""
+
+    kind: KindName
+    name: str
+    winner: str
+    choice: str
+
+
 class RefusedPluginEntry(PluginEntry):
     """A plugin that cannot be used."""
 
@@ -358,6 +367,7 @@ class PluginsReport(TypedDict):
     interface: str
     stages: list[StageEntry]
     clashes: list[ClashEntry]
+    shadowed: list[ShadowedEntry]
     broken: list[BrokenPluginEntry]
     incompatible: list[RefusedPluginEntry]
     left_out: list[PluginEntry]

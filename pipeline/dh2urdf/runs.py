@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 import tempfile
 import time
 from collections import Counter, deque
@@ -10,11 +11,14 @@ from collections.abc import Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dh2urdf import sampling
 from dh2urdf.asked_stages import AskedStages
-from dh2urdf.attribution import Call, depending_on, own_work
+from dh2urdf.at_work import unmarked
+from dh2urdf.attribution import Call, depending_on, fault, own_work
+from dh2urdf.batch_report import BatchReport
 from dh2urdf.batches import Batch, Doomed, Expected, batches
 from dh2urdf.cells import CellCall
 from dh2urdf.chosen_table import is_table
@@ -35,7 +39,8 @@ from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import Overview
 from dh2urdf.run_inputs import refuse_overwriting
 from dh2urdf.settings import ON_THE_COMMAND_LINE, Asked
-from dh2urdf.source import Mark, Problem, in_file_order
+from dh2urdf.source import Mark, Problem, in_file_order, printable
+from dh2urdf.stage_answers import a_record, items_of
 from dh2urdf.stages import Executor, Lost, Reader
 from dh2urdf.stores import Store, open_store
 from dh2urdf.variations import VariationCall
@@ -44,7 +49,6 @@ from dh2urdf.watchdog import this_process
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
 
-    from dh2urdf.batch_report import BatchReport
     from dh2urdf.config import RunConfig
     from dh2urdf.documents import Node
     from dh2urdf.registry import Catalog
@@ -195,7 +199,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     )
     for needed in (*recipe.loaders, executor):
         with depending_on(needed, "require"):
-            needed.stage.require(needed.options)
+            a_record(needed.stage.require(needed.options), NoneType)
     for variation in config.variations:
         sampling.require(variation.sampling)
     return Plan(
@@ -323,10 +327,11 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     ] = []  # Where nothing can be read, the error at the end says why, and nobody says it twice.
     readable = False
     # An error or an interrupt here ends the workers, not some time later.
-    with closing(_answers(plan, maker, handed_over())) as answers:
-        for answer in answers:
-            batch = under_way.popleft()
+    with closing(_answers(plan, maker, handed_over(), under_way)) as answers:
+        for batch, answer in answers:
             report = _rescued(maker, batch, answer) if isinstance(answer, Lost) else answer
+            for line in report.printed:
+                print(printable(line), file=sys.stderr)  # noqa: T201 - where plugins expect their words to go
             ledger.add(report.rows)
             result.add(report)
             readable = readable or report.was_read
@@ -342,14 +347,58 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         raise TableError(errors, notices)
 
 
-def _answers(plan: Plan, maker: Maker, some: Iterator[Batch]) -> Generator[Any, None, None]:
-    """What the executor has of each batch.
+def _answers(
+    plan: Plan, maker: Maker, some: Iterator[Batch], under_way: deque[Batch]
+) -> Generator[tuple[Batch, BatchReport | Lost], None, None]:
+    """Every batch with what the executor has of it.
+
+    A result that is none, or none of a batch, fails the manipulators of this batch; one that comes twice counts once.
+
+    Args:
+        plan: the run.
+        maker: makes a batch.
+        some: the batches; whoever takes one adds it to those under way.
+        under_way: the batches without a result.
 
     Raises:
         BrokenPluginError: the executor failed, and not because of what is told of a batch.
     """
-    with depending_on(plan.executor):
-        yield from plan.executor.stage.map(maker, some, plan.executor.options)
+    call = plan.executor
+    with depending_on(call):
+        results = items_of(call.stage.map(maker, some, call.options), "an iterator of results")
+    end = object()
+    while True:
+        with depending_on(call):  # What is done with a result is not the executor's work.
+            result = next(results, end)
+        if result is end:
+            break
+        if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
+            continue  # It is told already.
+        while under_way:
+            batch = under_way.popleft()
+            if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):
+                yield batch, result
+                break
+            try:
+                a_record(result, BatchReport, Lost)
+            except TypeError as error:
+                yield batch, _undone(maker, batch, call, error)
+                break
+            yield batch, _undone(maker, batch, call, _no_result())
+    for _ in some:
+        pass  # An executor that ended too early has not taken them: each is under way now.
+    while under_way:
+        yield under_way[0], _undone(maker, under_way.popleft(), call, _no_result())
+
+
+def _no_result() -> ValueError:
+    return ValueError("it gave no result of the batch that this manipulator is in")
+
+
+def _undone(maker: Maker, batch: Batch, call: Call[Executor[Any]], error: Exception) -> BatchReport:
+    """What becomes of a batch of which the executor has nothing: its manipulators fail."""
+    error = fault(call, error)
+    return maker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
 
 
 # --- Batches that their workers do not survive -----------------------------------------------------------------------
@@ -359,7 +408,8 @@ def _rescued(maker: Maker, batch: Batch, lost: Lost) -> BatchReport:
     """What becomes of a batch that no worker survives: all of it is made but the manipulators that are the reason."""
     doomed = dict(_culprits(maker, batch, 0))
     try:
-        return run_in_child(Maker.__call__, maker, batch.without(doomed), timeout=None).value
+        made = run_in_child(Maker.__call__, maker, batch.without(doomed), timeout=None)
+        return replace(made.value, printed=(*made.value.printed, *unmarked(made.output)))
     except ManipulatorError:
         error = CrashError(f"the batch of {len(batch)} manipulators that it is in cannot be made: {lost.reason}")
         everything = {place: Doomed(name, error, None) for place, name in enumerate(batch.names)}

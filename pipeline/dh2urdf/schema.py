@@ -6,7 +6,6 @@ and the schema asks for quotes.
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.attribution import Call, depending_on
@@ -26,6 +25,7 @@ from dh2urdf.option_types import type_hints
 from dh2urdf.registry import KINDS
 from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, MOST
 from dh2urdf.sampling import MOST_POINTS, Sampling
+from dh2urdf.stage_answers import a_record
 from dh2urdf.variation_section import LAWS, MOST_SEED, MOST_VALUES
 from dh2urdf.variations import AXES, FIELDS
 
@@ -116,7 +116,7 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
         reader: Any = item.stage
         if reader.schema:
             with depending_on(Call(stage=reader, options=None, plugin=item.plugin), "schema"):
-                schemas[item.full_name] = reader.schema()
+                schemas[item.full_name] = a_record(reader.schema(), dict)
     if not schemas:
         raise ConfigError("no reader that is installed has a schema of its tables")
     if len(schemas) == 1:
@@ -129,11 +129,13 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
 
 
 def _names(catalog: Catalog, kind: Kind) -> dict[str, list[str]]:
-    """How each stage of a kind may be named, by its full name: its own name does where nobody else has it."""
-    items = catalog.provided(kind)
-    count = Counter(item.stage.name for item in items)
-    own = {item.full_name: [item.stage.name] if count[item.stage.name] == 1 else [] for item in items}
-    return {full_name: [*names, full_name] for full_name, names in own.items()}
+    """How each stage of a kind may be named, by its full name: its own name does where that chooses it."""
+    chosen = {name: item.full_name for name, item in catalog.by_name(kind).items()}
+    names = {item.full_name: item.stage.name for item in catalog.provided(kind)}
+    return {
+        full_name: [name, full_name] if chosen.get(name) == full_name else [full_name]
+        for full_name, name in names.items()
+    }
 
 
 def _output() -> dict[str, Any]:

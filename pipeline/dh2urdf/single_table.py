@@ -19,6 +19,7 @@ from dh2urdf.output import safe_stem
 from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
 from dh2urdf.source import Problem, shown
+from dh2urdf.stage_answers import a_record
 from dh2urdf.stages import Reader
 from dh2urdf.textfiles import check_file
 from dh2urdf.truth import Truth
@@ -305,7 +306,7 @@ def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
     if call.stage.one_file is None:
         return call
     with depending_on(call, "one_file"):
-        return replace(call, options=call.stage.one_file(call.options))
+        return replace(call, options=a_record(call.stage.one_file(call.options), call.stage.options))
 
 
 def _write(

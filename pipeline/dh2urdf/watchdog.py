@@ -13,11 +13,15 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.attribution import Call, blaming
+from dh2urdf.stage_answers import a_record
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.stages import Loader
+
+
+_STDERR = 2
 
 
 def this_process() -> str:
@@ -41,7 +45,7 @@ def watched(home: str, seconds: float, loaders: Sequence[Call[Loader[Any]]] = ()
     if home == this_process() or None in limits:
         yield
         return
-    faulthandler.dump_traceback_later(seconds + sum(filter(None, limits)), exit=True)
+    faulthandler.dump_traceback_later(seconds + sum(filter(None, limits)), exit=True, file=_STDERR)
     try:
         yield
     finally:
@@ -49,6 +53,6 @@ def watched(home: str, seconds: float, loaders: Sequence[Call[Loader[Any]]] = ()
 
 
 def _limit_of(call: Call[Loader[Any]]) -> float | None:
-    with blaming(call):
+    with blaming(call, "time_limit"):
         limit = call.stage.time_limit(call.options)
-        return None if limit is None else float(limit)
+        return None if limit is None else a_record(limit, int, float)

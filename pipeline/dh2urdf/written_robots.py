@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.api import asker_of
 from dh2urdf.argument_words import word_of
 from dh2urdf.asking import stage_calls
-from dh2urdf.attribution import a_record, blaming
+from dh2urdf.attribution import blaming
 from dh2urdf.columns import columns_of
 from dh2urdf.errors import ProofError, RobotError
 from dh2urdf.kinematics import KinematicChain, angle_error, position_error
@@ -17,16 +17,17 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import FILE, located, prefix_of
 from dh2urdf.output import safe_stem, write_whole
 from dh2urdf.registry import load
+from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Problem
 from dh2urdf.spooled import spooled
-from dh2urdf.stages import EmittedFile
+from dh2urdf.stage_answers import a_whole_record, emitted_files
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
 
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Joint
     from dh2urdf.source import Mark
 
 TOLERANCE = 1e-9
@@ -50,9 +51,9 @@ def write_description(
     robot = located(robot, prefix_of(FILE))
     with blaming(call):
         emitted = emitter.emit(robot, safe_stem(robot.name), call.options)
-        content: bytes = a_record(emitted[0], EmittedFile).content
+        content = emitted_files(emitted)[0].content
         with spooled(content, str(asker.mark), emitter.suffixes[0]) as path:
-            described = emitter.read_back(path)
+            described: Robot = a_whole_record(emitter.read_back(path), Robot)
     _compare(robot, described, asker.mark)
     if out is not None:
         write_whole(Path(out), content)

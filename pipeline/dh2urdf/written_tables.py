@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.attribution import Call, blaming
 from dh2urdf.errors import RecordValueError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.output import write_whole
 from dh2urdf.registry import load
 from dh2urdf.source import Mark, Problem
 from dh2urdf.spooled import spooled
+from dh2urdf.stage_answers import a_record, a_whole_record, items_of
 from dh2urdf.stages import Rejected
-from dh2urdf.table_text import table_text
+from dh2urdf.table_text import WrittenTable, table_text
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-    from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Reader
 
 
@@ -45,9 +46,10 @@ def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLi
     with blaming(call):
         if reader.write is None:
             raise NotImplementedError(f"the reader {format_name!r} writes no tables")
-        content = reader.write(table_text(manipulator)).content
+        content = a_whole_record(reader.write(table_text(manipulator)), WrittenTable).content
         with spooled(content, function, reader.suffixes[0]) as path:
-            (again,) = reader.read(path, call.options)
+            (again,) = items_of(reader.read(path, call.options), Manipulator)
+            a_record(again, Manipulator, Rejected)
     if isinstance(again, Rejected):
         raise RecordValueError(again.problems)
     if again != manipulator:

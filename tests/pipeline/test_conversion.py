@@ -12,7 +12,6 @@ from dh2urdf.conversion import Call, Recipe, Sample, Written, emit_robot, make_r
 from dh2urdf.errors import (
     EmitterError,
     MissingDependencyError,
-    OutputError,
     ProofError,
     RobotError,
     StageError,
@@ -127,7 +126,7 @@ class TestReadItems:
 
     def test_manipulators_and_rejected_ones_come_as_they_are(self) -> None:
         """What a reader yields arrives in its order."""
-        rejected = Rejected(name="bad", problems=())
+        rejected = Rejected(name="bad", problems=(Problem(message="no"),))
         assert self.read(lambda *_: iter([TABLE, rejected, TABLE])) == [TABLE, rejected, TABLE]
 
     def test_they_come_one_by_one(self) -> None:
@@ -158,7 +157,10 @@ class TestReadItems:
         [
             (fail, "reader 'table' failed: KeyError: 'colour'"),
             (leave, "reader 'table' failed: SystemExit: 7"),
-            (lambda *_: None, "reader 'table' failed: TypeError: 'NoneType' object is not iterable"),
+            (
+                lambda *_: None,
+                "reader 'table' failed: TypeError: it gave None, not several of dh2urdf.manipulator.Manip",
+            ),
             (
                 lambda *_: ["arm"],
                 (
@@ -209,7 +211,7 @@ class TestMakeRobot:
         [
             (fail, "transform 'draw' failed: KeyError: 'colour'"),
             (leave, "transform 'draw' failed: SystemExit: 7"),
-            (lambda *_: None, "transform 'draw' failed: TypeError: it gave NoneType, not dh2urdf.robot.Robot"),
+            (lambda *_: None, "transform 'draw' failed: TypeError: it gave None, not dh2urdf.robot.Robot"),
         ],
         ids=["raises", "leaves", "gives nothing"],
     )
@@ -319,7 +321,7 @@ class TestWhenAnEmitterFails:
 
     def test_without_a_file(self, out: Path) -> None:
         """An emitter that gives no file is a failure, not a success of nothing."""
-        with pytest.raises(EmitterError, match="the emitter 'bad' gave no file"):
+        with pytest.raises(StageError, match="emitter 'bad' failed: ValueError: it gave no file"):
             write(emitting(), emitting("bad", lambda *_: []), to=out)
 
     def test_with_the_name_of_another_emitter_s_file(self, out: Path) -> None:
@@ -334,9 +336,9 @@ class TestWhenAnEmitterFails:
             write(emitting(), emitting(), to=out)
 
     def test_with_a_name_outside_the_folder(self, out: Path) -> None:
-        """An emitter writes into its folder only."""
+        """An emitter writes into its folder only; another name is its fault."""
         outside = emitting("bad", lambda *_: [EmittedFile(name="../arm.txt", content=b"x")])
-        with pytest.raises(OutputError, match="is not a plain file name"):
+        with pytest.raises(StageError, match=r"emitter 'bad' failed: .*is not a plain file name"):
             write(emitting(), outside, to=out)
         assert not (out.parent / "arm.txt").exists()
 

@@ -136,7 +136,7 @@ class TestBrokenPlugins:
             (leaving, "SystemExit: this plugin thinks that it is a program"),
             (lambda: [emitter("urdf")], "TypeError: the hook dh2urdf_readers gave Emitter"),
             (lambda: ["table"], "TypeError: the hook dh2urdf_readers gave str 'table', not a dh2urdf.stages.Reader"),
-            (lambda: None, "TypeError: 'NoneType' object is not iterable"),
+            (lambda: None, "TypeError: the hook dh2urdf_readers gave None, not a list of dh2urdf.stages.Reader"),
         ],
         ids=["raises", "raises half way", "leaves", "a record of another kind", "no record", "nothing"],
     )

@@ -36,7 +36,7 @@ def test_a_whole_distribution_is_written(cli: Callable[..., Answer], tmp_path: P
     }
     assert all(file in said for file in files)
     project = tomllib.loads((folder / "pyproject.toml").read_text("utf-8"))["project"]
-    assert project["entry-points"]["dh2urdf"] == {"dh2urdf-lab-7": "dh2urdf_lab_7"}
+    assert project["entry-points"]["dh2urdf"] == {f"{kind}.lab-7": "dh2urdf_lab_7"}
     assert project["dependencies"] == [f"dh2urdf>={__version__.rpartition('.')[0]}"]
     for path in folder.rglob("*"):
         if path.is_file():

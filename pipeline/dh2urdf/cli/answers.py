@@ -9,6 +9,8 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.printed import NamedLines
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -45,8 +47,13 @@ def _kept_apart() -> Iterator[IO[str]]:
     own = os.fdopen(os.dup(_STDOUT), "w", encoding=sys.stdout.encoding, errors="backslashreplace")
     try:
         os.dup2(_STDERR, _STDOUT)
-        with redirect_stdout(sys.stderr):
+        with redirect_stdout(NamedLines(_print)) as lines:
             yield own
+            lines.finish()
     finally:
         os.dup2(own.fileno(), _STDOUT)
         own.close()
+
+
+def _print(named: str, _line: str) -> None:
+    sys.stderr.write(f"{named}\n")

@@ -53,6 +53,11 @@ def _lines(report: PluginsReport, *, debug: bool) -> Iterator[str]:
     for clash in report["clashes"]:
         choice = f"; say {' or '.join(clash['choices'])}" if clash["choices"] else ""
         yield f"claimed twice: {clash['kind']} {clash['name']} by {' and '.join(clash['distributions'])}{choice}"
+    for each in report["shadowed"]:
+        yield (
+            f"shadowed: {each['kind']} {each['name']} of {each['distribution']} "
+            f"by {each['winner']}; say {each['choice']}"
+        )
     for broken in report["broken"]:
         yield f"broken: {broken['plugin']} of {broken['distribution']}: {broken['reason']}"
         if debug:

@@ -38,6 +38,17 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
             }
             for clash in catalog.clashes()
         ],
+        "shadowed": [
+            {
+                "kind": each.loser.kind,
+                "name": each.loser.stage.name,
+                "plugin": each.loser.plugin.name,
+                "distribution": each.loser.plugin.distribution,
+                "winner": each.winner.plugin.distribution,
+                "choice": each.loser.full_name,
+            }
+            for each in catalog.shadowed()
+        ],
         "broken": [
             {**_refused(error), "traceback": error.traceback}
             for error in failed

@@ -62,6 +62,15 @@ def plugins_schema() -> dict[str, Any]:
             "choices": list_of({"type": "string"}, "how each is said without doubt: distribution:name"),
         }
     )
+    shadowed = object_of(
+        {
+            "kind": kind,
+            "name": text("a name that means another plugin's stage"),
+            **plugin,
+            "winner": text("name and version of the distribution whose stage the name means"),
+            "choice": text("how this stage is said without doubt: distribution:name"),
+        }
+    )
     refused = {**plugin, "reason": text("why it cannot be used")}
     failed = object_of({**refused, "traceback": text("where it failed")})
     report = object_of(
@@ -71,6 +80,7 @@ def plugins_schema() -> dict[str, Any]:
             "interface": text("version of the plugin interface, major.minor"),
             "stages": list_of(stage, "every stage that is installed, by kind and name"),
             "clashes": list_of(clash, "names that are no use without the distribution before them"),
+            "shadowed": list_of(shadowed, "stages whose names alone mean the stages of other plugins"),
             "broken": list_of(failed, "plugins, or parts of plugins, that failed"),
             "incompatible": list_of(object_of(refused), "plugins for another version of the interface"),
             "left_out": list_of(object_of(plugin), "plugins that the command line leaves out"),

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.attribution import a_record, blaming, default_call
+from dh2urdf.attribution import blaming, default_call
 from dh2urdf.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.conversion import read_items
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark, Problem
+from dh2urdf.stage_answers import whole_records
 from dh2urdf.stages import Rejected
 from dh2urdf.studio.reading import read_whole
 from dh2urdf.table_text import FIELDS, TableText, table_text
@@ -71,8 +72,8 @@ def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, Table
     if reader.texts is None:
         return {}
     try:
-        with blaming(default_call(catalog, reader)):
-            return {a_record(table, TableText).name: table for table in reader.texts(path)}
+        with blaming(default_call(catalog, reader), "texts"):
+            return {table.name: table for table in whole_records(reader.texts(path), TableText)}
     except InputError:  # It can be read, if not so: then its numbers are what there is.
         return {}
 

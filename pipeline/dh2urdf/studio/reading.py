@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, a_record, blaming, default_call
+from dh2urdf.attribution import Call, blaming, default_call
 from dh2urdf.conversion import make_robot, read_items
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
+from dh2urdf.stage_answers import a_whole_record
 from dh2urdf.stages import Reader, Rejected, Transform
 from dh2urdf.studio.edits import begun
 from dh2urdf.table_text import FIELDS, TableText, WrittenTable
@@ -103,8 +104,8 @@ def write_table(table: TableText, reader: Reader[Any], catalog: Catalog) -> Writ
     """
     if reader.write is None:
         raise InputError(Problem(message=f"the reader {reader.name!r} does not write tables", found=reader.name))
-    with blaming(default_call(catalog, reader)):
-        return a_record(reader.write(table), WrittenTable)
+    with blaming(default_call(catalog, reader), "write"):
+        return a_whole_record(reader.write(table), WrittenTable)
 
 
 def read_whole(table: TableText, catalog: Catalog) -> Reading:

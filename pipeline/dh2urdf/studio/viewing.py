@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.attribution import Call, a_record, blaming, default_call
+from dh2urdf.attribution import Call, blaming, default_call
 from dh2urdf.cells import with_tables
 from dh2urdf.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.conversion import make_cell, make_robot, read_items
@@ -17,6 +17,7 @@ from dh2urdf.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stage_answers import a_whole_record
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.reading import transform_call
@@ -87,8 +88,7 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
     if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
         yield from _of_run(path, catalog)
         return
-    suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
-    if path.name.lower().endswith(tuple(suffixes)):
+    if catalog.is_table(path):
         transform = transform_call(catalog, "exact")
         for item in read_items(default_call(catalog, catalog.reader_for(path)), path):
             arm = _accepted(item)
@@ -98,8 +98,8 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
     if (reading := emitter.read_foreign or emitter.read_back) is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
     given = expanded_with(emitter, expansion, path) if emitter.expandable else ()
-    with blaming(default_call(catalog, emitter)):
-        robot = a_record(reading(path, *given), Robot)
+    with blaming(default_call(catalog, emitter), "read_foreign" if emitter.read_foreign else "read_back"):
+        robot = a_whole_record(reading(path, *given), Robot)
     yield Figure(robot=robot, title=robot.name or path.stem)
 
 

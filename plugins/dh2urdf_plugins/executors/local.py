@@ -22,9 +22,10 @@ from operator import length_hint
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
-from dh2urdf.errors import ExecutorError
+from dh2urdf.at_work import MARK, Place, unmarked
+from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import ChildFailure
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import Executor, Lost
 from dh2urdf_plugins.executors.window import handed_over
 
@@ -36,6 +37,8 @@ AHEAD = 4
 """Tasks per process that wait or are under way, so that the tasks of a long run are never all held."""
 TRIES = 2
 """Workers that a task may cost before it is lost: the first may have been killed for the sake of others."""
+MOST_LINES = 100
+"""Lines of what C code and other programs print during a task that are passed on [1]."""
 
 _SCRIPT = Path(__file__).with_name("local_worker.py")
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
@@ -97,6 +100,7 @@ class _Pool:
         from concurrent.futures import ThreadPoolExecutor
 
         self._function = pickle.dumps(function)
+        self._whose = " or ".join(name for name in getattr(function, "distributions", ()) if name != "dh2urdf")
         self._threads = ThreadPoolExecutor(workers)
         self._workers: list[_Worker] = []
         self._idle: list[_Worker] = []
@@ -114,6 +118,7 @@ class _Pool:
             worker = self._take(fresh=tried > 0)
             answer = worker.ask(data)
             if answer:
+                worker.pass_on(self._whose)
                 self._idle.append(worker)
                 return _result(answer)
             reason = worker.reason()
@@ -166,6 +171,10 @@ def _result(answer: tuple[Any, ...]) -> Any:  # noqa: ANN401 - the result of the
         case ("raised", error, traceback):
             raise pickle.loads(error) from ChildFailure("", traceback)  # noqa: S301 - our own worker sent it
         case _:
+            with contextlib.suppress(ImportError, AttributeError):  # of what the worker could not import either
+                error = pickle.loads(answer[2])  # noqa: S301 - our own worker sent it
+                if isinstance(error, PluginError):  # It says whose fault it is.
+                    raise error
             raise ExecutorError(
                 Problem(
                     message=f"a worker process cannot take the work over: {answer[1]}",
@@ -178,6 +187,7 @@ class _Worker:
     """A worker process, in a session of its own, with all that it starts: Ctrl-C in a terminal reaches none of them."""
 
     def __init__(self, function: bytes) -> None:
+        self._place = Place()
         try:
             self._printed = tempfile.TemporaryFile("a+b", buffering=0)  # noqa: SIM115 - closed where it is read
             self._process = subprocess.Popen(  # noqa: S603 - our own script
@@ -186,6 +196,7 @@ class _Worker:
                 stdout=subprocess.PIPE,
                 stderr=self._printed,
                 start_new_session=True,
+                **self._place.for_child(),
             )
         except OSError as error:
             raise ExecutorError(
@@ -211,7 +222,8 @@ class _Worker:
     def ask(self, task: bytes) -> tuple[Any, ...]:
         """The worker's answer to a task; empty where it died before."""
         try:
-            os.ftruncate(self._printed.fileno(), 0)
+            self._printed.seek(0)  # The worker writes at the same place.
+            self._printed.truncate()
             if not self.is_ready:
                 answer = self._exchange(self._first)
                 if answer != ("ready",):
@@ -225,6 +237,24 @@ class _Worker:
         pickle.dump(message, self._messages)
         self._messages.flush()
         return cast("tuple[Any, ...]", pickle.load(self._answers))  # noqa: S301 - our own worker sent it
+
+    def pass_on(self, whose: str) -> None:
+        """Prints on standard error what C code and other programs printed during the task.
+
+        Args:
+            whose: the distributions that may have printed it.
+        """
+        if (size := os.fstat(self._printed.fileno()).st_size) > 0:
+            lines = unmarked(self._text())
+            if size > _KEPT or len(lines) > MOST_LINES:
+                lines = [f"[the last {MOST_LINES} lines of {size:,} bytes]", *lines[-MOST_LINES:]]
+            name = f"a stage of {whose}" if whose else "a worker"
+            sys.stderr.write("".join(f"{name} prints: {printable(line)}\n" for line in lines))
+
+    def _text(self) -> str:
+        """The end of what it printed."""
+        self._printed.seek(max(0, self._printed.seek(0, os.SEEK_END) - _KEPT))
+        return self._printed.read().decode("utf-8", "replace")
 
     def is_alive(self) -> bool:
         """Whether it can be given a task."""
@@ -243,14 +273,15 @@ class _Worker:
             end = f"the worker crashed ({name}, {(signal.strsignal(-status) or 'unknown').lower()})"
         else:
             end = f"the worker left with exit status {status}"
+        if who := self._place.who():
+            end = f"{end} while {who} was at work"
         words = self._last_words()
         self.close()
         return f"{end}; it printed last: {shown(words, _LAST_WORDS)}" if words else end
 
     def _last_words(self) -> str:
         """The end of what it printed; of what faulthandler says, where the thread was that failed, or the main one."""
-        self._printed.seek(max(0, self._printed.seek(0, os.SEEK_END) - _KEPT))
-        printed = self._printed.read().decode("utf-8", "replace").rstrip() + "\n"
+        printed = self._text().replace(MARK, "").rstrip() + "\n"
         *_, fault = None, *_FAULT.finditer(printed)
         if fault:
             stacks = list(_STACK.finditer(printed, fault.end()))
@@ -274,7 +305,7 @@ class _Worker:
 
     def close(self) -> None:
         """Closes the pipes and the file of a worker that is gone."""
-        for stream in (self._messages, self._answers, self._printed):
+        for stream in (self._messages, self._answers, self._printed, self._place):
             with contextlib.suppress(OSError):
                 stream.close()
 

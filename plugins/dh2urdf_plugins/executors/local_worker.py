@@ -2,8 +2,9 @@
 
 It is started by its path, so what it needs before it knows the parent's folders of modules is the standard library's.
 Messages are pickles of tuples. The first to come is (``sys.path``, the pickled function); each further one is a pickled
-task. Back go ``("ready",)`` or ``("unusable", why)`` once, then for every task ``("value", pickled result)`` or
-``("raised", pickled exception, traceback)``. What anybody prints, from C too, goes to standard error.
+task. Back go ``("ready",)`` or ``("unusable", why, pickled exception)`` once, then for every task
+``("value", pickled result)`` or ``("raised", pickled exception, traceback)``. What anybody prints, from C too, goes to
+standard error.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ def main() -> None:
     os.dup2(2, 1)
     with Path(os.devnull).open("rb") as nothing:
         os.dup2(nothing.fileno(), 0)
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(line_buffering=True)  # The parent passes on what is printed, after each task.
     received: SimpleQueue[Any] = SimpleQueue()
     threading.Thread(target=_receive, args=(messages, received), daemon=True).start()
     sys.path[:], pickled_function = received.get()
@@ -42,7 +45,7 @@ def main() -> None:
         claim()
         function = pickle.loads(pickled_function)  # noqa: S301 - our own parent sent it
     except Exception as error:  # noqa: BLE001 - unpickling imports modules, which may raise anything
-        _send(answers, ("unusable", f"{type(error).__name__}: {error}"))
+        _send(answers, ("unusable", f"{type(error).__name__}: {error}", _pickled(error)))
         return
     _send(answers, ("ready",))
     while True:

@@ -42,7 +42,7 @@ def test_the_same_as_json(cli: Callable[..., Answer]) -> None:
     listed = json.loads(cli("plugins", "--json").stdout)
     Draft202012Validator(json.loads(cli("schema", "plugins").stdout)).validate(listed)
     assert (listed["version"], listed["interface"]) == (__version__, INTERFACE_VERSION)
-    assert [listed[what] for what in ("clashes", "broken", "incompatible", "left_out")] == [[], [], [], []]
+    assert [listed[what] for what in ("clashes", "shadowed", "broken", "incompatible", "left_out")] == [[]] * 5
     stages = {(stage["kind"], stage["name"]): stage for stage in listed["stages"]}
     assert {("reader", "csv"), ("reader", "yaml"), ("transform", "alpha-swap"), ("emitter", "urdf"), ("emitter", "xacro"),
             ("loader", "pybullet"), ("executor", "local")} <= set(stages)  # fmt: skip

@@ -114,13 +114,17 @@ class TestProcesses:
         results.close()  # type: ignore[attr-defined]
         assert not any(map(is_running, workers))
 
-    def test_what_a_worker_prints_does_not_reach_the_terminal(
+    def test_what_a_worker_prints_reaches_standard_error(
         self, functions: ModuleType, capfd: pytest.CaptureFixture[str]
     ) -> None:
-        """A progress bar stays whole, however much a stage prints."""
-        texts = ["WARNING: a screw is loose\n" * 10_000] * 4
+        """Line by line after each task, in bounds, however much a stage prints; standard output has nothing of it."""
+        texts = ["WARNING: a screw is loose\n", "WARNING: a screw is loose\n" * 10_000] * 2
         assert list(map_locally(functions.print_much, texts, TWO)) == [len(text) for text in texts]
-        assert capfd.readouterr() == ("", "")
+        printed = capfd.readouterr()
+        assert printed.out == ""
+        line = "a worker prints: WARNING: a screw is loose"
+        bound = f"a worker prints: [the last 100 lines of {4 * len(texts[1]) + 2:,} bytes]"
+        assert sorted(printed.err.splitlines()) == sorted([line] * (2 * 4 + 2 * 100) + [bound] * 2)
 
 
 class TestErrors:

@@ -1,0 +1,228 @@
+"""What stages give, held against what `dh2urdf.stages` says: the types in records, and the names of files.
+
+A fault is a TypeError or ValueError, raised where the stage is called, so that it is told as the stage's own. The types
+come from the annotations of the records, so that no field can be forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import is_dataclass
+from functools import cache
+from types import NoneType, UnionType
+from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from dh2urdf.source import shown
+from dh2urdf.stages import EmittedFile
+
+T = TypeVar("T")
+
+_LONG = 60  # characters of a value that a message repeats
+
+
+def a_record(value: T, *kinds: type[Any]) -> T:
+    """What a stage gave, which is of one of these kinds.
+
+    Raises:
+        TypeError: it is something else, which a third party's stage may well give.
+    """
+    if not isinstance(value, kinds):
+        wanted = " or ".join(
+            _name(kind) if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__name__}" for kind in kinds
+        )
+        raise TypeError(f"it gave {_name(type(value))}, not {wanted}")
+    return value
+
+
+def a_whole_record(value: T, *kinds: type[Any]) -> T:
+    """What a stage gave, which is of one of these kinds, and so is all that is in it.
+
+    Raises:
+        TypeError: something in it has another type than its field says.
+    """
+    a_record(value, *kinds)
+    kind: Any = type(value)
+    misfit = _check_of(kind)(value)
+    if misfit:
+        name = kind.__name__
+        what = f"{'an' if name[0] in 'AEIO' else 'a'} {name} whose {misfit.path.lstrip('.')}"
+        raise TypeError(f"it gave {what} is {misfit.found}, not {misfit.wanted}")
+    return value
+
+
+def items_of(value: Iterable[T] | None, kind: type[Any] | str) -> Iterator[T]:
+    """What a stage gives one by one.
+
+    Raises:
+        TypeError: it gave nothing of which there can be several.
+    """
+    if not isinstance(value, Iterable) or isinstance(value, (str, bytes)):
+        wanted = kind if isinstance(kind, str) else f"several of {kind.__module__}.{kind.__name__}"
+        raise TypeError(f"it gave {_name(type(value))}, not {wanted}")
+    return iter(value)
+
+
+def whole_records(value: Iterable[T] | None, kind: type[T]) -> list[T]:
+    """Several records that a stage gave.
+
+    Raises:
+        TypeError: one of them, or something in it, is something else.
+    """
+    return [a_whole_record(each, kind) for each in items_of(value, kind)]
+
+
+def emitted_files(value: Iterable[EmittedFile] | None) -> list[EmittedFile]:
+    """The files that an emitter gave.
+
+    Raises:
+        TypeError: one of them is no file, its name is no text, or its content is not bytes.
+        ValueError: a name is not that of a file in the output folder itself.
+    """
+    files = list(items_of(value, EmittedFile))
+    for file in files:
+        if type(file) is not EmittedFile or type(file.name) is not str or type(file.content) is not bytes:
+            a_whole_record(file, EmittedFile)
+        a_plain_name(file.name)
+    return files
+
+
+def a_plain_name(name: str) -> str:
+    """The name of a file without a folder.
+
+    Raises:
+        ValueError: it leads somewhere else, or no file can have it.
+    """
+    if not name or name in {".", ".."} or not {"/", "\\", "\0"}.isdisjoint(name):
+        raise ValueError(f"{shown(name)} is not a plain file name; accepted: a name without a folder")
+    return name
+
+
+# --- Types -----------------------------------------------------------------------------------------------------------
+
+
+class _Misfit(NamedTuple):
+    """A value that is not of the type of its field.
+
+    Attributes:
+        path: where it is: ``.rows[2].a``.
+        found: the value and its type.
+        wanted: the type of the field.
+    """
+
+    path: str
+    found: str
+    wanted: str
+
+
+_Check = Callable[[Any], "_Misfit | None"]
+
+
+@cache
+def _check_of(hint: Any) -> _Check:  # noqa: ANN401 - an annotation
+    origin, arguments = get_origin(hint), get_args(hint)
+    if hint is Any:
+        return lambda _: None
+    if origin in (UnionType, Union):
+        return _union(hint, [_check_of(each) for each in arguments])
+    if origin is Literal:
+        return lambda value: None if value in arguments else _misfit(value, " or ".join(map(repr, arguments)))
+    if arguments:
+        return _of_parts(hint, origin, arguments)
+    if is_dataclass(hint) or hasattr(hint, "_fields"):
+        return _record(hint)
+    accepted = (int, float) if hint is float else (hint,)
+    return lambda value: None if _is_of(value, accepted) else _misfit(value, _name(hint))
+
+
+def _of_parts(hint: Any, origin: Any, arguments: tuple[Any, ...]) -> _Check:  # noqa: ANN401 - an annotation
+    if origin is tuple and arguments[-1] is not Ellipsis:
+        return _fixed(hint, [_check_of(each) for each in arguments])
+    if issubclass(origin, Mapping):
+        return _mapping(hint, origin, *map(_check_of, arguments))
+    return _several(hint, origin, _check_of(arguments[0]))
+
+
+def _is_of(value: Any, accepted: tuple[Any, ...]) -> bool:  # noqa: ANN401 - whatever a stage gave
+    return isinstance(value, accepted) and (bool in accepted or not isinstance(value, bool) or object in accepted)
+
+
+def _record(kind: Any) -> _Check:  # noqa: ANN401 - a dataclass or a tuple with names
+    checks: list[tuple[str, _Check]] = []
+
+    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
+        if not isinstance(value, kind):
+            return _misfit(value, _name(kind))
+        if not checks:  # Not before: a record may hold records of its own kind.
+            checks.extend((name, _check_of(hint)) for name, hint in get_type_hints(kind).items())
+        for name, each in checks:
+            if found := each(getattr(value, name)):
+                return found._replace(path=f".{name}{found.path}")
+        return None
+
+    return check
+
+
+def _union(hint: Any, checks: list[_Check]) -> _Check:  # noqa: ANN401 - an annotation
+    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
+        found = [each(value) for each in checks]
+        if None in found:
+            return None
+        # A member whose own parts do not fit says more than that no member fits.
+        return next((each for each in found if each and each.path), _misfit(value, _name(hint)))
+
+    return check
+
+
+def _several(hint: Any, kind: Any, each: _Check) -> _Check:  # noqa: ANN401 - an annotation
+    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
+        if not isinstance(value, kind) or isinstance(value, (str, bytes)):
+            return _misfit(value, _name(hint))
+        for number, item in enumerate(value):
+            if found := each(item):
+                return found._replace(path=f"[{number}]{found.path}")
+        return None
+
+    return check
+
+
+def _fixed(hint: Any, checks: list[_Check]) -> _Check:  # noqa: ANN401 - an annotation
+    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
+        if not isinstance(value, tuple) or len(value) != len(checks):
+            return _misfit(value, _name(hint))
+        for number, (each, item) in enumerate(zip(checks, value, strict=True)):
+            if found := each(item):
+                return found._replace(path=f"[{number}]{found.path}")
+        return None
+
+    return check
+
+
+def _mapping(hint: Any, kind: Any, key: _Check, each: _Check) -> _Check:  # noqa: ANN401 - an annotation
+    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
+        if not isinstance(value, kind):
+            return _misfit(value, _name(hint))
+        for name, item in value.items():
+            if found := key(name) or each(item):
+                return found._replace(path=f"[{name!r}]{found.path}")
+        return None
+
+    return check
+
+
+def _misfit(value: Any, wanted: str) -> _Misfit:  # noqa: ANN401 - whatever a stage gave
+    try:
+        text = repr(value)
+    except Exception as error:  # noqa: BLE001 - a stranger's __repr__ may raise anything
+        text = f"an object whose repr raises {type(error).__name__}"
+    text = text if len(text) <= _LONG else f"{text[: _LONG - 1]}…"
+    return _Misfit("", text if value is None else f"{text} ({type(value).__name__})", wanted)
+
+
+def _name(hint: Any) -> str:  # noqa: ANN401 - an annotation
+    if hint in (None, NoneType):
+        return "None"
+    if get_origin(hint) in (UnionType, Union):
+        return " or ".join(map(_name, get_args(hint)))
+    if isinstance(hint, type) and not get_args(hint):
+        return hint.__name__
+    return str(hint).replace("typing.", "").replace("collections.abc.", "").replace("dh2urdf.", "")

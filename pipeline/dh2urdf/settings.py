@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import Node
+from dh2urdf.documents import Node, load_yaml
 from dh2urdf.errors import ConfigError
 from dh2urdf.options import COMMAND_LINE, word_node
 from dh2urdf.source import Problem, did_you_mean, shown
@@ -13,6 +14,8 @@ from dh2urdf.source import Problem, did_you_mean, shown
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+_STRUCTURED = re.compile(r"""^[\[{"']|:\s|:$""")
+"""What a word has where its writer meant more than a plain text."""
 MAX_KEYS = 16
 """Names in the key of a setting [1]."""
 
@@ -41,7 +44,27 @@ def with_setting(root: Node, setting: str, sections: Sequence[str]) -> Node:
         )
     if len(keys) > MAX_KEYS:
         raise _error(setting, f"has a key of {len(keys)} names", accepted=f"at most {MAX_KEYS}")
-    return _put(root, keys, word_node(word.strip()), setting)
+    word = word.strip()
+    if _STRUCTURED.search(word):
+        _refuse_broken(word, setting)
+    return _put(root, keys, word_node(word), setting)
+
+
+def _refuse_broken(word: str, setting: str) -> None:
+    """Refuses what is meant as a list, a mapping or a quoted text and is none; `*.csv` is no YAML, but a text.
+
+    Raises:
+        ConfigError: the word cannot be read.
+    """
+    try:
+        load_yaml(word, COMMAND_LINE.file)
+    except ConfigError as error:
+        raise _error(
+            setting,
+            f"cannot be read: {error.problems[0].message}",
+            accepted="a value as in a run file: a word, a number, [a, b], {key: value}",
+            suggestion="a text with such characters stands in quotes: --set 'KEY=\"TEXT\"'",
+        ) from None
 
 
 def _put(node: Node, keys: Sequence[str], value: Node, setting: str) -> Node:

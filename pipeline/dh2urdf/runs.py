@@ -25,6 +25,7 @@ from dh2urdf.isolation import run_in_child
 from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
+from dh2urdf.leftovers import Leftovers, clear_leftovers
 from dh2urdf.making import Effect, Maker
 from dh2urdf.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.mesh_section import MeshCall
@@ -95,6 +96,7 @@ class Result:
         seconds: how long the steps took, added up over all workers; `total` is the time that passed [s].
         timings: how long the steps of the first manipulators took [s].
         keeps_kinematics: whether the transform keeps T(q).
+        leftovers: what became of files of the last run that this one has no part in.
     """
 
     def __init__(self, *, keeps_kinematics: bool = True) -> None:
@@ -103,6 +105,7 @@ class Result:
         self.seconds: dict[str, float] = {}
         self.timings: list[dict[str, Any]] = []
         self.keeps_kinematics = keeps_kinematics
+        self.leftovers = Leftovers()
 
     @property
     def made(self) -> int:
@@ -206,7 +209,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
 
 
 def execute(
-    plan: Plan, *, resume: bool = False, dry_run: bool = False, note: Note | None = None
+    plan: Plan, *, resume: bool = False, dry_run: bool = False, keep: bool = False, note: Note | None = None
 ) -> tuple[Result, RunReport]:
     """Do a run.
 
@@ -214,6 +217,7 @@ def execute(
         plan: what to do.
         resume: keep what earlier runs into the same place have finished, where it is whole and nothing of it changed.
         dry_run: read, transform and check, but write nothing.
+        keep: leave the files of the last run into the same place that this one has no part in.
         note: is told of every batch as it comes, as soon as something could be read, and how many manipulators the run
             will probably have.
 
@@ -258,6 +262,9 @@ def execute(
                 write_html(store, ledger.overview, exhibits, plan.recipe, plan.layout)
             else:
                 store.remove(PAGE)  # An older one would tell of another run.
+            # While the old manifest stands there, as what is removed is known from it alone.
+            kept_meshes = plan.recipe.mesh_prefix is None
+            result.leftovers = clear_leftovers(store, rows, keep=keep, keep_meshes=kept_meshes)
             result.seconds["total"] = time.perf_counter() - started
             write_timing(store, result)
         store.put(MANIFEST, path)

@@ -67,6 +67,8 @@ def write_reports(store: Store, ledger: Ledger, result: Result) -> RunReport:
         with reporting_os_errors(f"{store}/{TABLE}"):
             ledger.table.finish(ledger.rows)
         store.put(TABLE, ledger.table.path)
+    else:
+        store.remove(TABLE)  # An older one would tell of another run.
     return report
 
 

@@ -60,7 +60,7 @@ class Plan:
 
     Attributes:
         inputs: files with the reader of each.
-        repeated: notices of files that the run file names more than once, by path.
+        input_notices: what there is to say of inputs before they are read, by path.
         recipe: what is done with every manipulator.
         key: the recipe's, by which a later run knows files that are still right.
         store: where the output goes.
@@ -84,7 +84,7 @@ class Plan:
     html: bool = True
     meshes: tuple[MeshCall, ...] = ()
     files: tuple[Path, ...] = ()
-    repeated: Mapping[Path, Problem] = field(default_factory=dict)
+    input_notices: Mapping[Path, Problem] = field(default_factory=dict)
 
 
 class Result:
@@ -204,7 +204,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         variations=config.variations,
         html=config.html,
         meshes=config.meshes,
-        repeated=asked.repeated,
+        input_notices=asked.notices,
     )
 
 

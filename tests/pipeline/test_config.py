@@ -134,19 +134,19 @@ def test_a_pattern_finds_no_hidden_files(folder: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_searched_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The folders of running processes come and go while a pattern is looked for."""
+    """What the system says of a folder of running processes, word for word."""
 
-    def gone(*_: object) -> list[Path]:
+    def gone(path: str) -> None:
         raise OSError(22, "Invalid argument", "/proc/1/net")
 
-    monkeypatch.setattr("dh2urdf.config._matches", gone)
+    monkeypatch.setattr("os.scandir", gone)
     (message,) = problems(folder, "inputs: '/**'\n")
     assert "'/**': '/proc/1/net' cannot be searched: Invalid argument" in message
 
 
 def test_a_pattern_has_a_bound(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A pattern that matches half a disk is told, not followed."""
-    monkeypatch.setattr("dh2urdf.config.MAX_FILES", 1)
+    monkeypatch.setattr("dh2urdf.file_patterns.MAX_FILES", 1)
     (message,) = problems(folder, "inputs: 'tables/?.csv'\n")
     assert "more than 1 files match 'tables/?.csv'" in message
 

@@ -65,7 +65,7 @@ def matching(folder: Path, pattern: str) -> Matches:
     if len(paths) > MAX_FILES:
         message = f"more than {MAX_FILES} files match {shown(pattern)}"
         raise ConfigError(Problem(message=message, accepted=f"at most {MAX_FILES} files for one pattern"))
-    closed = [f"{shown(path, LONG_PATH)} cannot be searched: {why}" for path, why in search.closed.items()]
+    closed = [f"{shown(os.path.normpath(path), LONG_PATH)} cannot be searched: {why}" for path, why in search.closed.items()]
     told = "".join([*closed[:1], *([f"; {len(closed) - 1} more folders neither"] if len(closed) > 1 else [])])
     if not paths:
         message = f"no file matches {shown(pattern)} in the folder {shown(str(folder.absolute()), LONG_PATH)}"

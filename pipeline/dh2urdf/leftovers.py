@@ -7,7 +7,7 @@ somebody's work, and stays; so does one that the new run reads.
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -61,7 +61,7 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
         keep_meshes: leave copies of meshes alone: descriptions may name them as originals.
 
     Raises:
-        OutputError: a file cannot be removed.
+        OutputError: a file cannot be removed, or the old manifest cannot be read.
     """
     found = Leftovers()
     if not store.size(MANIFEST) or _is_same(store, rows):
@@ -102,7 +102,11 @@ def _clear(store: Store, names: Iterable[str], found: Leftovers, *, keep: bool, 
         elif keep:
             found.kept += 1
         else:
-            store.remove(name)
+            try:
+                store.remove(name)
+            except OutputError as error:
+                hint = "`--keep` leaves files of an earlier run where they are"
+                raise OutputError([replace(problem, suggestion=hint) for problem in error.problems]) from error
             found.removed += 1
 
 

@@ -249,7 +249,7 @@ def execute(
         with path.open("w+b") as rows:
             ledger = Ledger(rows, f"{store}/{MANIFEST}")
             if can_write_parquet():
-                ledger.table = ManifestTable(folder / TABLE)
+                ledger.table = ManifestTable(folder / TABLE, f"{store}/{TABLE}")
             if plan.html and can_write_html():
                 ledger.overview = Overview(FULL, ledger.index)
             try:

@@ -96,12 +96,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kills", type=int, default=20, help="how often each run is killed")
     parser.add_argument("--count", type=int, default=3000, help="manipulators of each run")
+    parser.add_argument("--layouts", nargs="+", choices=LAYOUTS, default=LAYOUTS)
+    parser.add_argument("--executors", nargs="+", choices=("local", "dask"), default=("local", "dask"))
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     failed = False
     print(f"{'layout':8} {'executor':9} {'kills':>5} {'runs to the end':>15}  differences")
-    for layout in LAYOUTS:
-        for stage, workers in EXECUTORS:
+    for layout in given.layouts:
+        for stage, workers in (each for each in EXECUTORS if each[0] in given.executors):
             rng = random.Random(f"{given.seed} {layout} {stage} {workers}")
             size = "" if layout == "files" else ", size: 100"
             with tempfile.TemporaryDirectory(prefix="dh2urdf-kills-") as name:

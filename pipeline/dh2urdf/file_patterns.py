@@ -65,7 +65,9 @@ def matching(folder: Path, pattern: str) -> Matches:
     if len(paths) > MAX_FILES:
         message = f"more than {MAX_FILES} files match {shown(pattern)}"
         raise ConfigError(Problem(message=message, accepted=f"at most {MAX_FILES} files for one pattern"))
-    closed = [f"{shown(os.path.normpath(path), LONG_PATH)} cannot be searched: {why}" for path, why in search.closed.items()]
+    closed = [
+        f"{shown(os.path.normpath(path), LONG_PATH)} cannot be searched: {why}" for path, why in search.closed.items()
+    ]
     told = "".join([*closed[:1], *([f"; {len(closed) - 1} more folders neither"] if len(closed) > 1 else [])])
     if not paths:
         message = f"no file matches {shown(pattern)} in the folder {shown(str(folder.absolute()), LONG_PATH)}"
@@ -91,7 +93,9 @@ class _Search:
         path = Path(pattern)
         self._start = Path(path.anchor) if path.anchor else folder
         parts = path.parts[1:] if path.anchor else path.parts
-        self._parts = [part for place, part in enumerate(parts) if part != _DEEP or parts[place - 1 : place] != (_DEEP,)]
+        self._parts = [
+            part for place, part in enumerate(parts) if part != _DEEP or parts[place - 1 : place] != (_DEEP,)
+        ]
         flags = re.IGNORECASE if sys.platform == "win32" else 0
         self._tests = [re.compile(fnmatch.translate(part), flags) for part in self._parts]
         self.passed = 0

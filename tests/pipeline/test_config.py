@@ -136,7 +136,7 @@ def test_a_pattern_finds_no_hidden_files(folder: Path) -> None:
 def test_a_folder_that_cannot_be_searched_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the system says of a folder of running processes, word for word."""
 
-    def gone(path: str) -> None:
+    def gone(*_: object) -> None:
         raise OSError(22, "Invalid argument", "/proc/1/net")
 
     monkeypatch.setattr("os.scandir", gone)

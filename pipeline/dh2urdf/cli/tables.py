@@ -49,7 +49,9 @@ def table_options(function: F) -> F:
             click.option("--length-unit", metavar="UNIT", help="Unit of lengths without one: m, cm or mm."),
             click.option("--angle-unit", metavar="UNIT", help="Unit of angles without one: rad or deg."),
             click.option(
-                "--units", metavar="YAML", help='Units by what they measure: "{length: mm, inertia: kg·mm²}", "mm, deg".'
+                "--units",
+                metavar="YAML",
+                help='Units by what they measure: "{length: mm, inertia: kg·mm²}", "mm, deg".',
             ),
             click.option(
                 "--base",

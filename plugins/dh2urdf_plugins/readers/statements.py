@@ -56,7 +56,8 @@ class TableOptions:
         default=None, metadata={"help": "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"}
     )
     mesh_links: bool = field(
-        default=False, metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"}
+        default=False,
+        metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
     )
 
     def __post_init__(self) -> None:

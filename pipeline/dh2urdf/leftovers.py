@@ -6,6 +6,7 @@ somebody's work, and stays; so does one that the new run reads.
 
 from __future__ import annotations
 
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 _BLOCK = 1 << 20
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Leftovers:
     """What became of the files of the last run that the new one has no part in.
 
@@ -63,9 +64,9 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
     Raises:
         OutputError: a file cannot be removed, or the old manifest cannot be read.
     """
-    found = Leftovers()
     if not store.size(MANIFEST) or _is_same(store, rows):
-        return found
+        return Leftovers()
+    found: Counter[str] = Counter()
     rows.seek(0)
     named = SeenNames()
     digests: set[str] = set()
@@ -89,25 +90,25 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
     for name in _left(meshes, named):
         if meshes[name] not in digests:
             _clear(store, [name], found, keep=keep, whole=_digest(store, name) == meshes[name])
-    return found
+    return Leftovers(**found)
 
 
-def _clear(store: Store, names: Iterable[str], found: Leftovers, *, keep: bool, whole: bool) -> None:
+def _clear(store: Store, names: Iterable[str], found: Counter[str], *, keep: bool, whole: bool) -> None:
     """Removes files that the last run wrote, if they are there and nobody has changed them."""
     for name in names:
         if store.size(name) is None or store.is_protected(name):
             continue
         if not whole:
-            found.changed += 1
+            found["changed"] += 1
         elif keep:
-            found.kept += 1
+            found["kept"] += 1
         else:
             try:
                 store.remove(name)
             except OutputError as error:
                 hint = "`--keep` leaves files of an earlier run where they are"
                 raise OutputError([replace(problem, suggestion=hint) for problem in error.problems]) from error
-            found.removed += 1
+            found["removed"] += 1
 
 
 def _is_same(store: Store, rows: BinaryIO) -> bool:

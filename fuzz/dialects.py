@@ -2,102 +2,27 @@
 
 from __future__ import annotations
 
-import codecs
 import json
 import re
-from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
-from known_arms import COM, LIMITS, TENSOR, Text, words
+from file_texts import NUMBER, WORDS, File, flow, statements
+from known_arms import COM, LIMITS, TENSOR
+from known_tables import GROUPS
+from known_units import as_matrix
+from known_words import header_words
+from row_dialects import as_csv, as_xlsx, first_headers
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
     from pathlib import Path
 
-    from known_tables import Arm, Table
+    from known_quantities import Text
+    from known_tables import Arm, Column, Table
 
-WORDS = ("joint", "link", "type", "sign", "flip")
-"""Fields whose cells are no quantities; of these, sign and flip are written the same in every dialect."""
-_NUMBER = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]+)?(e-?[0-9]+)?")
-_SAFE = re.compile(r"[-+.(]?[^\W_][\w .°·²*/()+−-]*(?<! )")
-_WORD_OF_YAML = re.compile(r"(?i)true|false|yes|no|on|off|null|~|[-+]?\.?(inf|nan)|[yn]")
-
-
-@dataclass(frozen=True)
-class File:
-    """A file, and what describes its dialect in figures."""
-
-    suffix: str
-    content: bytes
-    dialect: str
-
-
-# --- CSV --------------------------------------------------------------------------------------------------------------
-
-
-def as_csv(rng: random.Random, table: Table, *, bulk: bool, plain: bool = False) -> File:
-    """A CSV file of all arms of a table, or of its only one."""
-    delimiter = "," if plain else rng.choice(",,;\t")
-    comma = delimiter != "," and rng.random() < 0.5
-    always = not plain and rng.random() < 0.2
-    padding = 0 if plain or rng.random() < 0.7 else rng.randint(1, 4)
-    space = "" if plain or always or rng.random() < 0.6 else " "
-    columns = table.columns
-    header = [column.header for column in columns]
-    lines = [f"# {key}: {flow(value)}" for key, value in _statements(table, bulk=bulk).items()]
-    if not plain and rng.random() < 0.3:
-        lines.insert(rng.randint(0, len(lines)), rng.choice(["", "# from a data sheet, page 12", "#"]))
-
-    def line(texts: Sequence[str]) -> str:
-        cells = [_cell(text, delimiter, always=always) for text in texts] + [""] * padding
-        return delimiter.join(space + cell if space and not cell.startswith('"') else cell for cell in cells)
-
-    before = (["robot"] if bulk else []) + (["convention"] if table.convention_column else [])
-    lines.append(line([*before, *header]))
-    for arm in table.arms:
-        for row in arm.rows:
-            texts = [
-                _with_comma(row[column.field].bare, comma=comma and column.field not in WORDS) for column in columns
-            ]
-            lines.append(line(([arm.known.name] if bulk else []) + list(arm.said.values()) + texts))
-            if not plain and rng.random() < 0.05:
-                lines.append(rng.choice(["", "# a note", delimiter * len(header), " "]))
-    if delimiter != "," and rng.random() < 0.2:
-        lines.insert(0, f"sep={delimiter}")
-    end = "\n" if plain else rng.choice(["\n", "\n", "\r\n", "\r"])
-    encoding = "utf-8" if plain else rng.choice(["utf-8", "utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
-    bom = {"utf-16-le": codecs.BOM_UTF16_LE, "utf-16-be": codecs.BOM_UTF16_BE}.get(encoding, b"")
-    text = end.join(lines) + rng.choice(["", end])
-    dialect = f"csv {delimiter!r} {comma} {always} {bool(padding)} {bool(space)} {end!r} {encoding}"
-    return File(".csv" if delimiter != "\t" else ".tsv", bom + text.encode(encoding), dialect)
-
-
-def _statements(table: Table, *, bulk: bool) -> dict[str, Any]:
-    """What a file of rows says above them."""
-    return table.said if bulk else {"name": table.arms[0].known.name, **table.said}
-
-
-def _cell(text: str, delimiter: str, *, always: bool) -> str:
-    if always or delimiter in text or '"' in text or text.startswith("#"):
-        return '"' + text.replace('"', '""') + '"'
-    return text
-
-
-def _with_comma(text: str, *, comma: bool) -> str:
-    return re.sub(r"(?<=[0-9])\.(?=[0-9])", ",", text) if comma else text
-
-
-def flow(value: Any) -> str:
-    """A value of YAML in one line."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{flow(key)}: {flow(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(flow, value)) + "]"
-    if value is None:
-        return "null"
-    return value if _SAFE.fullmatch(value) and not _WORD_OF_YAML.fullmatch(value) else json.dumps(value)
+__all__ = ["WRITERS", "File", "as_arguments", "as_csv", "flow", "write"]
 
 
 # --- YAML and JSON ----------------------------------------------------------------------------------------------------
@@ -123,7 +48,7 @@ def as_json(rng: random.Random, table: Table, *, bulk: bool) -> File:
             return {key: leaf(item) for key, item in value.items()}
         if isinstance(value, list):
             return list(map(leaf, value))
-        if isinstance(value, str) and not quoted and _NUMBER.fullmatch(value):
+        if isinstance(value, str) and not quoted and NUMBER.fullmatch(value):
             numbers.append(value)
             return f"\x00{len(numbers) - 1}\x00"
         return value
@@ -141,32 +66,34 @@ def _document(rng: random.Random, table: Table, *, bulk: bool) -> dict[str, Any]
 def _mapping(rng: random.Random, table: Table, arm: Arm) -> dict[str, Any]:
     said = {"name": arm.known.name, **table.said, **arm.said}
     nested, listed = rng.random() < 0.5, rng.random() < 0.5
-    keys = {column.field: _key(rng, column.field) for column in table.columns}
+    keys = {part: _key(rng, part, table.language) for column in table.columns for part in parts_of(column)}
     joints = [_joint(table, row, keys, nested=nested, listed=listed) for row in arm.rows]
     return {**said, "joints": joints}
 
 
-def _key(rng: random.Random, field: str) -> str:
-    choices = [word for word in words("headers", field) if re.fullmatch(r"[\w ]+", word) and word.isascii()]
+def _key(rng: random.Random, field: str, language: str) -> str:
+    found = [*header_words(field, language), *header_words(field)]
+    choices = [word for word in found if re.fullmatch(r"[\w ]+", word)]
     return rng.choice(choices) if rng.random() < 0.3 else field if field != "joint" else "name"
+
+
+def parts_of(column: Column) -> tuple[str, ...]:
+    """The fields of a column, of which keys of YAML have one each; an index is no key."""
+    return () if column.field == "index" else GROUPS.get(column.field, (column.field,))
 
 
 def _joint(table: Table, row: dict[str, Text], keys: dict[str, str], *, nested: bool, listed: bool) -> dict[str, Any]:
     """A joint: keys have no units, so that every number of a column with a unit has it itself."""
     texts = {
-        column.field: row[column.field].full if column.unit else row[column.field].bare for column in table.columns
+        part: row[part].full if column.unit else row[part].bare for column in table.columns for part in parts_of(column)
     }
     texts = {key: text for key, text in texts.items() if text}
     joint: dict[str, Any] = {}
     if listed and set(COM) <= texts.keys():
         joint["com"] = [texts.pop(key) for key in COM]
     if set(TENSOR) <= texts.keys():
-        xx, yy, zz, xy, xz, yz = (texts.pop(key) for key in TENSOR)
-        joint["inertia"] = (
-            [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-            if listed
-            else dict(zip(TENSOR, (xx, yy, zz, xy, xz, yz), strict=True))
-        )
+        parts = {key: texts.pop(key) for key in TENSOR}
+        joint["inertia"] = as_matrix(parts) if listed else parts
     limits = {key: texts.pop(key) for key in LIMITS if nested and key in texts}
     if limits:
         joint["limits"] = limits
@@ -197,36 +124,45 @@ def as_parquet(rng: random.Random, table: Table, *, bulk: bool) -> File:
     import pyarrow as pa
     from pyarrow import parquet
 
-    columns: dict[str, list[str]] = {}
+    in_metadata = rng.random() < 0.4
+    columns: list[tuple[str, list[str], bool, dict[str, str]]] = []
+    before = first_headers(rng, table, bulk=bulk)
     if bulk:
-        columns["robot"] = [arm.known.name for arm in table.arms for _ in arm.rows]
+        columns.append((before[0], [arm.known.name for arm in table.arms for _ in arm.rows], True, {}))
     if table.convention_column:
-        columns["convention"] = [arm.said["convention"] for arm in table.arms for _ in arm.rows]
+        columns.append((before[-1], [arm.said["convention"] for arm in table.arms for _ in arm.rows], True, {}))
     for column in table.columns:
-        columns[column.header] = [row[column.field].bare for arm in table.arms for row in arm.rows]
-    words_ = {"robot", "convention", *(column.header for column in table.columns if column.field in WORDS)}
-    arrays, kinds = {}, []
-    for header, texts in columns.items():
-        kind, array = _array(rng, texts, is_word=header in words_)
-        arrays[header] = array
+        header, unit = column.header, {}
+        if in_metadata and column.parts and column.parts.unit:
+            header, unit = column.parts.stem, {rng.choice(["unit", "units"]): column.parts.unit}
+        texts = [row[column.field].bare for arm in table.arms for row in arm.rows]
+        columns.append((header, texts, column.field in WORDS, unit))
+    arrays, parts, kinds = [], [], []
+    for header, texts, is_word, unit in columns:
+        kind, array = _array(rng, texts, is_word=is_word)
+        arrays.append(array)
+        parts.append(pa.field(header, array.type, metadata=unit or None))
         kinds.append(kind)
-    said = {f"dh2urdf.{key}": flow(value) for key, value in _statements(table, bulk=bulk).items()}
-    schema_table = pa.table(arrays).replace_schema_metadata(said)
+    said = {f"dh2urdf.{key}": flow(value) for key, value in statements(table, bulk=bulk).items()}
+    schema_table = pa.table(arrays, schema=pa.schema(parts, metadata=said))
     file = io.BytesIO()
     parquet.write_table(schema_table, file, row_group_size=rng.choice([1, 7, 100_000]))
-    return File(".parquet", file.getvalue(), f"parquet {' '.join(sorted(set(kinds)))}")
+    return File(".parquet", file.getvalue(), f"parquet {in_metadata} {' '.join(sorted(set(kinds)))}")
 
 
 def _array(rng: random.Random, texts: list[str], *, is_word: bool) -> tuple[str, Any]:
     import pyarrow as pa
 
     gaps = [text or None for text in texts] if rng.random() < 0.5 else texts
-    if is_word or not all(_NUMBER.fullmatch(text) or not text for text in texts):
+    if is_word or not all(NUMBER.fullmatch(text) or not text for text in texts):
         if rng.random() < 0.3:
             return "dictionary", pa.array(gaps, pa.string()).dictionary_encode()
         return "text", pa.array(gaps, rng.choice([pa.string(), pa.large_string()]))
     kinds: dict[str, Callable[[], Any]] = {
         "double": lambda: pa.array([float(text) if text else None for text in texts], pa.float64()),
+        "dictionary of doubles": lambda: pa.array(
+            [float(text) if text else None for text in texts], pa.float64()
+        ).dictionary_encode(),
         "number as text": lambda: pa.array(gaps, pa.string()),
     }
     if all(re.fullmatch("(-?[0-9]{1,9})?", text) for text in texts):
@@ -237,56 +173,20 @@ def _array(rng: random.Random, texts: list[str], *, is_word: bool) -> tuple[str,
     return kind, kinds[kind]()
 
 
-# --- Workbooks --------------------------------------------------------------------------------------------------------
-
-
-def as_xlsx(rng: random.Random, table: Table, *, bulk: bool) -> File:
-    """A workbook, whose table stands anywhere on its sheet, with numbers as numbers or as texts."""
-    import io
-
-    from openpyxl import Workbook
-
-    book = Workbook()
-    sheet = book.active
-    row, left = rng.randint(1, 4), rng.randint(1, 3)
-    numbers, beside = rng.random() < 0.7, rng.random() < 0.5
-    for key, value in _statements(table, bulk=bulk).items():
-        parts = [key, flow(value)] if beside else [f"{rng.choice(['# ', ''])}{key}: {flow(value)}"]
-        for column, text in enumerate(parts, start=left):
-            sheet.cell(row, column, text)
-        row += 1
-    before = (["robot"] if bulk else []) + (["convention"] if table.convention_column else [])
-    for column, text in enumerate([*before, *(column.header for column in table.columns)], start=left):
-        sheet.cell(row, column, text)
-    for arm in table.arms:
-        for cells in arm.rows:
-            row += 1
-            texts = [(text, False) for text in ([arm.known.name] if bulk else []) + list(arm.said.values())]
-            texts += [(cells[column.field].bare, column.field not in WORDS) for column in table.columns]
-            for column, (text, is_quantity) in enumerate(texts, start=left):
-                is_number = is_quantity and numbers and bool(_NUMBER.fullmatch(text))
-                is_number = is_number and float(f"{float(text):.16g}") == float(text)  # openpyxl writes 16 digits
-                if text:
-                    sheet.cell(row, column).value = float(text) if is_number else text
-    file = io.BytesIO()
-    book.save(file)
-    return File(".xlsx", file.getvalue(), f"xlsx {numbers} {beside}")
-
-
 # --- Python -----------------------------------------------------------------------------------------------------------
 
 
 def as_arguments(rng: random.Random, table: Table) -> tuple[Any, dict[str, Any]]:
     """The only arm of a table as rows for `Manipulator.from_dh`, and the other arguments."""
     arm = table.arms[0]
-    numbers = rng.random() < 0.5
+    numbers = rng.random() < 0.5 and not table.in_texts
 
     def value(text: str, field: str) -> Any:
-        if numbers and field not in WORDS and _NUMBER.fullmatch(text):
+        if numbers and field not in WORDS and NUMBER.fullmatch(text):
             return float(text)
         return text
 
-    before = {"convention": arm.said["convention"]} if table.convention_column else {}
+    before = dict(zip(first_headers(rng, table, bulk=False), arm.said.values(), strict=True))
     rows = [
         {**before, **{column.header: value(row[column.field].bare, column.field) for column in table.columns}}
         for row in arm.rows
@@ -298,7 +198,10 @@ def as_arguments(rng: random.Random, table: Table) -> tuple[Any, dict[str, Any]]
 
 
 def _arguments(table: Table) -> dict[str, Any]:
-    return {"name": table.arms[0].known.name, **table.said, **table.options}
+    units = (
+        {**table.said["units"], **table.options["units"]} if {"units"} <= table.said.keys() & table.options else None
+    )
+    return {"name": table.arms[0].known.name, **table.said, **table.options} | ({"units": units} if units else {})
 
 
 WRITERS: dict[str, Callable[..., File]] = {

@@ -4,71 +4,33 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from known_arms import (
-    ANGLE,
     COM,
     CONTINUOUS,
-    EMPTY,
     FIXED,
-    FORCE,
-    INDEXED,
-    INERTIA,
-    LENGTH,
     LIMITS,
-    MASS,
-    PREVIOUS,
     PRISMATIC,
-    RATE,
     REVOLUTE,
-    SCALES,
-    SI,
-    SLIDING,
-    SPEED,
     TENSOR,
-    TORQUE,
-    TURNING,
-    Exact,
     KnownArm,
     KnownRow,
-    Placement,
-    Speller,
-    Text,
-    angle,
     known_row,
-    length,
     name,
-    shift,
-    turn,
-    unit_words,
-    words,
 )
+from known_headers import Header, make_header
+from known_quantities import EMPTY, SCALES, Speller, Text, counts_degrees
+from known_units import DIMENSIONS, Beside, Units, as_matrix
+from known_words import INDEXED, LANGUAGES, PREVIOUS, convention_words, flip_words, type_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-DIMENSIONS = {
-    **dict.fromkeys(("a", "d", *COM, "radius"), (LENGTH, LENGTH)),
-    **dict.fromkeys(("alpha", "theta"), (ANGLE, ANGLE)),
-    **dict.fromkeys(("offset", "lower", "upper"), (ANGLE, LENGTH)),
-    "velocity": (RATE, SPEED),
-    "mass": (MASS, MASS),
-    **dict.fromkeys(TENSOR, (INERTIA, INERTIA)),
-}
-"""What the header of a column may declare: in a table of joints that turn, and in one of joints that slide."""
-KEYS = {
-    "length": (LENGTH,),
-    "angle": (ANGLE,),
-    "mass": (MASS,),
-    "inertia": (INERTIA,),
-    "effort": (TORQUE, FORCE),
-    "velocity": (RATE, SPEED),
-    "damping": (TURNING, SLIDING),
-}
-"""The kinds of quantity whose units a table may declare."""
 ORDER = (
+    "index",
     "joint",
     "link",
     "type",
@@ -80,9 +42,12 @@ ORDER = (
     "sign",
     "flip",
     *LIMITS,
+    "limits",
     "mass",
     *COM,
+    "com",
     *TENSOR,
+    "inertia",
     "radius",
     "damping",
     "friction",
@@ -90,13 +55,25 @@ ORDER = (
 )
 
 
+GROUPS = {"limits": LIMITS[:2], "com": COM, "inertia": TENSOR}
+"""The columns whose cells hold several fields."""
+
+
 @dataclass
 class Column:
-    """A column: its field, its header in tables of rows, and the unit that the header says."""
+    """A column: its field, its header in tables of rows, and the unit that the header says.
+
+    Attributes:
+        field: the field.
+        header: the header, with its unit.
+        unit: the unit; None where the header says none.
+        parts: the header without its unit, and the word for the unit; None where it is one of the page's symbols.
+    """
 
     field: str
     header: str
     unit: str | None = None
+    parts: Header | None = None
 
 
 @dataclass
@@ -118,6 +95,8 @@ class Table:
         said: what is said of all arms, by key; the leaves are texts.
         options: what is said by options of the reader.
         convention_column: whether each row says its convention.
+        language: the language of its headers.
+        in_texts: whether every number has to stay the text that it is, since others show which sign is decimal.
     """
 
     columns: list[Column]
@@ -125,6 +104,8 @@ class Table:
     said: dict[str, Any] = field(default_factory=dict)
     options: dict[str, Any] = field(default_factory=dict)
     convention_column: bool = False
+    language: str = LANGUAGES[0]
+    in_texts: bool = False
 
 
 def make_table(rng: random.Random, count: int, *, plain: bool = False) -> Table:
@@ -138,38 +119,41 @@ def make_table(rng: random.Random, count: int, *, plain: bool = False) -> Table:
     mixed = [(REVOLUTE,), (REVOLUTE, PRISMATIC), (PRISMATIC,), (REVOLUTE, CONTINUOUS, PRISMATIC, FIXED)]
     kinds = rng.choice(mixed)
     fields = _fields(rng, kinds, plain=plain)
-    units = _Units(rng, kinds, fields, plain=plain)
+    units = Units(rng, kinds, fields, plain=plain)
     table = Table([], [])
-    types = {kind: rng.choice(words("types", kind)) for kind in kinds}
-    spelling = _Spelling(rng, units, fields, Speller(rng, plain=plain), types, symbols=rng.random() < 0.3)
+    types = {kind: rng.choice(type_words(kind)) for kind in kinds}
+    groups = frozenset(
+        group for group, parts in GROUPS.items() if not plain and fields.issuperset(parts) and rng.random() < 0.25
+    )
+    spelling = _Spelling(rng, units, fields, groups, Speller(rng, plain=plain), types, symbols=rng.random() < 0.3)
     table.convention_column = rng.random() < 0.1
+    table.language = LANGUAGES[0] if plain or rng.random() < 0.5 else rng.choice(LANGUAGES)
     convention = rng.choice(["standard", "modified"])
     where = "column" if table.convention_column else rng.choice(["said", "option", "both"])
     symbols = {} if plain or rng.random() < 0.7 else INDEXED
     if symbols and convention == "modified" and where != "column" and rng.random() < 0.7:
         symbols = {**INDEXED, **PREVIOUS}
-    table.columns = _columns(rng, fields, units, spelling, symbols)
+    table.columns = _columns(spelling, symbols, table.language)
     if where in ("said", "both"):
-        table.said["convention"] = rng.choice(words("conventions", convention))
+        table.said["convention"] = rng.choice(convention_words(convention))
     if where in ("option", "both"):
-        table.options["convention"] = rng.choice(words("conventions", convention))
+        table.options["convention"] = rng.choice(convention_words(convention))
     units.state(table)
-    shared = {what: _placement(rng, units) for what in ("base", "tool") if rng.random() < 0.4}
-    for what, placement in shared.items():
-        (table.options if rng.random() < 0.3 else table.said)[what] = placement.said
+    example = KnownArm("", convention, [])
+    Beside(rng, units, plain=plain).state(table, example)
+    table.in_texts = not plain and rng.random() < 0.2
     for number in range(count):
-        known = KnownArm(
-            f"r{number}" if plain else name(rng, f"r{number}_"),
-            rng.choice(["standard", "modified"]) if where == "column" else convention,
-            [],
-        )
-        known.base, known.tool = shared.get("base"), shared.get("tool")
+        known = replace(example, name=f"r{number}" if plain else name(rng, f"r{number}_"))
+        if where == "column":
+            known.convention = rng.choice(["standard", "modified"])
         known.rows = [known_row(rng, fields, kinds) for _ in range(rng.randint(1, 7))]
         for k, row in enumerate(known.rows, start=1):
             for what in (what for what in ("joint", "link") if what in fields):
                 setattr(row, what, f"{what}{k}" if plain else name(rng, f"{what[0]}{k}_"))
-        said = {"convention": rng.choice(words("conventions", known.convention))} if where == "column" else {}
-        table.arms.append(Arm(known, said, [spelling.row(row, k) for k, row in enumerate(known.rows, start=1)]))
+        said = {"convention": rng.choice(convention_words(known.convention))} if where == "column" else {}
+        rows = [spelling.row(row, k) for k, row in enumerate(known.rows, start=1)]
+        columns = [column.field for column in table.columns]
+        table.arms.append(Arm(known, said, _like_thousands(rng, rows, columns) if table.in_texts else rows))
     return table
 
 
@@ -177,6 +161,8 @@ def _fields(rng: random.Random, kinds: tuple[str, ...], *, plain: bool) -> froze
     """The fields that a table has a column of."""
     share = 0.6 if plain else rng.choice([0.2, 0.5, 0.9])
     fields = {"a", "alpha", "d"} | ({"type"} if kinds != (REVOLUTE,) or rng.random() < 0.5 else set())
+    if not plain and rng.random() < 0.2:
+        fields.add("index")
     groups: list[tuple[str, ...]] = [
         ("joint",),
         ("link",),
@@ -204,105 +190,6 @@ def _fields(rng: random.Random, kinds: tuple[str, ...], *, plain: bool) -> froze
     return frozenset(fields)
 
 
-# --- Units ------------------------------------------------------------------------------------------------------------
-
-
-class _Units:
-    """Where a table says its units, of each kind of quantity.
-
-    ``said`` in a statement, by an ``option``, in the ``headers`` of every column, in no place but the ``cells``,
-    nowhere, which means SI (``si``), or nowhere for speeds, which then follow lengths and angles (``follow``).
-    """
-
-    def __init__(self, rng: random.Random, kinds: tuple[str, ...], fields: frozenset[str], *, plain: bool) -> None:
-        self.rng = rng
-        self.kinds = kinds
-        self.fields = fields
-        # What is read fast has no units in its cells, and mostly at most one unit that is not SI.
-        places = ("said", "option", "headers", "si", "si") if plain else ("said", "option", "headers", "cells", "si")
-        self.place = {"length": rng.choice(places), "angle": rng.choice(places)}
-        self.unit = {LENGTH: rng.choice(["m", "cm", "mm", "mm", "µm"]), ANGLE: rng.choice(["deg", "deg", "rad"])}
-        for key, dimension in (("length", LENGTH), ("angle", ANGLE)):
-            if self.place[key] == "si":
-                self.unit[dimension] = SI[dimension]
-        all_si = all(self.unit[dimension] == SI[dimension] for dimension in (LENGTH, ANGLE)) and rng.random() < 0.8
-        for key in ("mass", "inertia", "effort", "damping"):
-            choices = ["said"] if plain else ["said", "cells", *(["headers"] if key in ("mass", "inertia") else [])]
-            self.place[key] = "si" if all_si else rng.choice(choices)
-            for dimension in KEYS[key]:
-                self.unit[dimension] = SI[dimension] if all_si else rng.choice(list(SCALES[dimension]))
-        self._place_speeds(plain=plain)
-
-    def _place_speeds(self, *, plain: bool) -> None:
-        stated = {self.place["length"], self.place["angle"]} <= {"said", "option"}
-        bare = (
-            ["follow"] if stated else ["si"] if plain and {self.place["length"], self.place["angle"]} == {"si"} else []
-        )
-        self.place["velocity"] = self.rng.choice([*bare, "said"] if plain else [*bare, "said", "cells"])
-        followed = self.place["velocity"] != "said"
-        for dimension, base in ((SPEED, LENGTH), (RATE, ANGLE)):
-            self.unit[dimension] = f"{self.unit[base]}/s" if followed else self.rng.choice(list(SCALES[dimension]))
-
-    def header(self, name: str) -> str | None:
-        """The unit of a column's header."""
-        turns, slides = bool(set(self.kinds) & {REVOLUTE, CONTINUOUS}), PRISMATIC in self.kinds
-        of_both = DIMENSIONS.get(name)
-        if of_both is None or (turns and slides and of_both[0] != of_both[1]):
-            return None
-        dimension = of_both[slides]
-        return self.unit[dimension] if self.place[key_of(dimension)] == "headers" else None
-
-    def bare(self, name: str, dimension: str) -> str | None:
-        """The unit of a bare number in a column; None where the cell has to say it."""
-        place = self.place[key_of(dimension)]
-        if place == "cells" or (place == "headers" and self.header(name) is None):
-            return None
-        return self.unit[dimension]
-
-    def state(self, table: Table) -> None:
-        """Says the units of a table above its rows, or by options."""
-        said: dict[str, Any] = {}
-        for key, place in self.place.items():
-            spelt = [self.rng.choice(unit_words(dimension, self.unit[dimension])) for dimension in KEYS[key]]
-            if place == "said" or (place == "si" and key in ("length", "angle") and self.rng.random() < 0.3):
-                said[key] = spelt[0] if len(spelt) == 1 else spelt
-            if place == "option" or (key in ("length", "angle") and place == "said" and self.rng.random() < 0.2):
-                table.options[f"{key}_unit"] = spelt[0]
-        if said:
-            flat = said.keys() == {"length", "angle"} and self.rng.random() < 0.4
-            table.said["units"] = ", ".join(said.values()) if flat else said
-
-
-def key_of(dimension: str) -> str:
-    """The kind of a quantity, as tables call it."""
-    return next(key for key, dimensions in KEYS.items() if dimension in dimensions)
-
-
-def _placement(rng: random.Random, units: _Units) -> Placement:
-    """A base or a tool, as xyz and rpy or as a matrix."""
-    speller = Speller(rng)
-    xyz = [length(rng) for _ in "xyz"]
-    rpy = [angle(rng) for _ in "xyz"]
-    if rng.random() < 0.3:
-        rpy = [Exact(angle.number * 0, ANGLE) for angle in rpy]
-    x, y, z = (number.si for number in xyz)
-    roll, pitch, yaw = (number.si for number in rpy)
-    matrix = shift(x, y, z) @ turn("z", yaw) @ turn("y", pitch) @ turn("x", roll)
-
-    def leaf(number: Exact, dimension: str) -> str:
-        unit = units.unit[dimension] if units.place[key_of(dimension)] in ("said", "option", "si") else None
-        return speller.text(number, unit).bare
-
-    lengths = [leaf(number, LENGTH) for number in xyz]
-    if rng.random() < 0.25:
-        elements = [[repr(float(matrix[i, j])) for j in range(3)] + [lengths[i]] for i in range(3)]
-        return Placement([*elements, ["0", "0", "0", "1"]], matrix)
-    said: dict[str, Any] = {"xyz": lengths}
-    if any(number.number for number in rpy) or rng.random() < 0.5:
-        said["rpy"] = [leaf(number, ANGLE) for number in rpy]
-    return Placement(said, matrix)
-
-
 # --- Columns and cells ------------------------------------------------------------------------------------------------
 
 
@@ -311,8 +198,9 @@ class _Spelling:
     """How the rows of one table are written."""
 
     rng: random.Random
-    units: _Units
+    units: Units
     fields: frozenset[str]
+    groups: frozenset[str]
     speller: Speller
     types: dict[str, str]
     symbols: bool
@@ -320,17 +208,67 @@ class _Spelling:
     def row(self, row: KnownRow, number: int) -> dict[str, Text]:
         """The cells of a row by field."""
         cells = {key: Text(text, text) for key, text in (("joint", row.joint), ("link", row.link)) if text is not None}
+        if "index" in self.fields:
+            cells["index"] = _same(str(number))
         if "type" in self.fields:
             cells["type"] = Text(self.types[row.type], self.types[row.type])
         for key, value in row.numbers.items():
             cells[key] = self.speller.text(value, self.units.bare(key, value.dimension))
+        for group in sorted(self.groups):
+            self._group(group, row, cells)
         if row.type != FIXED:
             self._variable(row, number, cells)
         if "sign" in self.fields and "sign" not in cells:
             cells["sign"] = _same(str(row.sign) if row.sign < 0 or self.rng.random() < 0.8 else "")
         if "flip" in self.fields and "flip" not in cells:
-            cells["flip"] = _same(self.rng.choice(["true", "yes", "1"] if row.sign < 0 else ["false", "no", "0"]))
-        return {key: cells.get(key, EMPTY) for key in self.fields}
+            cells["flip"] = _same(self.rng.choice(flip_words(turned=row.sign < 0)))
+        return {key: cells.get(key, EMPTY) for key in self.fields | self.groups}
+
+    def _group(self, group: str, row: KnownRow, cells: dict[str, Text]) -> None:
+        """Writes several fields into one cell, and alike into those of their own, which other dialects have."""
+        parts = GROUPS[group]
+        if parts[0] not in row.numbers:
+            return
+        exact = [row.numbers[part] for part in parts]
+        dimension, degrees = exact[0].dimension, exact[0].degrees
+        unit = bare = self.units.bare(group, dimension)
+        if unit is None or (counts_degrees(unit) and not degrees):
+            unit, bare = self.speller.unit_for(exact[0]), None
+        plain = Speller(self.rng, plain=True)
+        texts = [plain.number(number, unit) for number in exact]
+        full = [plain.with_unit(text, unit, dimension) for text in texts]
+        cells |= {
+            part: Text(with_unit if bare is None else text, with_unit)
+            for part, text, with_unit in zip(parts, texts, full, strict=True)
+        }
+        word = full[0].removeprefix(texts[0]).strip()
+        write = {"limits": self._range, "com": self._vector, "inertia": self._tensor}[group]
+        if bare is not None and self.rng.random() < 0.7:
+            cells[group] = _same(write(texts))
+        elif self.rng.random() < 0.5:
+            cells[group] = _same(write(full))
+        else:
+            cells[group] = _same(f"{write(texts, closed=True)} {word}")
+
+    def _range(self, texts: list[str], *, closed: bool = False) -> str:
+        """Two bounds in one cell, the second of which is not negative; `closed` where a unit follows both."""
+        lower, upper = texts
+        forms = [f"{lower}…{upper}", f"{lower}..{upper}", f"{lower} to {upper}", f"[{lower}, {upper}]"]
+        if lower == f"-{upper}":
+            forms += [f"±{upper}", f"+/-{upper}"] * 2
+        if lower.startswith("-"):
+            forms += [f"{lower} bis +{upper}", f"{lower}/+{upper}", f"{lower} ÷ +{upper}"]
+        return self.rng.choice(forms if closed else [*forms, f"min: {lower}, max: {upper}"])
+
+    def _vector(self, texts: list[str], *, closed: bool = False) -> str:
+        return self.rng.choice(["[{}]", "({})"] if closed else ["[{}]", "({})", "{}"]).format(
+            self.rng.choice(["; ", ", "]).join(texts)
+        )
+
+    def _tensor(self, texts: list[str], *, closed: bool = False) -> str:
+        if not closed and set(texts[3:]) == {"0"}:
+            return f"diag({', '.join(texts[:3])})"
+        return "[" + ", ".join(f"[{', '.join(row)}]" for row in as_matrix(dict(zip(TENSOR, texts, strict=True)))) + "]"
 
     def _variable(self, row: KnownRow, number: int, cells: dict[str, Text]) -> None:
         """Writes the joint variable into theta, or into d, with the sign if there is no other place for it."""
@@ -347,7 +285,7 @@ class _Spelling:
             cells |= {key: _same(text) for key, text in (("sign", "1"), ("flip", "no")) if key in self.fields}
         value = row.numbers[home]
         unit = self.units.bare(home, value.dimension)
-        if unit is not None and unit.startswith("deg") and not value.degrees:
+        if unit is not None and counts_degrees(unit) and not value.degrees:
             unit = None
         cells[home] = self.speller.variable(self.rng.choice(symbols), sign, value, unit)
 
@@ -356,35 +294,51 @@ def _same(text: str) -> Text:
     return Text(text, text)
 
 
-def _columns(
-    rng: random.Random,
-    fields: frozenset[str],
-    units: _Units,
-    spelling: _Spelling,
-    symbols: Mapping[str, tuple[str, ...]],
-) -> list[Column]:
+_SURE = re.compile(r"-?(0\.[0-9]+|[0-9]+\.([0-9]{1,2}|[0-9]{4,}))")
+"""A number whose point can only be a decimal one."""
+_DECIMALS = re.compile(r"(-?[1-9][0-9]{0,2})(?:(\.[0-9]{3})0)?( ?(?:[^\W\d]+|°))?")
+"""A number of three decimals and a needless fourth one, or of none, with its unit."""
+
+
+def _like_thousands(rng: random.Random, rows: list[dict[str, Text]], columns: list[str]) -> list[dict[str, Text]]:
+    """The rows of an arm with numbers such as `1.250`, where another one shows that a point is the decimal sign."""
+    numbers = [column for column in columns if column in DIMENSIONS and column not in GROUPS]
+    texts = [row[column].bare for row in rows for column in numbers]
+    if not any(_SURE.fullmatch(text) and not _DECIMALS.fullmatch(text) for text in texts):
+        return rows
+
+    def like(text: str) -> str:
+        match = _DECIMALS.fullmatch(text)
+        if match is None:
+            return text
+        return f"{match[1]}{match[2] or '.000'}{match[3] or ''}"
+
+    return [
+        row | {column: Text(like(row[column].bare), like(row[column].full)) for column in numbers if rng.random() < 0.3}
+        for row in rows
+    ]
+
+
+def _columns(spelling: _Spelling, symbols: Mapping[str, tuple[str, ...]], language: str) -> list[Column]:
     """The columns in some order, with headers in the documented words, or symbols in the place of some of them."""
-    order = [key for key in ORDER if key in fields]
+    rng, units = spelling.rng, spelling.units
+    in_groups = {part for group in spelling.groups for part in GROUPS[group]}
+    order = [key for key in ORDER if key in (spelling.fields | spelling.groups) - in_groups]
     if rng.random() < 0.5:
         rng.shuffle(order)
     columns = []
     for key in order:
-        choices = [word for word in words("headers", key) if word != "#"]
-        if spelling.speller.plain:
-            choices = choices[:1]
-        if key == "a":  # r beside sigma is another paper's letter
-            choices = [word for word in choices if word != "r"]
-        header = rng.choice(symbols.get(key, choices))
-        if key not in symbols and rng.random() < 0.2:
-            header = rng.choice(
-                [header.upper() if header.isascii() else header, header.title(), header.replace(" ", "_")]
-            )
         unit = units.header(key)
-        if unit is not None:
-            dimension = next(kind for kind in DIMENSIONS[key] if unit in SCALES[kind])
-            form = rng.choice(["{} [{}]", "{} ({})", "{}[{}]"])
-            header = form.format(header, rng.choice(unit_words(dimension, unit)))
-        columns.append(Column(key, header, unit))
+        dimension = next((kind for kind in DIMENSIONS.get(key, ()) if unit in SCALES[kind]), None)
+        header = make_header(
+            rng,
+            key,
+            symbols.get(key),
+            (dimension, unit) if dimension and unit else None,
+            language,
+            plain=spelling.speller.plain,
+        )
+        columns.append(Column(key, header.text, unit, header))
     return columns
 
 

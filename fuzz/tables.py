@@ -1,24 +1,28 @@
 """Tables of known arms through every reader: each must be read as the arm that it is, wherever it stands.
 
-    python fuzz/tables.py --tables 50000 --seed 1
+    python fuzz/tables.py --tables 50000 --seed 1 --workers 2
 
 Every table is an arm whose meaning is known (`known_arms.py`), written in a random dialect (`known_tables.py`,
-`dialects.py`). It is read from CSV, YAML, JSON, Parquet and workbooks, alone and as one of many, at the first, a middle
-and the last place of a file, and by `Manipulator.from_dh`. Its forward kinematics, limits and masses must be the known
-ones to 1e-12, and all readings of one table must be equal to the last bit.
+`dialects.py`, `row_dialects.py`). It is read from CSV, YAML, JSON, Parquet and workbooks, alone and as one of many, at
+the first, a middle and the last place of a file, and by `Manipulator.from_dh`. Its forward kinematics, limits, masses,
+shapes and payload must be the known ones to 1e-12, and all readings of one table must be equal to the last bit.
 """
 
 from __future__ import annotations
 
 import argparse
 import random
+import signal
 import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import contextmanager
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
@@ -37,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from known_arms import KnownArm, KnownRow
+    from known_quantities import Exact
 
     from dh2urdf.stages import Reader, Rejected
 
@@ -48,6 +53,8 @@ READERS: dict[str, Reader[Any]] = {
     "json": yaml.READER,
 }
 READERS |= {"parquet": parquet.READER, "xlsx": xlsx.READER}
+PART = 20
+"""How many cases a worker is given at a time."""
 EXACTLY = 1e-12
 """Largest error of a number, relative or absolute [SI]."""
 
@@ -70,6 +77,12 @@ class Figures:
     fast: int = 0
     dialects: set[str] = field(default_factory=set)
     by_reader: Counter[str] = field(default_factory=Counter)
+
+    def add(self, other: Figures) -> None:
+        """Adds what was done elsewhere."""
+        for part in fields(self):
+            mine, others = getattr(self, part.name), getattr(other, part.name)
+            setattr(self, part.name, mine | others if isinstance(mine, set) else mine + others)
 
 
 def read(file: File, folder: Path, options: dict[str, Any]) -> list[Manipulator | Rejected]:
@@ -114,11 +127,38 @@ def check(known: KnownArm, found: Manipulator | Rejected, poses: Poses) -> None:
     _same("number of joints", len(found.rows), len(known.rows))
     for number, (row, wanted) in enumerate(zip(found.rows, known.rows, strict=True), start=1):
         _check_row(row, wanted, number)
+    _check_arm(found, known)
     for q, wanted_pose in poses:
         size = max(1.0, float(np.abs(wanted_pose).max()))
         error = float(np.abs(found.fk(q) - wanted_pose).max())
         if not error <= EXACTLY * size * len(known.rows):
             raise WrongReading(f"tool0 is {error:.3g} off at q = {q}")
+
+
+def _check_arm(found: Manipulator, known: KnownArm) -> None:
+    """Compares what is said of the base, the links and the payload."""
+    _close("base_mass", found.base_mass, _si(known.base_mass))
+    _close("density", found.density, _si(known.density))
+    for what, shape, wanted in (
+        ("geometry", found.geometry, known.shape),
+        ("base_geometry", found.base_geometry, known.base_shape),
+    ):
+        _same(f"shape of {what}", shape.shape, wanted.shape)
+        _close(f"radius of {what}", shape.radius, _si(wanted.radius))
+    payload, carried = found.payload, known.payload
+    if payload is None or carried is None:
+        _same("whether there is a payload", payload is not None, carried is not None)
+        return
+    _close("mass of the payload", payload.mass, carried.mass.si)
+    for name, number, exact in zip("xyz", payload.com, carried.com, strict=True):
+        _close(f"com of the payload, {name}", number, exact.si)
+    for name in TENSOR:
+        exact_one = carried.inertia[name].si if carried.inertia else None
+        _close(f"{name} of the payload", getattr(payload.inertia, name, None), exact_one)
+
+
+def _si(number: Exact | None) -> float | None:
+    return None if number is None else number.si
 
 
 def _check_row(row: DHRow, wanted: KnownRow, number: int) -> None:
@@ -228,7 +268,7 @@ def run_table(rng: random.Random, count: int, folder: Path, figures: Figures, *,
             case.take_file(name, writer(rng, table, bulk=True, **extra), list(range(len(table.arms))))
         for index in sorted({0, rng.randrange(count), count - 1}):
             case.take_file(name, writer(rng, case.only(index), bulk=False, **extra), [index])
-    for index in sorted({0, count - 1}):
+    for index in sorted({0, count - 1}) if "defaults" not in table.said else ():  # which `from_dh` does not take
         case.take("python", [from_python(rng, case.only(index))], [index])
     case.compare()
 
@@ -254,40 +294,90 @@ def counted_fast(figures: Figures) -> Iterator[None]:
         yield
 
 
+def cases(seed: int, tables: int) -> list[int]:
+    """The numbers of the cases that have so many tables together."""
+    numbers, total = [], 0
+    while total < tables:
+        numbers.append(len(numbers) + 1)
+        total += _case(seed, numbers[-1])[1]
+    return numbers
+
+
+def run_cases(seed: int, numbers: Sequence[int], *, keep_going: bool) -> tuple[Figures, list[str]]:
+    """Some cases of a seed: what was done, and what was read wrong."""
+    figures, wrong = Figures(), []
+    with tempfile.TemporaryDirectory() as folder, counted_fast(figures):
+        for number in numbers:
+            try:
+                run_case(seed, number, Path(folder), figures)
+            except WrongReading as error:
+                wrong.append(f"case {number} of seed {seed}: {error}")
+                if not keep_going:
+                    break
+    return figures, wrong
+
+
+def run_all(
+    seed: int, numbers: Sequence[int], workers: int, *, keep_going: bool
+) -> Iterator[tuple[Figures, list[str]]]:
+    """All cases of a seed in parts, in their order; each case has its own chance, so that the workers do not matter."""
+    parts = [numbers[start : start + PART] for start in range(0, len(numbers), PART)]
+    run = partial(run_cases, seed, keep_going=keep_going)
+    if workers == 1:
+        yield from map(run, parts)
+        return
+    ignore = (signal.SIGINT, signal.SIG_IGN)  # an interrupt is for this process
+    with ProcessPoolExecutor(workers, get_context("spawn"), signal.signal, ignore) as pool:
+        try:
+            yield from pool.map(run, parts)
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
 def main() -> int:
-    """Read so many tables, and print what was done."""
+    """Read so many tables, and print what was done; 1 where a reading is wrong, or not all are done."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tables", type=int, default=50_000, help="how many tables")
     parser.add_argument("--seed", type=int, default=1, help="of everything that is random")
     parser.add_argument("--keep-going", action="store_true", help="go on after a wrong reading, and count them")
+    parser.add_argument("--workers", type=int, default=1, help="how many processes; the result does not depend on it")
+    parser.add_argument("--progress", action="store_true", help="say how far it is, now and then")
     given = parser.parse_args()
-    figures, wrong, started = Figures(), 0, time.perf_counter()
-    with tempfile.TemporaryDirectory() as folder, counted_fast(figures):
-        number = 0
-        while figures.tables < given.tables:
-            number += 1
-            try:
-                run_case(given.seed, number, Path(folder), figures)
-            except WrongReading as error:
-                wrong += 1
-                print(f"case {number} of seed {given.seed}: {error}\n", file=sys.stderr)
-                if not given.keep_going:
-                    break
+    figures, wrong, done, started = Figures(), 0, False, time.perf_counter()
+    parts = run_all(given.seed, cases(given.seed, given.tables), given.workers, keep_going=given.keep_going)
+    with suppress(KeyboardInterrupt):  # what was done until then is printed
+        for part, messages in parts:
+            figures.add(part)
+            wrong += len(messages)
+            for message in messages:
+                print(f"{message}\n", file=sys.stderr, flush=True)
+            if given.progress:
+                said = f"{figures.tables:,} tables, {figures.readings:,} readings, wrong {wrong:,}"
+                print(said, file=sys.stderr, flush=True)
+            if messages and not given.keep_going:
+                break
+        else:
+            done = True
     print(f"tables     {figures.tables:9,}\nfiles      {figures.files:9,}\nreadings   {figures.readings:9,}")
     print(f"read fast  {figures.fast:9,}")
     print(f"dialects   {len(figures.dialects):9,}")
     for name, count in figures.by_reader.items():
         print(f"  {name:8} {count:9,}")
     print(f"wrong      {wrong:9,}\nseconds    {time.perf_counter() - started:9.0f}")
-    return int(wrong > 0)
+    return int(wrong > 0 or not done)
 
 
 def run_case(seed: int, number: int, folder: Path, figures: Figures) -> None:
     """One case of a seed: a table of one arm, of some, or now and then of many plain ones."""
+    rng, count, plain = _case(seed, number)
+    run_table(rng, count, folder, figures, plain=plain)
+
+
+def _case(seed: int, number: int) -> tuple[random.Random, int, bool]:
+    """The chance of a case, how many arms it has, and whether they are plain."""
     rng = random.Random(f"{seed} {number}")
     plain = rng.random() < 0.3
-    count = rng.choice([1, 2, 5, 12]) if not plain else rng.choice([1, 2, 2, 3, 60])
-    run_table(rng, count, folder, figures, plain=plain)
+    return rng, rng.choice([1, 2, 5, 12]) if not plain else rng.choice([1, 2, 2, 3, 60]), plain
 
 
 if __name__ == "__main__":

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import math
 import re
+import signal
+import sys
 import tempfile
+import types
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from unittest.mock import patch
 
 from dh2urdf.attribution import Call
@@ -40,6 +43,8 @@ from dh2urdf_plugins.readers.plain_rows import PlainRows
 from dh2urdf_plugins.readers.statements import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.urdf_reader import parse_urdf
+from dh2urdf_plugins.xacro_fence.expansion import callables, closed_symbols
+from dh2urdf_plugins.xacro_fence.expressions import evaluate as evaluate_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -214,6 +219,92 @@ def urdf(content: bytes) -> None:
     _hold(parse_urdf(file.content, "again.urdf") == robot, "written and read again, it is another robot")
 
 
+# --- Expressions of a stranger's xacro --------------------------------------------------------------------------------
+
+_TRIED = (
+    *("open", "import", "socket.", "subprocess.", "os.", "shutil.", "tempfile.", "ctypes.", "pty.", "mmap."),
+    *("code.__new__", "function.__new__", "sys._getframe", "object.__setattr__", "object.__delattr__", "gc."),
+)
+"""Audit events (PEP 578) of what an expression must never do, or what their names begin with."""
+_LONGEST_EXPRESSION = 1.0
+"""What an expression may compute before it is ended, as behind the fence [s]."""
+
+
+def xacro_expression(content: bytes) -> None:
+    """An expression of a stranger is refused, fails, or is plain data; nothing else happens while it is evaluated."""
+    text = content.decode("utf-8", "replace")
+    tried: list[str] = []
+    _watchers.append(tried)
+    signal.setitimer(signal.ITIMER_REAL, _LONGEST_EXPRESSION)
+    try:
+        found = evaluate_xacro(
+            text, {**_xacro_names(), "size": 2, "name": "arm", "config": {"a": {"b": [1, 2]}}}, None, _calls()
+        )
+    except (TimeoutError, MemoryError, RecursionError):
+        return
+    except Exception:  # noqa: BLE001 - an expression may fail in any way
+        found = None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        _watchers.remove(tried)
+        _hold(not tried, f"{text!r} did {tried}")
+    _hold(_is_plain(found), f"{text!r} gave {type(found)}")
+
+
+def _is_plain(value: object) -> bool:
+    """Whether a value is data, or a function that was given."""
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return all(map(_is_plain, value))
+    if isinstance(value, dict):
+        return all(map(_is_plain, (*value, *value.values())))
+    plain = value is None or isinstance(value, (int, float, complex, str, bytes, range, slice, type(...)))
+    lazy = isinstance(value, (map, filter, zip, enumerate, reversed, types.GeneratorType))
+    return plain or lazy or (callable(value) and (id(value) in _calls() or _is_function(value)))
+
+
+def _is_function(value: object) -> bool:
+    """A lambda of an expression, a method of a text, list or mapping, or the type of a plain value."""
+    if isinstance(value, types.FunctionType):
+        return value.__code__.co_filename == "<expression>" or value.__module__ == evaluate_xacro.__module__
+    return isinstance(value, types.BuiltinMethodType) or value in _KINDS
+
+
+_KINDS = (int, float, complex, bool, str, list, tuple, dict, set, frozenset, range, type(None))
+_watchers: list[list[str]] = []
+
+
+def _watch(event: str, arguments: tuple[object, ...]) -> None:
+    # Python looks for the text of a wrong line in a file of the name that the expression is compiled under.
+    if _watchers and event.startswith(_TRIED) and arguments[:1] != ("<expression>",):
+        _watchers[-1].append(event)
+
+
+def _end(_number: int, _frame: object) -> None:
+    raise TimeoutError
+
+
+@cache
+def _xacro_names() -> dict[str, Any]:
+    """What xacro gives to expressions, with the bounds of the fence; watched from now on."""
+    import xacro
+
+    sys.addaudithook(_watch)
+    signal.signal(signal.SIGALRM, _end)
+    symbols = closed_symbols(xacro)
+    for space in (symbols, symbols["xacro"]):
+        dict.__setitem__(space, "load_yaml", _no_file)  # the fence's own way to files has tests of its own
+    return symbols
+
+
+def _no_file(name: str) -> None:
+    raise FileNotFoundError(name)
+
+
+@cache
+def _calls() -> dict[int, Any]:
+    return callables(_xacro_names())
+
+
 # --- Run files --------------------------------------------------------------------------------------------------------
 
 _SETTING = re.compile(rb"^# --set (.*)$", re.MULTILINE)
@@ -246,6 +337,7 @@ TARGETS: dict[str, Callable[[bytes], None]] = {
     "yaml": yaml_table,
     "expression": expression,
     "urdf": urdf,
+    "xacro": xacro_expression,
     "run_file": run_file,
 }
 

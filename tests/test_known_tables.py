@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from known_arms import ANGLE, LENGTH, Exact, KnownArm, KnownRow, documented
-from tables import Figures, WrongReading, counted_fast, run_case
+from known_arms import KnownArm, KnownRow
+from known_quantities import ANGLE, LENGTH, Exact
+from known_words import documented
+from tables import Figures, WrongReading, cases, counted_fast, run_all, run_case
 
 from dh2urdf.units import Unit
 from dh2urdf_plugins.readers import row_table
@@ -36,6 +38,22 @@ def test_every_known_table_is_read_as_the_arm_that_it_is(tmp_path: Path) -> None
     assert figures.tables > 100
     assert figures.fast > 50
     assert min(figures.by_reader[name] for name in ("csv", "yaml", "json", "parquet", "xlsx")) > 100
+
+
+def test_the_figures_do_not_depend_on_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each case has its own chance, whichever process reads it."""
+    monkeypatch.setattr("tables.PART", 2)
+    numbers = cases(3, 12)
+    assert len(numbers) > 2, "two workers have something to do"
+
+    def total(workers: int) -> Figures:
+        figures = Figures()
+        for part, wrong in run_all(3, numbers, workers, keep_going=False):
+            assert not wrong
+            figures.add(part)
+        return figures
+
+    assert total(2) == total(1)
 
 
 def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:

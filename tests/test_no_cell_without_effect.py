@@ -19,13 +19,18 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from dialects import WRITERS, File, flow
+from dialects import WRITERS
 from effects import Outcome, has_effect, outcome
-from known_arms import KnownArm, Text, documented
+from file_texts import File, flow
+from known_arms import KnownArm
+from known_quantities import Text
 from known_tables import Arm, Column, Table
+from known_words import documented
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -643,6 +648,105 @@ def test_the_unit_of_a_header_has_an_effect(reader: str, name: str, tmp_path: Pa
         assert missing is None, f"{header}: {missing}"
 
 
+OUTSIDE = {
+    "base: {xyz: [0, 0, 40]}": "base.xyz",
+    "tool: {xyz: [0, 0, 40]}": "tool.xyz",
+    "payload: {mass: 1, com: [0, 0, 40]}": "payload.com",
+    "defaults: {geometry: {radius: 40}}": "defaults.geometry.radius",
+    "base: {geometry: {radius: 40}}": "base.geometry.radius",
+    "base: {rpy: [0, 0, 3]}": "base.rpy",
+    "tool: {rpy: [0, 0, 3]}": "tool.rpy",
+    "base: {matrix: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 40], [0, 0, 0, 1]]}": "base",
+}
+
+
+@pytest.mark.parametrize("form", ["csv", "bulk", "yaml"])
+@pytest.mark.parametrize("said", OUTSIDE)
+@pytest.mark.parametrize(
+    ("lengths", "angles", "fails"),
+    [
+        (("300 mm", "0"), ("90°", "0"), True),
+        (("300 mm", "20 cm"), ("90°", "45 deg"), True),
+        (("300 mm", "0.2"), ("90°", "0.5"), False),
+        (("0.3", "0.2"), ("pi/2", "0"), False),
+        (("0.3 m", "0"), ("1 rad", "0"), False),
+        (("0", "0"), ("0", "0"), False),
+    ],
+)
+def test_a_number_above_rows_that_all_name_their_unit_needs_one(
+    form: str, said: str, lengths: tuple[str, str], angles: tuple[str, str], *, fails: bool
+) -> None:
+    """40 beside cells in mm may be 40 mm or 40 m: refused, fast or with care, alone or among many."""
+    cells = list(zip(lengths, angles, strict=True))
+    if form == "yaml":
+        rows = "".join(f"- {{a: {a}, alpha: {alpha}, d: 0}}\n" for a, alpha in cells)
+        text = f"convention: standard\n{said}\njoints:\n{rows}"
+    else:
+        arms = 300 if form == "bulk" else 1
+        lines = [f"r{arm},{a},{alpha},0" for arm in range(arms) for a, alpha in cells]
+        text = "\n".join([f"# convention: standard\n# {said}\nrobot,a,alpha,d", *lines])
+    for item in dh2urdf.read_all(text, reader="yaml" if form == "yaml" else "csv"):
+        if fails:
+            (problem,) = item.problems
+            assert problem.field == OUTSIDE[said]
+            assert "has no unit, and" in problem.message
+        else:
+            assert isinstance(item, Manipulator), item.problems
+
+
+def test_a_base_of_any_rotation_is_written_beside_its_body() -> None:
+    """As a matrix where no angles are it to the last bit; `matrix` and `rpy` together are refused."""
+    arm = dh2urdf.read("convention: standard\njoints: [{a: 0.3, alpha: 0, d: 0}]\n", reader="yaml")
+    turns = [RigidTransform.from_xyz_rpy((0.1, 0.2, 0.3), (0.1 * k, 0.2, 1.0 + k)) for k in range(20)]
+    written = []
+    for one, other in pairwise(turns):
+        placed = replace(arm, base=one @ other, base_mass=4.0)
+        written.append(placed.to_yaml())
+        assert dh2urdf.read(written[-1], reader="yaml") == placed
+    assert any("base: {matrix: [[" in text for text in written)
+    both = "base: {matrix: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], rpy: [0, 0, 1]}"
+    with pytest.raises(Dh2UrdfError, match="base has a matrix and rpy"):
+        dh2urdf.read(f"convention: standard\n{both}\njoints: [{{a: 0.3, alpha: 0, d: 0}}]\n", reader="yaml")
+
+
+@pytest.mark.parametrize(
+    ("defaults", "joint", "said"),
+    [
+        ("damping: 0.5", "damping: 0.4", "defaults.damping has no effect"),
+        ("sign: -1", "flip: false", "defaults.sign has no effect"),
+        ("limits: {velocity: 2, effort: 3}", "limits: {velocity: 1}", "defaults.velocity has no effect"),
+        ("damping: 0.5", "friction: 0.4", None),
+    ],
+)
+def test_a_default_that_every_joint_overrules_is_said(defaults: str, joint: str, said: str | None) -> None:
+    """One of two joints without the key is enough for its effect."""
+    for joints, silent in ((f"[{{{_ROW}, {joint}}}]", said is None), (f"[{{{_ROW}, {joint}}}, {{{_ROW}}}]", True)):
+        text = f"convention: standard\ndefaults: {{{defaults}}}\njoints: {joints}\n"
+        found = [notice.message for notice in dh2urdf.read(text, reader="yaml").notices]
+        assert [message.partition(":")[0] for message in found] == ([] if silent else [said])
+
+
+_ROW = "a: 0.3, alpha: 0, d: 0"
+
+
+@pytest.mark.parametrize(
+    ("limits", "units", "count"),
+    [
+        ("effort: 150", "mm", 1),
+        ("effort: 150", "{length: mm, effort: Nm}", 0),
+        ("effort: 150 Nm", "mm", 0),
+        ("effort: 150", "m", 0),
+    ],
+)
+def test_an_effort_without_a_unit_beside_mm_is_said_in_yaml_too(limits: str, units: str, count: int) -> None:
+    """Once for an arm, at the first of them."""
+    joints = f"[{{{_ROW}, limits: {{{limits}}}}}, {{{_ROW}, limits: {{{limits}}}}}]"
+    text = f"convention: standard\nunits: {units}\njoints: {joints}\n".replace("a: 0.3", "a: 300 mm")
+    notices = [notice for notice in dh2urdf.read(text, reader="yaml").notices if notice.field == "effort"]
+    assert len(notices) == count
+    assert all("it is read in Nm" in notice.message and notice.mark.column for notice in notices if notice.mark)
+
+
 PLAIN = "robot,i,joint,link,type,a,alpha,d,theta,offset,lower,upper,velocity,effort"
 
 
@@ -703,6 +807,41 @@ def _place_texts(name: str, text: str) -> Iterator[tuple[str, str]]:
         yield "a digit more", f"{text}1" if "." in text else f"{text}.1"
 
 
+ODD = {
+    "upper: the joint slides no further": ("# units: mm, deg", "P,300,0,0,0,250,90", "P,300,0,0,0,0.5,90"),
+    "velocity: no joint turns faster": ("# units: mm, deg", "R,300,0,0,-170,170,90", "R,300,0,0,-170,170,3.14"),
+    "upper: its limits reach to": ("# units: mm, deg", "R,300,0,0,-170,170,90", "R,300,0,0,-2.967,2.967,90"),
+    "upper: no joint turns further": ("# units: mm, deg", "R,300,0,0,-170,170,90", "R,300,0,0,-3,3,90"),
+    "payload.mass: the payload weighs": (
+        "# payload: {mass: 100, com: [0, 0, 0]}",
+        "R,2,0,0,-1,1,1",
+        "R,0.9,0,0,-1,1,1",
+    ),
+    "payload.com: the payload's centre": (
+        "# payload: {mass: 1, com: [0, 0, 1.5]}",
+        "R,2,0,0,-1,1,1",
+        "R,1.2,0,0,-1,1,1",
+    ),
+}
+
+
+@pytest.mark.parametrize("said", ODD)
+@pytest.mark.parametrize("varied", [False, True], ids=["few limits", "many limits"])
+def test_what_is_hardly_meant_is_said_among_many_as_alone(said: str, *, varied: bool) -> None:
+    """Of 400 arms that are read fast, the one that is odd has its notice, and no other has one."""
+    units, usual, odd = ODD[said]
+    rows = [usual] * 400
+    if varied:  # more limits than are read one by one
+        rows = [f"{usual[: usual.rindex(',')]},{float(usual.rpartition(',')[2]) + 0.001 * arm}" for arm in range(400)]
+    rows[317] = odd
+    lines = [f"r{arm},{row}" for arm, row in enumerate(rows)]
+    top = f"# convention: standard\n{units}\nrobot,type,a,alpha,d,lower,upper,velocity\n"
+    arms = list(dh2urdf.read_all(top + "\n".join(lines), reader="csv"))
+    found = {arm.name: [f"{notice.field}: {notice.message}" for notice in arm.notices] for arm in arms[1:]}
+    (notices,) = [notices for notices in found.values() if notices]
+    assert any(notice.startswith(said) for notice in found["r317"]), notices
+
+
 @pytest.mark.parametrize("line", [f"# {key}: {flow(value)}" for key, value in SAID.items()])
 def test_a_line_said_twice_or_below_the_header_is_spoken_of(line: str, tmp_path: Path) -> None:
     """A statement that stands where it could be overlooked, or that is said again."""
@@ -746,3 +885,48 @@ def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path:
             call(**{**default, slip: value})
     with pytest.raises(Dh2UrdfError, match=name):
         call(**{**default, name: "perhaps"})
+
+
+@pytest.mark.parametrize("command", ["run", "view", "studio"])
+def test_a_dash_where_no_standard_input_is_read_is_refused(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """With what to do, and not as a file that is missing."""
+    from dh2urdf.cli import main
+
+    with pytest.raises(SystemExit) as ended:
+        main([command, "-"])
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert f"`dh2urdf {command}` reads no standard input" in said
+    assert "save it as a file first" in said
+
+
+def test_info_says_where_shapes_and_masses_are_said(tmp_path: Path) -> None:
+    """What holds for all links has a place, as a cell has."""
+    from dh2urdf.provenance import Trace
+    from dh2urdf.report.info import details
+    from dh2urdf_plugins.readers import yaml
+    from dh2urdf_plugins.readers.statements import TableOptions
+
+    text = """convention: standard
+base: {mass: 4, geometry: {shape: box}}
+defaults: {geometry: {radius: 0.05}, density: 2000}
+visuals: none
+collisions: none
+payload: {mass: 1}
+joints: [{a: 0.3, alpha: 0, d: 0}]
+"""
+    (tmp_path / "arm.yaml").write_text(text)
+    trace = Trace()
+    (arm,) = yaml.read(tmp_path / "arm.yaml", TableOptions(), trace)
+    assert isinstance(arm, Manipulator)
+    found = {key: said["place"] for key, said in details(arm, trace, None)["stated"].items()}
+    path = tmp_path / "arm.yaml"
+    assert found == {
+        "geometry": f"{path}:3:22",
+        "density": f"{path}:3:47",
+        "base_mass": f"{path}:2:14",
+        "base_geometry": f"{path}:2:27",
+        "payload": f"{path}:6:10",
+        "visuals": f"{path}:4:10",
+        "collisions": f"{path}:5:13",
+    }

@@ -50,6 +50,7 @@ PUBLIC = {
     "dh2urdf.number_text": "the shortest text of a number",
     "dh2urdf.options": "options of a stage, checked and described",
     "dh2urdf.output": "files that are written whole or not at all",
+    "dh2urdf.own_process": "whether this process belongs to dh2urdf, so that its switches may be set",
     "dh2urdf.patterns": "regular expressions that are compiled when they are first used",
     "dh2urdf.provenance": "what the cells of a table say, and where",
     "dh2urdf.quantities": "numbers with units, as expressions",

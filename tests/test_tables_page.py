@@ -373,7 +373,8 @@ def test_cells_of_parquet_are_read_as_the_page_says(cells: str, meaning: str, tm
         "truth values": ("flip", [True], -1),
         "null": ("a", [None], "a is empty"),
         "NaN": ("mass", [math.nan], "'nan'"),
-        "moments, lists, bytes": ("d", [b"0.5"], "holds binary"),
+        "lists": ("d", [[0.5]], "holds list"),
+        "moments, bytes": ("d", [b"0.5"], "holds binary"),
     }
     name, column, expected = tried[cells]
     columns = {"a": [0.0] * len(column), "alpha": [0.0] * len(column), "d": [0.0] * len(column), name: column}

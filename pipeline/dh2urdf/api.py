@@ -5,7 +5,6 @@ What goes wrong is raised as one of `dh2urdf.errors`, with the text that the com
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -13,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.argument_words import word_of
 from dh2urdf.asking import Asker, Setting, stage_calls
 from dh2urdf.attribution import a_record, blaming
 from dh2urdf.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
@@ -22,7 +22,6 @@ from dh2urdf.given_tables import GivenRows, as_file
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import load
 from dh2urdf.robot import Robot
-from dh2urdf.rotations import RigidTransform
 from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, convert_table
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.spooled import STEM
@@ -213,6 +212,8 @@ def check(
     description: Source | Robot,
     *,
     emitter: str | None = None,
+    arguments: Mapping[str, str] | None = None,
+    package_paths: Iterable[StrPath] = (),
     without: Iterable[str] = (),
 ) -> Inspection:
     """What each simulator will do with a robot description of any origin, as `dh2urdf check` finds it.
@@ -225,6 +226,8 @@ def check(
     Args:
         description: the file; or its text of several lines, its bytes, or a stream; or a robot, as URDF.
         emitter: name of the emitter that knows the format, such as ``urdf``; without it the file's suffix says it.
+        arguments: values of a xacro's arguments.
+        package_paths: folders of ROS packages, or folders that hold some: a xacro may include their files.
         without: plugins or distributions to leave out.
 
     Returns:
@@ -236,6 +239,7 @@ def check(
         PluginError: a plugin that is needed is broken.
     """
     from dh2urdf.inspecting import inspect
+    from dh2urdf.stages import Expansion
 
     asker = _asker("check")
     catalog = _catalog(without, asker)
@@ -247,7 +251,11 @@ def check(
         description, emitter = description.to_urdf(), DEFAULT_EMITTER
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
         check_file(path, InputError)
-        return inspect(catalog, path, emitter, "`emitter=NAME`")
+        expansion = Expansion(
+            arguments={name: str(value) for name, value in (arguments or {}).items()},
+            package_paths=tuple(map(Path, package_paths)),
+        )
+        return inspect(catalog, path, emitter, "`emitter=NAME`", expansion)
 
 
 def run(
@@ -289,6 +297,7 @@ def run(
         PluginError: the run needs a plugin that is broken, or something it needs is not installed.
     """
     from dh2urdf.runs import execute, load_plan
+    from dh2urdf.settings import Asked
 
     asker, root = _asker("run"), None
     for flag, value in (("resume", resume), ("dry_run", dry_run), ("keep", keep)):
@@ -302,7 +311,8 @@ def run(
 
         root = load_yaml(word_of(config), str(asker.mark), ConfigError)
         config = "run"
-    plan = load_plan(Path(config), catalog, overrides, None if out is None else os.fspath(out), root)
+    asked, output = Asked(asker.mark, "settings: "), None if out is None else os.fspath(out)
+    plan = load_plan(Path(config), catalog, overrides, output, root, asked=asked)
     _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
     return report
 
@@ -365,19 +375,3 @@ def _names(names: str | Iterable[str]) -> tuple[str, ...]:
 
 def _settings(options: Mapping[str, object]) -> list[Setting]:
     return [Setting(f"{key}={word_of(value)}", key, word_of(value)) for key, value in options.items()]
-
-
-def word_of(value: object) -> str:
-    """A value as a word of the command line: JSON is YAML."""
-    if isinstance(value, RigidTransform):  # which is in metres, whatever the unit of the table is
-        x, y, z = (f"{length!r} m" for length in value.translation)
-        r = value.rotation
-        value = [[*r[0:3], x], [*r[3:6], y], [*r[6:9], z], [0, 0, 0, 1]]
-    return value if isinstance(value, str) else json.dumps(value, default=_plain)
-
-
-def _plain(value: Any) -> object:  # noqa: ANN401 - what JSON has no word for
-    """Arrays and numbers of numpy as lists and numbers, mappings and sequences as such, all else as text."""
-    if isinstance(value, Mapping):
-        return dict(value)
-    return value.tolist() if hasattr(value, "tolist") else str(value)

@@ -24,9 +24,8 @@ from dh2urdf.file_patterns import matching
 from dh2urdf.layouts import Layout
 from dh2urdf.mesh_section import MeshCall, MeshesReader
 from dh2urdf.meshes import RELATIVE, prefix_of
-from dh2urdf.options import COMMAND_LINE
 from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, SettingsReader
-from dh2urdf.settings import with_setting
+from dh2urdf.settings import ON_THE_COMMAND_LINE, Asked, with_setting
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.textfiles import LONG_PATH, check_file, read_bytes
 from dh2urdf.variation_section import VariationsReader
@@ -155,13 +154,16 @@ def is_run_file(path: Path) -> bool:
     return isinstance(root.value, dict) and not root.value.keys().isdisjoint(SECTIONS)
 
 
-def load_config(path: Path, overrides: Sequence[str] = (), root: Node | None = None) -> RunConfig:
+def load_config(
+    path: Path, overrides: Sequence[str] = (), root: Node | None = None, asked: Asked = ON_THE_COMMAND_LINE
+) -> RunConfig:
     """A run file with changes from the command line.
 
     Args:
         path: the run file.
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
         root: what the run file says, where it is not in the file.
+        asked: where the changes are said.
 
     Returns:
         The run file; `RunConfig.problems` says what is wrong with its structure.
@@ -184,10 +186,10 @@ def load_config(path: Path, overrides: Sequence[str] = (), root: Node | None = N
     problems: list[Problem] = []
     for setting in overrides:
         try:
-            root = with_setting(_written_out(root), setting, SECTIONS)
+            root = with_setting(_written_out(root), setting, SECTIONS, asked)
         except ConfigError as error:
             problems.extend(error.problems)
-    return _Sections(_written_out(root), path, problems).config()
+    return _Sections(_written_out(root), path, problems, asked.mark.file).config()
 
 
 # --- One form for what may be written in two -------------------------------------------------------------------------
@@ -247,10 +249,11 @@ def _tidy(path: Path) -> Path:
 class _Sections(SettingsReader):
     """Reads the sections of a run file and gathers what is wrong with them."""
 
-    def __init__(self, root: Node, path: Path, problems: list[Problem]) -> None:
+    def __init__(self, root: Node, path: Path, problems: list[Problem], changes: str) -> None:
         super().__init__(problems)
         self.root = root
         self.path = path
+        self.changes = changes  # the file that marks name where a value is a change of the run file
 
     def config(self) -> RunConfig:
         """The run file."""
@@ -375,11 +378,11 @@ class _Sections(SettingsReader):
         return directory[0] if "://" in directory[0] else self._resolved(*directory)
 
     def _resolved(self, text: str, node: Node) -> Path:
-        """A path of the run file is relative to it, one of the command line to the working directory."""
+        """A path of the run file is relative to it, one of a change to the working directory."""
         return _tidy(self._folder(node) / text)
 
     def _folder(self, node: Node) -> Path:
-        return Path() if node.file == COMMAND_LINE.file else self.path.parent
+        return Path() if node.file == self.changes else self.path.parent
 
     def _files(self, text: str, node: Node, field: str, notices: list[Problem]) -> Iterator[Path]:
         """The files of a path or pattern, in the order of their names."""

@@ -204,7 +204,10 @@ class _Parser:
         for value in (left, right):
             only_variable = value.variable is not None and value.number == 0
             if value.dimension is not dimension and not only_variable:
-                self.fail("one part of the sum has a unit and another has none, or another one")
+                self.fail(
+                    "one part of the sum has a unit and another has none, or another one",
+                    "write a unit behind each part of the sum, or behind none",
+                )
         number = self.finite(left.number + right.number)
         variable, factor = left.variable or right.variable, left.factor + right.factor
         uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign

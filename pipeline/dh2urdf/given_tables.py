@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.spooled import STEM, spooled
 from dh2urdf.table_text import CellRow
@@ -33,6 +35,11 @@ Cell: TypeAlias = "str | float | Problem | None"
 TEXT = "the text"
 """What messages call a table that is in no file."""
 _COUNT = ("a", "alpha", "d", "theta")
+_PREFIX = "dh2urdf."
+"""What the keys begin with of a data frame's attributes that say something of all rows."""
+_ALMOST = late_pattern(r"^dh2urdf[\W_]*", re.IGNORECASE)
+_UNITS = ("unit", "length_unit", "angle_unit", "length unit", "angle unit")
+_SAID = ("convention", "units", "base", "tool", "payload", "defaults")
 
 
 # --- Files, texts and streams -----------------------------------------------------------------------------------------
@@ -119,6 +126,7 @@ class GivenRows:
             RecordValueError: its columns are not named, or twice, or its rows differ in length.
         """
         self.function = function
+        self.said = self._said(getattr(table, "attrs", None))
         labelled = _labelled(table, function)
         if labelled is None:
             rows = self._rows(table)
@@ -142,6 +150,25 @@ class GivenRows:
             accepted = f"names, such as {', '.join(_COUNT)}"
             raise self._wrong(f"the columns are named {self.headers}", accepted=accepted)
 
+    def _said(self, attributes: Any) -> dict[str, object]:  # noqa: ANN401 - whatever a table has
+        """What the attributes of a data frame say of all rows, as the metadata of a Parquet file do.
+
+        Raises:
+            RecordValueError: one of them seems to say something under a key that nothing reads.
+        """
+        said: dict[str, object] = {}
+        for key, value in attributes.items() if isinstance(attributes, Mapping) else ():
+            word = str(key)
+            if word.startswith(_PREFIX):
+                said[word.removeprefix(_PREFIX)] = value
+            elif (meant := _ALMOST.sub("", word).casefold()) in (*_SAID, *_UNITS):
+                message = f"the attributes say {shown(word)}, and only keys that begin with {_PREFIX} are read"
+                raise self._wrong(message, accepted=f"the key {_PREFIX}{'units' if meant in _UNITS else meant}")
+        if unknown := said.keys() - {*_SAID, "name"}:
+            message = f"the attributes say {shown(_PREFIX + min(unknown))}, which nothing is called"
+            raise self._wrong(message, accepted=", ".join(f"{_PREFIX}{key}" for key in ("name", *_SAID)))
+        return said
+
     def add_column(self, header: str, cells: Iterable[str], argument: str) -> None:
         """A further column.
 
@@ -159,7 +186,7 @@ class GivenRows:
     def cell_rows(self, statements: Mapping[str, object]) -> Iterator[CellRow]:
         """The rows of cells: what holds for all rows, the header, and the rows."""
         whole = Mark(file=self.function)
-        for key, value in statements.items():
+        for key, value in {**self.said, **statements}.items():
             yield CellRow([f"# {key}: {json.dumps(value, ensure_ascii=False)}"], whole)
         yield CellRow(list(self.headers), whole)
         for number, row in enumerate(self.rows, start=1):
@@ -261,6 +288,8 @@ def _cell(value: Any, mark: Mark) -> Cell:  # noqa: ANN401 - whatever is given
         return value
     if isinstance(value, str):
         return str.__str__(value)
+    if isinstance(value, (list, tuple)) or getattr(value, "ndim", None):  # a range, a centre of mass, an inertia tensor
+        return json.dumps(value, default=lambda items: items.tolist() if hasattr(items, "tolist") else str(items))
     from dh2urdf.coercion import as_number
 
     try:

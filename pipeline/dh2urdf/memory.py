@@ -11,14 +11,16 @@ import gc
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from dh2urdf.own_process import is_own
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
 @contextmanager
 def collected_at_the_end() -> Iterator[None]:
-    """Keeps the collector away, and calls it for what is new at the end."""
-    if not gc.isenabled():  # Whoever keeps it away will call it.
+    """Keeps the collector away, and calls it for what is new at the end; in a process of our own alone."""
+    if not (is_own() and gc.isenabled()):  # Whoever keeps it away will call it.
         yield
         return
     gc.disable()

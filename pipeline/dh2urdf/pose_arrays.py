@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.errors import RecordValueError
+from dh2urdf.errors import RecordTypeError, RecordValueError
 from dh2urdf.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics import (
     ROOT,
@@ -79,6 +79,9 @@ def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:
 
 
 def _joints_of(manipulator: Manipulator, function: str, *, full: bool) -> JointNames:
+    if not isinstance(full, bool):
+        message = f"full={full!r} is neither True nor False"
+        raise RecordTypeError(Problem(message=message, mark=Mark(file=function), field="full", accepted="True, False"))
     moving = tuple(row.joint for row in manipulator.moving_rows)
     return JointNames(
         wanted=tuple(row.joint for row in manipulator.rows) if full else moving,

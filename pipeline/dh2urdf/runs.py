@@ -35,6 +35,7 @@ from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import Overview
 from dh2urdf.run_inputs import refuse_overwriting
+from dh2urdf.settings import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Executor, Lost, Reader
 from dh2urdf.stores import Store, open_store
@@ -127,7 +128,13 @@ class Result:
 
 
 def load_plan(
-    path: Path, catalog: Catalog, overrides: Sequence[str] = (), output: str | None = None, root: Node | None = None
+    path: Path,
+    catalog: Catalog,
+    overrides: Sequence[str] = (),
+    output: str | None = None,
+    root: Node | None = None,
+    *,
+    asked: Asked = ON_THE_COMMAND_LINE,
 ) -> Plan:
     """The plan of a run file.
 
@@ -137,6 +144,7 @@ def load_plan(
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
         output: where the output goes, if not where the run file says: a folder or an address.
         root: what the run file says, where it is not in the file.
+        asked: where the changes are said.
 
     Raises:
         ConfigError: something in the run file is wrong; all of it is said at once.
@@ -144,7 +152,7 @@ def load_plan(
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
     try:
-        config = load_config(path, overrides, root)
+        config = load_config(path, overrides, root, asked)
     except ConfigError as error:
         if root is None and is_table(path, catalog):
             raise ConfigError(_is_a_table(path)) from error
@@ -226,12 +234,15 @@ def execute(
         of the cells, then of the variants, are in the manifest.
 
     Raises:
-        ConfigError: the run would write over one of its inputs.
+        ConfigError: the run would write over one of its inputs, or a dry run is to resume.
         TableError: nothing could be read at all.
         OutputError: nothing can be written any more; what is done so far is kept for a run that resumes.
         PluginError: the run needs a plugin that is broken.
     """
     started = time.perf_counter()
+    if resume and dry_run:
+        message = "a dry run makes everything anew and writes nothing, so that it has nothing to resume"
+        raise ConfigError(Problem(message=message, field="resume", accepted="resume or dry_run, not both"))
     refuse_overwriting(plan)
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:

@@ -12,9 +12,9 @@ from dh2urdf.asking import Asker, stage_calls
 from dh2urdf.attribution import Call, depending_on
 from dh2urdf.chosen_table import chosen_reader, read_manipulator
 from dh2urdf.conversion import Recipe, Written, make_robot, with_notices, write_robot
-from dh2urdf.errors import ConfigError, RobotError, TableError, TransformError
+from dh2urdf.errors import ConfigError, InputError, PluginError, RobotError, TableError, TransformError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.meshes import FILE, RELATIVE, prefix_of
+from dh2urdf.meshes import FILE, RELATIVE, mesh_files, prefix_of
 from dh2urdf.output import safe_stem
 from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
@@ -24,7 +24,7 @@ from dh2urdf.textfiles import check_file
 from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.asking import Setting
     from dh2urdf.proof import Proof
@@ -94,6 +94,8 @@ class Planned:
         robot: which manipulator of a table that holds several.
         asker: who asks.
         inputs: further files that must not be overwritten.
+        meshes: the word for how meshes are named, where one was said.
+        notices: what a careful person would want to know of what was asked for.
     """
 
     table: Path | Manipulator
@@ -103,6 +105,8 @@ class Planned:
     robot: str | None
     asker: Asker
     inputs: tuple[Path, ...] = ()
+    meshes: str | None = None
+    notices: tuple[Problem, ...] = ()
 
     def carry_out(self, note: Callable[[Sequence[Problem]], None] = lambda _: None) -> Conversion:
         """Read the table, make the robot, write and prove the files.
@@ -124,6 +128,7 @@ class Planned:
             made = with_notices(make_robot(manipulator, self.recipe.transform), self.recipe.emitters)
         except (TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
             raise TableError(error.problems, manipulator.notices) from error
+        made = replace(made, notices=(*made.notices, *self.notices, *self._unused_meshes(made)))
         note((*manipulator.notices, *made.notices))
         written = _write(manipulator, made, self.recipe, self.target, (*files, *self.inputs))
         return Conversion(
@@ -133,6 +138,12 @@ class Planned:
             keeps_kinematics=self.recipe.keeps_kinematics,
             untyped=tuple(row.joint for row, cells in named if "type" not in cells),
         )
+
+    def _unused_meshes(self, robot: Robot) -> Iterator[Problem]:
+        """A notice where it is said how meshes are named, and there are none."""
+        if self.meshes is not None and not mesh_files(robot):
+            message = f"{self.asker.meshes}{shown(self.meshes)} has no effect: the arm has no meshes"
+            yield Problem(message=message, severity="notice", mark=self.asker.mark, field="meshes")
 
     def _read(self, trace: Trace) -> tuple[Manipulator, tuple[Path, ...]]:
         """The manipulator, and the file that it comes from, as far as that is known.
@@ -267,7 +278,26 @@ def plan_conversion(
         robot=robot,
         asker=asker,
         inputs=tuple(inputs),
+        meshes=meshes,
+        notices=tuple(_other_suffix(target, stages["emitter"], catalog, asker)),
     )
+
+
+def _other_suffix(
+    target: Path | None, emitters: Sequence[Emitter[Any]], catalog: Catalog, asker: Asker
+) -> Iterator[Problem]:
+    """A notice of a file whose name is that of another format than what it holds."""
+    if target is None or len(emitters) != 1:
+        return
+    try:
+        named = catalog.emitter_for(target)
+    except (InputError, PluginError):  # the suffix says no format, or not which
+        return
+    (chosen,) = emitters
+    if named is not chosen:
+        message = f"{shown(target.name)} is the name of a file in the format {named.name}, and it holds {chosen.name}"
+        suggestion = f"leave out {asker.format}{chosen.name}, or choose a name that ends in {chosen.suffixes[0]}"
+        yield Problem(message=message, severity="notice", mark=asker.mark, field="out", suggestion=suggestion)
 
 
 def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:

@@ -52,7 +52,7 @@ _ADVICE = (
     (late_pattern(r".*[½⅓⅔¼¾⅕⅖⅗⅘⅙⅚⅐⅛⅜⅝⅞⅑⅒]"), "write the fraction with its signs: 1/2, 1 + 1/2"),
     (late_pattern(r"\s*[+-]?[0-9]+\s+[0-9]+\s*/\s*[0-9]+"), "write a mixed number as a sum: 1 + 1/2"),
     (
-        late_pattern(rf"\s*[+-]?[0-9]{{1,3}}(?:[.,{_SPACES}][0-9]{{3}})+"),
+        late_pattern(rf"\s*[+-]?(?!0+[.,])[0-9]{{1,3}}(?:[.,{_SPACES}][0-9]{{3}})+"),
         "write the number without separators of thousands: 1234.5",
     ),
     (late_pattern(r".*[0-9]_[0-9]"), "write the number without underscores"),
@@ -63,6 +63,11 @@ _ADVICE = (
     (late_pattern(r"\s*[+-]?[0-9.]+[dD][+-]?[0-9]+\s*"), "write the exponent with e: 1e-3"),
     (late_pattern(r".*[0-9](pi|π)"), "write the product with its sign: 2*pi"),
     (late_pattern(r"\s*[0-9][0-9.,]*\s*[^\W\d]{0,3}\s*-\s*$"), "write the minus before the number: -5"),
+    (late_pattern(r"\s*[-–—−]+\s*$"), "write 0 if that is meant"),
+    (
+        late_pattern(r"\s*[^*†‡]*[0-9°a-zπ]\s*[*†‡]+\s*$", re.IGNORECASE),
+        "take out the mark at the end, of a footnote or of a product that is cut off",
+    ),
     (late_pattern(r"\s*(±|\+/-|\+-|-\+)"), "write the two numbers, lower and upper, each with its own sign"),
     (late_pattern(r".*[0-9]\s*[°º˚]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),
     (late_pattern(r"\s*(#[A-Z]|=|')"), "write the number itself, without what the spreadsheet puts before it"),

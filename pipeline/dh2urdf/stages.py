@@ -185,6 +185,19 @@ class Inspection:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Expansion:
+    """How a description that holds macros is expanded.
+
+    Attributes:
+        arguments: the values of its arguments, by name.
+        package_paths: folders of ROS packages, or folders that hold some: their files may be read.
+    """
+
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    package_paths: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Emitter(Generic[O]):
     """Makes the files of a robot.
 
@@ -199,6 +212,8 @@ class Emitter(Generic[O]):
             every run compares its kinematics with the DH product. None where the format cannot be read.
         read_foreign: the same of a file of unknown origin, which must not be trusted: `dh2urdf view`. None where
             `read_back` does nothing but read.
+        expandable: whether files of the format hold macros: then `read_foreign` and `check` take an `Expansion` as
+            their second argument.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
         emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
@@ -220,12 +235,13 @@ class Emitter(Generic[O]):
     options: type[O]
     suffixes: tuple[str, ...]
     read_back: Callable[[Path], Robot] | None = None
-    read_foreign: Callable[[Path], Robot] | None = None
+    read_foreign: Callable[..., Robot] | None = None
+    expandable: bool = False
     one_file: Callable[[O], O] | None = None
     costly_proof: bool = False
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
-    check: Callable[[Path], Inspection] | None = None
+    check: Callable[..., Inspection] | None = None
     notices: Callable[[Robot, O], Sequence[Problem]] | None = None
 
 

@@ -206,9 +206,9 @@ def transform_text(
     if transform == IDENTITY:
         return _mapping(*body)
     xyz, rpy = transform.translation, _exact_rpy(transform)
-    if rpy is None and not any(body):
-        return _matrix(transform, length)
-    rpy = rpy or transform.rpy
+    if rpy is None:
+        matrix = _matrix(transform, length)
+        return _mapping(f"matrix: {matrix}", *body) if any(body) else matrix
     entries = []
     if any(xyz):
         entries.append(f"xyz: [{', '.join(number_in(value, length) for value in xyz)}]")

@@ -288,7 +288,7 @@ def test_a_setting_does_not_leak_through_an_alias(folder: Path) -> None:
         (".".join("transform" for _ in range(99)) + "=1", "a key of 99 names"),
         ("output={directory: [", "this is not valid YAML"),
         ("output=a: b: c", "this is not valid YAML: mapping values are not allowed"),
-        ("output.directory=[x", """--set 'KEY="TEXT"'"""),
+        ("output.directory=[x", """'KEY="TEXT"'"""),
         ("output.directory='x", "this is not valid YAML"),
     ],
 )

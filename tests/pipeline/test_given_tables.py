@@ -164,7 +164,7 @@ class TestFromDh:
             (ARRAY.astype(complex), {"columns": ORDER}, "is of type numpy.complex128"),
             ([{"a": 1, "d": 0}], {}, "there is no column for alpha"),
             ([{"a": 1, "alpha": None, "d": 0}], {}, "alpha is empty"),
-            ([{"a": [1], "alpha": 0, "d": 0}], {}, "[1] is of type list"),
+            ([{"a": [1], "alpha": 0, "d": 0}], {}, "'[1]' cannot be read"),
             ({"a": [1, 2], "alpha": [0], "d": [0, 0]}, {}, "row 2, column alpha: error: joint 'joint_2'"),
             ([{"a": 1, "alpha": 0, "d": 0}], {"columns": ["a"]}, "the columns have names already"),
             (ARRAY, {"columns": ORDER, "types": "R"}, "types= has 1 entries, and the table has 2 rows"),
@@ -318,8 +318,8 @@ class TestWriting:
         for write, drawn in ((odd.to_csv, ["visuals"]), (odd.to_yaml, [])):
             with pytest.raises(RecordValueError) as raised:
                 write()
-            # Roll, pitch and yaw that are this base to the last bit are not found; beside a mass there is no matrix.
-            assert [problem.field for problem in raised.value.problems] == [*bounds, "base", *drawn]
+            # Roll, pitch and yaw that are this base to the last bit are not found: it is written as a matrix.
+            assert [problem.field for problem in raised.value.problems] == [*bounds, *drawn]
         with pytest.raises(TableError, match="mass"):
             replace(arm, rows=(replace(arm.rows[0], mass=-1),)).to_csv()
 

@@ -170,6 +170,62 @@ def everything_of(arm: Manipulator) -> tuple[Any, ...]:
     return (*made.files.items(), *(str(notice) for notice in made.notices))
 
 
+FULL: dict[str, Any] = {"mass": 1.0, "com": (0.0, 0.0, 0.0), "inertia": INERTIA}
+MESHES: dict[str, Any] = {"visual": MESH, "collision": MESH}
+BASE_MESHES: dict[str, Any] = {"base_visual": MESH, "base_collision": MESH}
+ROUND = LinkGeometry(shape="cylinder", radius=0.05)
+NOT_DRAWN: dict[str, Any] = {"visuals": False, "collisions": False}
+
+
+@pytest.mark.parametrize(
+    ("arm", "row", "how", "unused"),
+    [
+        ({"base_geometry": ROUND, "base_visual": MESH}, {}, {}, ["base.geometry"]),
+        ({"base_geometry": ROUND, "base_visual": MESH}, {}, {"base_collision": True}, []),
+        ({"base_geometry": ROUND, **BASE_MESHES}, {}, {"base_collision": True}, ["base.geometry"]),
+        ({"base_geometry": ROUND, **NOT_DRAWN}, {}, {}, []),
+        ({"base_geometry": ROUND, "base_mass": 0.0, **NOT_DRAWN}, {}, {}, ["base.geometry"]),
+        ({"base_geometry": LinkGeometry(shape="capsule")}, {}, {}, ["base.geometry.shape"]),
+        ({"base_geometry": ROUND}, {}, {"variant": "paper"}, ["base.geometry"]),
+        ({"geometry": ROUND}, {}, {"variant": "paper"}, ["defaults.geometry"]),
+        ({}, {"radius": 0.05}, {"variant": "paper"}, ["radius"]),
+        ({}, {"radius": 0.05, **MESHES}, {}, ["radius"]),
+        ({}, {"radius": 0.05, "visual": MESH}, {}, []),
+        ({}, {"radius": 0.05, "collision": MESH}, {}, []),
+        (NOT_DRAWN, {"radius": 0.05}, {}, []),
+        (NOT_DRAWN, {"radius": 0.05, **FULL}, {}, ["radius"]),
+        (NOT_DRAWN, {"radius": 0.05, "type": JointType.PRISMATIC}, {}, []),
+        ({"geometry": ROUND}, {"radius": 0.06}, {}, []),
+        (
+            {"geometry": ROUND, "base_geometry": ROUND, **BASE_MESHES},
+            MESHES,
+            {},
+            ["base.geometry", "defaults.geometry.shape", "defaults.geometry.radius"],
+        ),
+        ({"density": 2000.0}, FULL, {}, ["defaults.density"]),
+        ({"density": 2000.0}, {}, {}, []),
+        ({"density": 2000.0, "payload": Payload(mass=1.0)}, {"mass": 1.0}, {}, []),
+    ],
+)
+def test_shapes_and_densities_that_nothing_shows_are_said(
+    arm: dict[str, Any], row: dict[str, Any], how: dict[str, Any], unused: list[str], tmp_path: Path
+) -> None:
+    """A notice names each; where there is none, a file is another without it."""
+    shape = mesh(tmp_path, "link.stl")
+    with_meshes = [{key: shape if value == MESH else value for key, value in said.items()} for said in (arm, row)]
+    rows = (DHRow(**{"joint": "one", "link": "arm", "a": 0.3, "alpha": 0.0, "d": 0.2, **with_meshes[1]}),)
+    given = Manipulator(**{"name": "arm", "convention": Convention.STANDARD, "rows": rows, **with_meshes[0]})
+    made = dh2urdf.convert(given, meshes="file", **how)
+    found = [
+        notice.field for notice in made.notices if "has no effect: " in notice.message or "drawn as" in notice.message
+    ]
+    assert [field for field in found if field != "meshes"] == unused
+    if unused and "capsule" not in str(made.notices):
+        less: dict[str, Any] = {"geometry": LinkGeometry(), "base_geometry": LinkGeometry(), "density": None}
+        bare = replace(given, **less, rows=tuple(replace(one, radius=None) for one in given.rows))
+        assert dh2urdf.convert(bare, meshes="file", **how).text == made.text
+
+
 def test_every_field_of_every_record_has_an_effect(tmp_path: Path) -> None:
     """One is changed, and a file, a notice or an error is another; and a table in YAML says it."""
     arm, other = arm_in(tmp_path), mesh(tmp_path, "other.stl")
@@ -244,6 +300,21 @@ class TestArguments:
             ),
             (lambda: dh2urdf.run({"inputs": "a.csv"}, dry_run="no"), "dry_run='no' is neither True nor False"),  # type: ignore[arg-type]
             (lambda: dh2urdf.run({"inputs": "a.csv"}, resume=1), "resume=1 is neither True nor False"),  # type: ignore[arg-type]
+            (
+                lambda: dh2urdf.run({"inputs": str(UR5)}, resume=True, dry_run=True),
+                "a dry run makes everything anew and writes nothing",
+            ),
+            (lambda: dh2urdf.read(UR5).fk([0.0] * 6, full="no"), "full='no' is neither True nor False"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.read(UR5).fk_all([0.0] * 6, full=1), "Manipulator.fk_all(): error: field 'full'"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.read(UR5).jacobian([0.0] * 6, full=None), "full=None is neither True"),  # type: ignore[arg-type]
+            (
+                lambda: dh2urdf.run({"inputs": str(UR5)}, settings={"transform.options.framez": "dh"}),
+                "dh2urdf.run(): error: field 'framez'",
+            ),
+            (
+                lambda: dh2urdf.run({"inputs": str(UR5)}, settings={"nokey": "dh"}),
+                "dh2urdf.run(): error: settings: 'nokey=dh' begins with 'nokey'",
+            ),
             (lambda: dh2urdf.run({"inputs": "a.csv", "outptu": "x"}), "did you mean 'output'?"),
             (lambda: dh2urdf.run({"inputs": "a.csv"}, settings={"prof.poses": 1}), "did you mean 'proof'?"),
             (lambda: dh2urdf.run(UR5), "this is a table, not a run file"),
@@ -273,6 +344,51 @@ class TestArguments:
         with pytest.raises(Dh2UrdfError) as raised:
             Manipulator.from_dh(list(self.ROW), **(self.MM | how))
         assert says in str(raised.value)
+
+    @pytest.mark.parametrize(
+        ("out", "how", "says"),
+        [
+            ("arm.sdf", {"formats": "urdf"}, "is the name of a file in the format sdf, and it holds urdf"),
+            ("arm.urdf", {"formats": ["xacro"]}, "is the name of a file in the format urdf, and it holds xacro"),
+            ("arm.urdf", {"meshes": "relative"}, "meshes='relative' has no effect: the arm has no meshes"),
+            (None, {"meshes": "file"}, "meshes='file' has no effect"),
+            ("arm.urdf", {"formats": "urdf"}, None),
+            ("arm.txt", {"formats": "urdf"}, None),
+        ],
+    )
+    def test_what_is_asked_for_and_has_no_effect_is_said(
+        self, out: str | None, how: dict[str, Any], says: str | None, tmp_path: Path
+    ) -> None:
+        """A suffix of another format, and a word for meshes of an arm that has none."""
+        before = len(dh2urdf.convert(UR5).notices)
+        found = [
+            notice.message for notice in dh2urdf.convert(UR5, None if out is None else tmp_path / out, **how).notices
+        ]
+        assert len(found) == before + (says is not None)
+        assert says is None or says in found[-1]
+
+    @pytest.mark.parametrize("inertia", [None, INERTIA])
+    def test_records_are_in_si_units_whatever_the_table_is_in(self, inertia: Inertia | None) -> None:
+        """A payload, a shape and an inertia, alone and inside a mapping."""
+        payload = Payload(mass=1.1, com=(0.1, 1 / 3, 0.0), inertia=inertia)
+        shape = LinkGeometry(shape="box", radius=0.1)
+        units = {"length": "mm", "angle": "deg", "mass": "g", "inertia": "g·mm²"}
+        how: dict[str, Any] = {**self.MM, "units": units}
+        arm = Manipulator.from_dh(list(self.ROW), payload=payload, base={"geometry": shape}, **how)
+        assert arm.payload == payload
+        assert arm.base_geometry == shape
+        mapping = {"mass": "1.1 kg", "com": ["0.1 m", f"{1 / 3!r} m", 0], "inertia": inertia}
+        given = {key: value for key, value in mapping.items() if value is not None}
+        assert Manipulator.from_dh(list(self.ROW), payload=given, **how).payload == payload
+        assert dh2urdf.read(UR5, payload=payload).payload == payload
+
+    def test_settings_start_at_the_working_directory(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """As those of the command line do, wherever the run file is."""
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "runs").mkdir()
+        (tmp_path / "runs" / "run.yaml").write_text(f"inputs: {UR5}\nreport: {{html: false}}\n")
+        dh2urdf.run("runs/run.yaml", settings={"output.directory": "made"})
+        assert (tmp_path / "made" / "ur5.urdf").is_file()
 
     def test_a_name_that_the_table_overrules(self) -> None:
         """`name` beside a column of names."""

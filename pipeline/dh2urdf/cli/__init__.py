@@ -6,6 +6,7 @@ import io
 import os
 import signal
 import sys
+import warnings
 from importlib import import_module
 from itertools import pairwise
 from typing import IO, TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ import click
 from dh2urdf import __version__
 from dh2urdf.cli.leaving_out import without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
+from dh2urdf.own_process import claim
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -135,6 +137,9 @@ def dh2urdf(invocation: _Invocation, debug: bool) -> None:  # noqa: FBT001 - cli
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
     signal.signal(signal.SIGTERM, _on_terminate)
+    claim()
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")  # what libraries warn their callers of is not for the user of a command
     words = sys.argv[1:] if arguments is None else arguments
     sys.exit(_status(words))
 

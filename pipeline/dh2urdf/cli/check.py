@@ -14,11 +14,12 @@ from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
-from dh2urdf.cli.tables import ASKER, READER_OPTIONS, table_options
+from dh2urdf.cli.tables import ASKER, READER_OPTIONS, package_paths_option, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
-from dh2urdf.inspecting import inspect
+from dh2urdf.inspecting import given_arguments, inspect
 from dh2urdf.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stages import Expansion
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ EXIT_STATUS = (
 
 @click.command(name="check", epilog=EXIT_STATUS)
 @click.argument("file", type=click.Path(path_type=Path))
+@click.argument("arguments", nargs=-1, metavar="[NAME:=VALUE]…")
+@package_paths_option
 @click.option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
 @click.option(
     "--against",
@@ -56,6 +59,8 @@ EXIT_STATUS = (
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     file: Path,
+    arguments: tuple[str, ...],
+    package_paths: tuple[Path, ...],
     simulators: tuple[str, ...],
     table: Path | None,
     base_link: str | None,
@@ -70,9 +75,13 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     which base, tool, signs and offsets they would agree, in a form that can be put into the table. FILE or TABLE may
     be -, which is standard input; --as and --from then say its format.
 
+    A xacro is expanded with the values that NAME:=VALUE gives to its arguments, where it can do no harm; it may include
+    files of its own package, and of the packages that --package-path names.
+
     \b
     dh2urdf check robot.urdf
     dh2urdf check robot.urdf.xacro --for pybullet --for mujoco
+    dh2urdf check ur.urdf.xacro ur_type:=ur10 --package-path ~/ws/src
     dh2urdf check ur5.urdf --against ur5.csv --tip-link ee_link
     dh2urdf check robot.urdf --format sarif > robot.sarif
     """
@@ -82,7 +91,13 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     file = given_description(file, format_name, installed)
     check_file(file, InputError)
     manipulator = _manipulator(installed, table, flags) if table else None
-    inspection = inspect(installed, file, format_name, "`--as NAME`")
+    inspection = inspect(
+        installed,
+        file,
+        format_name,
+        "`--as NAME`",
+        Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths),
+    )
     consumers = _chosen(simulators, inspection.consumers)
     findings = [found for finding in inspection.findings if (found := _only(finding, consumers))]
     comparison = None

@@ -9,6 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
 from dh2urdf.runs import execute, load_plan
@@ -53,6 +54,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     """
     from dh2urdf.cli.progress import progress
 
+    refuse_dash([config], "run")
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
     plan = load_plan(config, catalog(), overrides, output)
     debug = click.get_current_context().find_root().params["debug"]

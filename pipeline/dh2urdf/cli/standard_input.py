@@ -49,6 +49,25 @@ def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path
     return _kept(content, catalog.get("reader", reader).suffixes), reader
 
 
+def refuse_dash(files: Iterable[Path | str | None], command: str) -> None:
+    """Refuses a dash where a command reads files, and not standard input.
+
+    Raises:
+        ConfigError: one of the files is a dash.
+    """
+    if any(str(file) == DASH for file in files):
+        raise ConfigError(
+            Problem(
+                message=f"`dh2urdf {command}` reads no standard input",
+                mark=COMMAND_LINE,
+                found=DASH,
+                accepted="the name of a file",
+                suggestion=f"save it as a file first, `cat > FILE`, and give `dh2urdf {command} FILE`; "
+                "`dh2urdf convert -`, `info -` and `check -` read standard input",
+            )
+        )
+
+
 def files_behind(tables: Iterable[Path]) -> list[Path]:
     """The files that the tables of a command line are read from."""
     return [Path(FILE) if str(table) == DASH else table for table in tables]

@@ -10,6 +10,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import refuse_dash
 
 if TYPE_CHECKING:
     from dh2urdf.studio.opening import Opened
@@ -38,6 +39,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     from dh2urdf.studio.words import without
     from dh2urdf.textfiles import check_file
 
+    refuse_dash([table], "studio")
     require_nicegui("studio")
     installed = catalog()
     opened = None

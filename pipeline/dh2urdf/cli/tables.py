@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -49,9 +50,7 @@ def table_options(function: F) -> F:
             click.option("--length-unit", metavar="UNIT", help="Unit of lengths without one: m, cm or mm."),
             click.option("--angle-unit", metavar="UNIT", help="Unit of angles without one: rad or deg."),
             click.option(
-                "--units",
-                metavar="YAML",
-                help='Units by what they measure: "{length: mm, inertia: kg·mm²}", "mm, deg".',
+                "--units", metavar="YAML", help='By what they measure: "{length: mm, inertia: kg·mm²}", "mm, deg".'
             ),
             click.option(
                 "--base",
@@ -64,6 +63,16 @@ def table_options(function: F) -> F:
     ):
         function = option(function)
     return function
+
+
+package_paths_option = click.option(
+    "--package-path",
+    "package_paths",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    metavar="DIR",
+    help="A ROS package, or a folder of packages, whose files a xacro may include; repeatable.",
+)
 
 
 def settings_of(words: Iterable[str]) -> list[Setting]:

@@ -9,31 +9,47 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import refuse_dash
+from dh2urdf.cli.tables import package_paths_option
+from dh2urdf.options import COMMAND_LINE
 
 
 @click.command(name="view", epilog=EXIT_STATUS)
-@click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="FILE…")
+@click.argument("files", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
+@package_paths_option
 @click.option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
 @click.option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
 @without_option
-def command(files: tuple[Path, ...], port: int | None, host: str, no_browser: bool) -> int:  # noqa: FBT001 - click hands flags over so
+def command(
+    files: tuple[str, ...],
+    package_paths: tuple[Path, ...],
+    port: int | None,
+    host: str,
+    no_browser: bool,  # noqa: FBT001 - click hands flags over so
+) -> int:
     """Show robots in the browser: sliders, joint axes, frames, collision shapes.
 
     A FILE is a robot description that an emitter reads back (URDF, xacro), a table, or a run file, of which the cells
     are shown, or the arms where it has none. Several are shown in one scene. The address of the page is printed;
-    Ctrl-C ends it.
+    Ctrl-C ends it. A xacro is expanded as by `dh2urdf check`, with the values that NAME:=VALUE gives to its arguments.
 
     \b
     dh2urdf view ur5.urdf
     dh2urdf view ur5.csv panda.yaml robot.urdf.xacro
     dh2urdf view pair.yaml
+    dh2urdf view ur.urdf.xacro ur_type:=ur10 --package-path ~/ws/src
     """
+    from dh2urdf.inspecting import given_arguments
+    from dh2urdf.stages import Expansion
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.viewing import load_figures
 
+    refuse_dash(files, "view")
     require_nicegui("view")
-    figures = load_figures(files, catalog())
+    words = [word for word in files if ":=" in word and not Path(word).exists()]
+    expansion = Expansion(arguments=given_arguments(words, COMMAND_LINE), package_paths=package_paths)
+    figures = load_figures([Path(word) for word in files if word not in words], catalog(), expansion)
     from dh2urdf.studio.app import build_view
 
     serve(

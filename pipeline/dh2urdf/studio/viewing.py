@@ -11,12 +11,13 @@ from dh2urdf.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.conversion import make_cell, make_robot, read_items
 from dh2urdf.errors import ConfigError, InputError, ManipulatorError
 from dh2urdf.gathering import Gathering
+from dh2urdf.inspecting import expanded_with
 from dh2urdf.kinematics import link_poses
 from dh2urdf.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stages import Rejected
+from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.reading import transform_call
 from dh2urdf.studio.scene import Drawing, Figure, extent
@@ -36,8 +37,13 @@ TOLD_NAMES = 6
 """Names of robots that the page's head has room for [1]."""
 
 
-def load_figures(paths: Sequence[Path], catalog: Catalog) -> tuple[Figure, ...]:
+def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion | None = None) -> tuple[Figure, ...]:
     """The robots of some files.
+
+    Args:
+        paths: the files.
+        catalog: the readers and emitters that there are.
+        expansion: how those of them are expanded that hold macros.
 
     Raises:
         InputError: a file cannot be read; the problems of all files are said at once.
@@ -47,12 +53,15 @@ def load_figures(paths: Sequence[Path], catalog: Catalog) -> tuple[Figure, ...]:
     notices: list[Problem] = []
     for path in paths:
         try:
-            found += _figures(path, catalog)
+            found += _figures(path, catalog, expansion)
         except (InputError, ManipulatorError) as error:
             problems += [problem.about(mark=Mark(file=str(path))) for problem in error.problems]
             notices += error.notices
     if problems:
         raise InputError(problems, notices)
+    if expansion not in (None, Expansion()) and not any(_holds_macros(path, catalog) for path in paths):
+        message = "none of the files has macros: they take no arguments and no package paths"
+        raise InputError(Problem(message=message, mark=Mark(file=str(paths[0])), accepted="a xacro among the files"))
     if len(found) > MOST_FIGURES:
         raise InputError(
             Problem(message=f"these are {len(found)} robots", accepted=f"at most {MOST_FIGURES} in one scene")
@@ -62,7 +71,12 @@ def load_figures(paths: Sequence[Path], catalog: Catalog) -> tuple[Figure, ...]:
     return tuple(_with_own_names(found))
 
 
-def _figures(path: Path, catalog: Catalog) -> Iterator[Figure]:
+def _holds_macros(path: Path, catalog: Catalog) -> bool:
+    emitters = [item.stage for item in catalog.provided("emitter") if getattr(item.stage, "expandable", False)]
+    return path.name.lower().endswith(tuple(suffix for each in emitters for suffix in getattr(each, "suffixes", ())))
+
+
+def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Iterator[Figure]:
     """The robots of one file.
 
     Raises:
@@ -83,8 +97,9 @@ def _figures(path: Path, catalog: Catalog) -> Iterator[Figure]:
     emitter = catalog.emitter_for(path)
     if (reading := emitter.read_foreign or emitter.read_back) is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
+    given = expanded_with(emitter, expansion, path) if emitter.expandable else ()
     with blaming(default_call(catalog, emitter)):
-        robot = a_record(reading(path), Robot)
+        robot = a_record(reading(path, *given), Robot)
     yield Figure(robot=robot, title=robot.name or path.stem)
 
 

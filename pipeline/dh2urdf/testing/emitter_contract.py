@@ -13,7 +13,7 @@ from dh2urdf.columns import RobotColumns
 from dh2urdf.errors import Dh2UrdfError, EmitterError, InputError, PluginError
 from dh2urdf.proof import TOLERANCE, proof_vectors
 from dh2urdf.robot import Box, Link, Sphere, Visual
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import EmittedFile, Emitter, Expansion
 from dh2urdf.testing.oracle import difference, robot_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
@@ -147,18 +147,28 @@ class EmitterContract(StageContract):
         path = tmp_path / f"broken{(self.stage.suffixes or ('',))[0]}"
         for content in (b"", b"\xff\xfe\x00 no text", b"<a><b></a>", b"[1, 2"):
             path.write_bytes(content)
-            for reading in filter(None, (self.stage.read_back, self.stage.check)):
+            for reading, given in (
+                (self.stage.read_back, ()),
+                (self.stage.read_foreign, self._expansion),
+                (self.stage.check, self._expansion),
+            ):
                 try:
-                    reading(path)
+                    if reading is not None:
+                        reading(path, *given)
                 except Dh2UrdfError:
                     continue
                 except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever an author's code raises
+                    name = getattr(reading, "__name__", reading)
                     self.breach(
                         clause,
-                        found=f"{type(error).__name__}: {error} from {reading.__name__}, of {content!r}",
+                        found=f"{type(error).__name__}: {error} from {name}, of {content!r}",
                         accepted="dh2urdf.errors.InputError, or what is derived from it",
                         remedy="say with InputError and a Problem what is wrong with the file and where",
                     )
+
+    @property
+    def _expansion(self) -> tuple[Expansion, ...]:
+        return (Expansion(),) if self.stage.expandable else ()
 
     def test_reads_back_the_same_arm(self, tmp_path: Path) -> None:
         """Where it reads its files back, T(q) is that of the robot, by code that the pipeline does not share."""
@@ -198,7 +208,7 @@ class EmitterContract(StageContract):
             files = self._emit(robot)
             for file in files:
                 (tmp_path / file.name).write_bytes(file.content)
-            inspection = self.stage.check(tmp_path / files[0].name)
+            inspection = self.stage.check(tmp_path / files[0].name, *self._expansion)
             if errors := [finding.message for finding in inspection.findings if finding.severity == "error"]:
                 self.breach(
                     self.test_finds_no_fault_in_its_own_files,

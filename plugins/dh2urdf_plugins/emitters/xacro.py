@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Arm, Parameter, Robot
-    from dh2urdf.stages import Inspection
+    from dh2urdf.stages import Expansion, Inspection
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
 MACRO_PARAMETERS = "prefix parent:='' *origin"
@@ -290,15 +290,15 @@ def notices(robot: Robot, options: XacroOptions) -> list[Problem]:
     return notices_of(robot, options.profile)
 
 
-def check(path: Path) -> Inspection:
-    """What there is to say of a xacro, expanded, of any origin.
+def check(path: Path, expansion: Expansion | None = None) -> Inspection:
+    """What there is to say of a xacro of any origin, expanded so or with its defaults.
 
     Raises:
         InputError: the file cannot be read.
     """
     from dh2urdf_plugins.lint.inspection import inspect_xacro
 
-    return inspect_xacro(path)
+    return inspect_xacro(path, expansion)
 
 
 EMITTER = Emitter(
@@ -309,6 +309,7 @@ EMITTER = Emitter(
     emit=emit,
     read_back=read_xacro,
     read_foreign=read_foreign_xacro,
+    expandable=True,
     one_file=one_file,
     costly_proof=True,
     check=check,

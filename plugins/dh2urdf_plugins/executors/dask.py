@@ -15,7 +15,6 @@ import sys
 import tempfile
 import threading
 import time
-import warnings
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
 from dh2urdf.errors import ExecutorError, MissingDependencyError
+from dh2urdf.own_process import is_own
 from dh2urdf.source import Problem
 from dh2urdf.stages import Executor, Lost
 from dh2urdf_plugins.executors.local import processors
@@ -104,11 +104,11 @@ def _client(address: str) -> Iterator[Any]:
     import distributed
 
     for name in ("distributed", "distributed.client", "tornado", "tornado.application"):  # each prints for itself
-        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+        if is_own():
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
         distributed.comm.resolve_address(address)  # A client that met no address would never be closed.
-        with warnings.catch_warnings(action="ignore"):  # of other versions, which are refused below
-            client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
+        client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ExecutorError(
             Problem(

@@ -37,6 +37,9 @@ def main() -> None:
     threading.Thread(target=_receive, args=(messages, received), daemon=True).start()
     sys.path[:], pickled_function = received.get()
     try:
+        from dh2urdf.own_process import claim
+
+        claim()
         function = pickle.loads(pickled_function)  # noqa: S301 - our own parent sent it
     except Exception as error:  # noqa: BLE001 - unpickling imports modules, which may raise anything
         _send(answers, ("unusable", f"{type(error).__name__}: {error}"))

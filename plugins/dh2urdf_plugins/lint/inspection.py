@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Robot
+    from dh2urdf.stages import Expansion
 
 LONGEST = 2**26
 """Size of a description that is inspected [B]."""
@@ -35,15 +36,19 @@ def inspect_urdf(path: Path) -> Inspection:
     return _inspection(path, read_bytes(path, InputError, limit=LONGEST), str(path))
 
 
-def inspect_xacro(path: Path) -> Inspection:
-    """What there is to say of a xacro, as xacro expands it behind a fence, with the defaults of its arguments.
+def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
+    """What there is to say of a xacro, as xacro expands it behind a fence.
+
+    Args:
+        path: the file.
+        expansion: the values of its arguments, and the packages that it may read; defaults where it is None.
 
     Raises:
         InputError: the file cannot be read.
     """
     read_bytes(path, InputError, limit=LONGEST)
     try:
-        content = expand_foreign(path)
+        content = expand_foreign(path, expansion)
     except ProofError as error:
         return _only(Hit("xacro-fails", 1, error.problems[0].message), str(path))
     return _inspection(path, _PROLOGUE + content, f"{path} (expanded)")

@@ -33,9 +33,12 @@ ACCEPTED = {
 _BRACKETS = "[](){}<>"
 _PLUS_MINUS = late_pattern(r"(?:±|\+\s*/?\s*-|-\s*/\s*\+)\s*(.+)")
 _TO = late_pattern(r"\s*(?:…|\.{2,}|~|〜)\s*|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a)\s+")
+_DECIMAL_COMMA = r"(?<=[0-9]),(?=(?:[0-9]{1,2}|[0-9]{4,})(?![0-9]))"
 _NUMBER = r"[+-]?\s*[0-9]+(?:[.,][0-9]+)?(?:e[+-]?[0-9]+)?"
 _PAIR = late_pattern(rf"({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-9/,;]*)", re.IGNORECASE)
-_NAMED_PART = late_pattern(r"([a-z_]+)\s*[:=]\s*([^,;=:]+)", re.IGNORECASE)
+_NAMED_PART = late_pattern(r"([a-z_]+)\s*[:=]\s*((?:[^,;=:]|,(?=[0-9]))+)", re.IGNORECASE)
+_BEFORE_NAME = late_pattern(r",(?=\s*[a-z_]+\s*[:=])", re.IGNORECASE)
+"""A comma between parts that are named; any other one is a decimal sign."""
 _DIAGONAL = late_pattern(r"diag\s*[(\[]([^()\[\]]*)[)\]]", re.IGNORECASE)
 _UNIT_AT_END = late_pattern(r"[\d.)\]}iIπ]\s*([^\W\d]+[\w·/²*^]*|°)\s*$")
 _ENDLESS = ("unlimited", "endless", "infinite", "continuous", "∞", "±∞", "unbegrenzt", "endlos", "illimité")
@@ -79,7 +82,8 @@ def split_cell(field: Field, text: str, *, decimal_comma: bool = False) -> dict[
 
 def _named_parts(field: Field, text: str) -> dict[str, str] | None:
     """Parts that are called by their names: ``min: -170, max: 170``, ``x=0, y=0, z=0.1``."""
-    texts = text.strip(_BRACKETS).split(";" if ";" in text else ",")
+    inner = text.strip(_BRACKETS)
+    texts = inner.split(";") if ";" in text else _BEFORE_NAME.split(inner)
     pairs = [match.groups() for part in texts if (match := _NAMED_PART.fullmatch(part.strip()))]
     names = [_PARTS.get(name.lower(), name.lower()) for name, _ in pairs]
     if len(pairs) < len(texts) or len(set(names)) < len(names) or not set(names) <= set(field.parts):
@@ -95,7 +99,9 @@ def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
         return GroupError(f"{shown(text)} has no bounds", "if the joint turns without end, give it the type continuous")
     inner, unit = _without_brackets(text)
     if match := _PLUS_MINUS.fullmatch(inner):
-        if re.search(r"[+±,;…~]|-|\.\.", match[1]):
+        # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
+        size = re.sub("(?<=[0-9]),(?=[0-9])" if decimal_comma else _DECIMAL_COMMA, ".", match[1])
+        if re.search(r"[+±,;…~]|-|\.\.", size):
             return _not_two(text)
         return _both(f"-{match[1]}", match[1], unit)
     pair = _TO.split(inner)

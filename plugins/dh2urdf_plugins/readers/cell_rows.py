@@ -16,6 +16,7 @@ from dh2urdf_plugins.readers.fields import FIELDS, REQUIRED
 from dh2urdf_plugins.readers.header_rows import completed, headers_in, text_in
 from dh2urdf_plugins.readers.plain_numbers import LINE_END
 from dh2urdf_plugins.readers.top import comment_text, is_header
+from dh2urdf_plugins.readers.unknown_columns import is_beside, is_number, stray_number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
 _BATCH = 200
 """Rows that are handed on at once [1]."""
 _FEW = 5
-_NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
+BELOW = "what stands below the table, after an empty row"
+_PROSE = late_pattern(r"[^\W\d_]{3,}(?:[\s:,.]|$)")
+"""How a note begins, and no number, expression or symbol: with a word."""
 
 
 class CellRows:
@@ -90,8 +93,8 @@ class CellRows:
         rows = filter(self._is_row, self.rows)
         while batch := list(islice(rows, _BATCH)):
             yield batch, [self._values(row) for row in batch]
-        self._tell("what stands below the table, after an empty row", self.below)
-        self._tell("what stands beside the table", self.beside)
+        self.notices += unread_notes(BELOW, self.below)
+        self.notices += unread_notes("what stands beside the table", self.beside)
 
     def row_marks(self, keys: Iterable[CellRow]) -> Iterator[Mark]:
         """The places of rows."""
@@ -103,7 +106,7 @@ class CellRows:
         return marks + [key.mark] * (len(texts) - len(marks))
 
     def row_problems(self, key: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
-        """What the container says of the row's cells, and of numbers in a column without a header."""
+        """What the container says of the row's cells, and of numbers behind the last column of the header."""
         joint = f"joint_{number}"
         if is_header(key) and headers_in(key) != self.header:
             yield Problem(
@@ -118,23 +121,16 @@ class CellRows:
             field = self.fields[index] if index < len(self.fields) else None
             if isinstance(cell, Problem) and field:
                 yield replace(cell, joint=joint, field=field, mark=cell.mark or self.marks(key, texts)[index])
-            elif self._is_stray(index, cell):
-                yield Problem(
-                    message=f"{shown(text_in(cell))} stands in a column without a header",
-                    mark=self.marks(key, texts)[index],
-                    joint=joint,
-                    found=text_in(cell),
-                    accepted="a header above each column of numbers, and an empty column between the table and notes",
-                )
+            elif index >= len(self.fields) and self._is_stray(index, cell):
+                yield stray_number(text_in(cell), self.marks(key, texts)[index], joint)
 
     # --- Cells --------------------------------------------------------------------------------------------------------
 
     def _is_stray(self, index: int, cell: object) -> bool:
         """Whether a cell is a number in a column of the table that has no header."""
-        beside = index > 0 and not any(self.named[index - 1 :])
-        if beside or (index < len(self.named) and self.named[index]):
+        if is_beside(index, self.named) or (index < len(self.named) and self.named[index]):
             return False
-        return isinstance(cell, float | int) or bool(_NUMBER.match(text_in(cell).strip(SPACES)))
+        return isinstance(cell, float | int) or is_number(text_in(cell).strip(SPACES))
 
     def _is_note(self, index: int, cell: object) -> bool:
         """Whether a cell without a header holds what belongs to no column of the table."""
@@ -173,13 +169,17 @@ class CellRows:
         if is_comment(texts[0]):
             self._see_comment(row, texts)
             return False
-        if self.ended and not any(
-            text_in(row.cells[index]).strip(SPACES) for index in self.geometry if index < len(row.cells)
-        ):
+        if self.ended and self._is_below(row, texts):
             self.below.append((comment_text(row), row.mark))
             return False
         self.begun = True
         return True
+
+    def _is_below(self, row: CellRow, texts: Sequence[str]) -> bool:
+        """Whether a row after an empty one is a note: it has no geometry, or is one cell of prose."""
+        if len(texts) == 1 and _PROSE.match(texts[0].strip(SPACES)):
+            return True
+        return not any(text_in(row.cells[index]).strip(SPACES) for index in self.geometry if index < len(row.cells))
 
     def _see_comment(self, row: CellRow, texts: Sequence[str]) -> None:
         text = comment_text(row)
@@ -194,10 +194,11 @@ class CellRows:
                 )
             )
 
-    def _tell(self, what: str, notes: Sequence[tuple[str, Mark]]) -> None:
-        """Adds the one notice of notes that nothing is read from."""
-        if notes:
-            texts = ", ".join(shown(text) for text, _ in notes[:_FEW])
-            more = f" and {len(notes) - _FEW} more" if len(notes) > _FEW else ""
-            message = f"nothing is read from {what}: {texts}{more}"
-            self.notices.append(Problem(message=message, severity="notice", mark=notes[0][1]))
+
+def unread_notes(what: str, notes: Sequence[tuple[str, Mark]]) -> list[Problem]:
+    """The one notice of notes that nothing is read from; none where there are none."""
+    if not notes:
+        return []
+    texts = ", ".join(shown(text) for text, _ in notes[:_FEW])
+    more = f" and {len(notes) - _FEW} more" if len(notes) > _FEW else ""
+    return [Problem(message=f"nothing is read from {what}: {texts}{more}", severity="notice", mark=notes[0][1])]

@@ -61,12 +61,15 @@ class Units:
         columns: the units that headers declare, by field.
         doubts: why bare numbers other than 0 have no sure unit, by what they measure or by field.
         decimal_comma: whether a comma may stand for the decimal point.
+        bare: outside of rows, the first number of each kind that is read in the SI unit since nothing says its unit,
+            and its field.
     """
 
     known: Mapping[Dimension, Unit] = field(default_factory=dict)
     columns: Mapping[str, Unit] = field(default_factory=dict)
     doubts: Mapping[str, Doubt] = field(default_factory=dict)
     decimal_comma: bool = False
+    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict, compare=False)
 
     @property
     def angle(self) -> Unit | None:

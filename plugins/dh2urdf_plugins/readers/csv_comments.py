@@ -46,6 +46,7 @@ MAX_STATEMENT = 10_000
 _STATEMENT = re.compile(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
 _ENTRY = re.compile(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
 _BULLET = re.compile(r"^\s*[-*•]\s+")
+_QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
 _NUMBERS = late_pattern(r"\s*\[\s*[+-]?[0-9.]")
 _OF_THE_FILE = frozenset(
     "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
@@ -119,7 +120,10 @@ def name_said(comment: Comment) -> str | None:
         return None
     if mentioned_units(entry[2]) or convention_in_prose(entry[2]):
         return None
-    return entry[2].strip().strip("\"'") or None
+    value = entry[2].strip()
+    if _QUOTED.fullmatch(value):
+        return str(_node(comment, value, entry.start(2)).value) or None
+    return value.strip("\"'") or None
 
 
 def comment_below(line: str, place: Mark) -> Comment:

@@ -43,6 +43,7 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
         TableError: there is no header.
     """
     held: list[_Line] = []
+    titles: list[_Line] = []  # what is held and no comment
     delimiter: str | None = None
     for number, first in (numbered := enumerate(lines, start=1)):
         if not first.strip(_EMPTY):
@@ -53,18 +54,17 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
         line = _whole(first, numbered)
         if len(line) > MAX_HEADER and not is_comment(line, top=True):
             raise TableError(_long_header(line, number, file))
-        header = line
-        if comment := is_comment(line, top=True):
-            header = (commented_header(line) if len(line) <= MAX_HEADER else None) or ""
+        comment = is_comment(line, top=True)
+        header = _header_in(line) if comment else line
         found = delimiter or delimiter_of(header)
         if found and is_header(row := _cells(header, number, file, found)):
             yield from ((above, None) for above in _above(held, file, found))
             yield row, found
             return
         held.append(_Line(number, line, comment))
-        if sum(not above.comment for above in held) > MAX_TITLES:
+        titles += [] if comment else held[-1:]
+        if len(titles) > MAX_TITLES:
             break
-    titles = [above for above in held if not above.comment]
     if not titles:
         yield from ((above, None) for above in _above(held, file, None))
         raise TableError(_nothing(file, empty=not held))
@@ -74,6 +74,11 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
         raise TableError(_no_header(likely.text, likely.number, file))
     yield from ((above, None) for above in _above(held[: held.index(likely)], file, found))
     yield _cells(likely.text, likely.number, file, found), found
+
+
+def _header_in(comment: str) -> str:
+    """The header in a comment; empty where it holds none."""
+    return (commented_header(comment) if len(comment) <= MAX_HEADER else None) or ""
 
 
 class _Line(NamedTuple):
@@ -211,6 +216,23 @@ def _no_header(line: str, number: int, file: str) -> Problem:
     )
 
 
+_BARS = (
+    "this is a table between bars: take out the lines of dashes and the bars at both ends, and put commas in place of "
+    "the other bars"
+)
+_LATEX = "this is a table of LaTeX: put commas in place of &, and take out \\\\, \\hline and \\begin"
+_ARRAY = (
+    "this is an array of a program: write its rows on lines of their own with commas between the numbers, below a "
+    "header that names the columns, such as `theta,d,a,alpha`: programs differ in their order"
+)
+_OTHER_FORMS = (
+    (late_pattern(r"[─-╿]|^\s*\+[-=]{2}|^\s*\|.*\|\s*$"), _BARS),
+    (late_pattern(r"\\\\|\\hline|\\begin\{|[^&]&[^&]*&"), _LATEX),
+    (late_pattern(r"^\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\(\s*)?\["), _ARRAY),
+)
+"""What tables of other programs look like, and what to do about them."""
+
+
 def _advice(line: str) -> str | None:
     """What to do about a line that is no header."""
     text = line.strip(SPACES + ',\t"')
@@ -218,6 +240,9 @@ def _advice(line: str) -> str | None:
         return f"write `# {text}`: what holds for all rows stands in comment lines"
     if any(are_joints(split(line, delimiter)) for delimiter in DELIMITERS):
         return TURN_ROUND
+    for pattern, advice in _OTHER_FORMS:
+        if pattern.search(line):
+            return advice
     if "  " in line or "|" in line:
         return "columns aligned with spaces or bars cannot be told apart; put commas between them"
     return None

@@ -86,7 +86,7 @@ class CsvLines:
         if self.quotes_in_block:
             self.quoted.extend((start + index, line) for index, line in enumerate(block) if '"' in line)
             block = [line + "\n" for line in block]  # a cell in quotes keeps the end of the line
-        self.signs_in_block = any(sign in text for sign in SIGNS)
+        self.signs_in_block = any(sign[0] in text and sign in text for sign in SIGNS)
         if not self.signs_in_block:
             return block
         return [

@@ -6,12 +6,14 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark, Problem
-from dh2urdf_plugins.readers.comment_lines import marks_a_comment
+from dh2urdf_plugins.readers.cell_rows import BELOW, unread_notes
+from dh2urdf_plugins.readers.comment_lines import joined, marks_a_comment
 from dh2urdf_plugins.readers.csv_header import DELIMITERS, row_below, top_rows
 from dh2urdf_plugins.readers.csv_lines import CsvLines
 from dh2urdf_plugins.readers.fields import REQUIRED
 from dh2urdf_plugins.readers.header_rows import completed
 from dh2urdf_plugins.readers.records import make_marks
+from dh2urdf_plugins.readers.unknown_columns import is_number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -28,7 +30,7 @@ class CsvRows:
     The key of a row is the number of its line.
 
     Attributes:
-        notices: of comment lines that look like rows.
+        notices: of comment lines that look like rows, and of notes below the table.
         comments: those below the header that nobody has looked at yet.
         delimiter: what stands between cells, once the header has been read.
     """
@@ -39,6 +41,8 @@ class CsvRows:
         self.comments = self.lines.comments
         self.delimiter = ","
         self.width = self.needed = 0
+        self.begun = self.ended = False
+        self.below: list[tuple[str, Mark]] = []
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows down to the header."""
@@ -70,11 +74,31 @@ class CsvRows:
     def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
         """The rows that hold anything, and the line at which each starts."""
         for lines, batch in self.lines.records(self.delimiter):
-            if set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch))):
+            plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
+            if plain and not self.ended:
+                self.begun = True
                 yield lines, batch
             else:
-                pairs = [(line, cells) for line, cells in zip(lines, batch, strict=True) if any(map(str.strip, cells))]
+                pairs = [pair for pair in zip(lines, batch, strict=True) if self._is_row(*pair)]
                 yield [line for line, _ in pairs], [cells for _, cells in pairs]
+        self.notices += unread_notes(BELOW, self.below)
+
+    def _is_row(self, line: int, cells: Sequence[str]) -> bool:
+        """Whether cells are a row: they hold something, and are no note behind an empty row."""
+        if not any(map(str.strip, cells)):
+            self.ended = self.begun
+            return False
+        if self.ended and not any(self._says_geometry(cells, index) for index in self.lines.required):
+            text = joined([cell for cell in cells if cell.strip()])
+            self.below.append((text.strip(), Mark(file=self.lines.file, line=line)))
+            return False
+        self.begun = True
+        return True
+
+    def _says_geometry(self, cells: Sequence[str], index: int) -> bool:
+        """Whether a cell of geometry holds anything; in a row that is too short, as of a text with commas, a number."""
+        text = cells[index].strip() if index < len(cells) else ""
+        return is_number(text) if len(cells) < self.needed else bool(text)
 
     def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
         """The lines of rows."""

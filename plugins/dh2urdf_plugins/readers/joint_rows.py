@@ -30,6 +30,7 @@ Cells = dict[str, Cell]
 LABEL = ""
 """The key of a cell that names its row in a column that no field knows."""
 NUMBER = re.compile(r"([0-9]{1,9})(?:\.0+)?")
+DECIMAL = re.compile(r"[-+]?[0-9]*[.,][0-9]+")
 """A name that is the number of a row."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
 
@@ -113,6 +114,10 @@ class _Rows:
         """Makes names of numbers: a column of joints that holds 1, 2, 3 counts them."""
         cells = {place: row[field] for place, row, _ in self.rows if field in row and not self._is_base(place)}
         matches = {place: NUMBER.fullmatch(cell.text) for place, cell in cells.items()}
+        if cells and not any(matches.values()) and all(DECIMAL.fullmatch(cell.text) for cell in cells.values()):
+            first = next(iter(cells.values()))
+            message = f"the column of {field}s holds decimal numbers, which are kept as names: {shown(first.text)}"
+            self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field=field, found=first.text))
         if not cells or not all(matches.values()):
             return
         numbers = {place: int(match[1]) for place, match in matches.items() if match}

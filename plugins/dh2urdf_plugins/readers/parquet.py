@@ -6,16 +6,19 @@ is read as the cells of a CSV file are. What comment lines say there, metadata o
 
 from __future__ import annotations
 
+import json
 import math
+import re
 import struct
 from collections import Counter
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import MissingDependencyError, TableError
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Reader
 from dh2urdf.table_text import CellRow
@@ -24,6 +27,7 @@ from dh2urdf_plugins.readers.cells import text_of
 from dh2urdf_plugins.readers.comment_phrases import unit_of_measure
 from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT, STATEMENTS
 from dh2urdf_plugins.readers.fields import FIELDS, GROUPS
+from dh2urdf_plugins.readers.header_rows import completed
 from dh2urdf_plugins.readers.header_words import read_header
 from dh2urdf_plugins.readers.records import make_marks
 from dh2urdf_plugins.readers.table import TableOptions, read_table
@@ -41,6 +45,11 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.headers import Columns
     from dh2urdf_plugins.readers.row_source import Row
 
+_INDEX = "__index_level_0__"
+"""The column that pandas writes for an index without a name."""
+_ATTRIBUTES = "PANDAS_ATTRS"
+"""The metadata that pandas writes for the attributes of a data frame."""
+_ALMOST = late_pattern(r"dh2urdf[\W_]*", re.IGNORECASE)
 METADATA = "dh2urdf."
 """What the keys begin with of metadata that say something of all rows."""
 _BATCH = 3000
@@ -96,9 +105,12 @@ def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
     Raises:
         TableError: a key is unknown, or what it says is not YAML.
     """
-    said = {}
+    said: dict[str, Node] = {}
     for word, text in metadata.items():
         name = word.decode(errors="replace")
+        if name == _ATTRIBUTES:
+            said |= _statements(_attributes(text), file)
+            continue
         if not name.startswith(METADATA):
             _refuse_without_prefix(name, text.decode(errors="replace"), file)
             continue
@@ -126,8 +138,10 @@ def _refuse_without_prefix(name: str, text: str, file: str) -> None:
     Raises:
         TableError: they do.
     """
-    key = "units" if unit_of_measure(name, text[:MAX_STATEMENT]) else name.casefold()
-    if key in STATEMENTS and key != "name":
+    prefixed = _ALMOST.match(name)
+    word = (name[prefixed.end() :] if prefixed else name).casefold()
+    key = "units" if unit_of_measure(word, text[:MAX_STATEMENT]) else word
+    if key in STATEMENTS and (prefixed or key != "name"):
         raise TableError(
             Problem(
                 message=f"the metadata say {shown(name)}, and only keys that begin with {METADATA} are read",
@@ -136,6 +150,28 @@ def _refuse_without_prefix(name: str, text: str, file: str) -> None:
                 accepted=f"the key {METADATA}{key}, or no such key",
             )
         )
+
+
+def _attributes(text: bytes) -> dict[bytes, bytes]:
+    """The attributes of a data frame (`DataFrame.attrs`) as metadata; none where they are no mapping as JSON."""
+    with suppress(ValueError):
+        found = json.loads(text)
+        if isinstance(found, dict):
+            texts = {key: word if isinstance(word, str) else json.dumps(word) for key, word in found.items()}
+            return {key.encode(): word.encode() for key, word in texts.items()}
+    return {}
+
+
+def _with_labels(headers: list[str], fields: Sequence[Any]) -> list[str]:
+    """Headers with the index of a data frame as the joints' names: pandas gives it this name where it has none."""
+    if any((field := read_header(header).field) and field.name == "joint" for header in headers):
+        return headers
+    are_labels = [field.name == _INDEX and _is_text(field.type) for field in fields]
+    return ["joint" if labels else header for labels, header in zip(are_labels, headers, strict=True)]
+
+
+def _is_missing(cell: object) -> bool:
+    return cell is None or cell != cell  # noqa: PLR0124 - not a number
 
 
 class _ParquetRows:
@@ -154,6 +190,7 @@ class _ParquetRows:
         self.comments: list[Comment] = []
         self.cells: list[Callable[[Any], Sequence[Value]]] = []
         self.short: dict[int, str] = {}
+        self.skipped = 0  # rows at the top that are no joints
 
     def __iter__(self) -> Iterator[CellRow]:
         """The names of the columns: a file has nothing above them."""
@@ -161,7 +198,24 @@ class _ParquetRows:
         _refuse_twins(names, Mark(file=self.path))
         marks = [Mark(file=self.path, place=f"column {name}") for name in names]
         headers = [_with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
-        yield CellRow(headers, Mark(file=self.path), marks)
+        yield CellRow(_with_labels(headers, self.fields), Mark(file=self.path), marks)
+
+    def complete(self, header: CellRow) -> CellRow:
+        """The header with a row of units below it, which columns of text may hold.
+
+        Raises:
+            TableError: the row of units contradicts the header.
+        """
+        if not any(_is_text(field.type) for field in self.fields):
+            return header
+        with _reporting_errors(Mark(file=self.path, line=1, place="row 1"), "the file is broken from here on"):
+            first = next(self.file.iter_batches(1, use_threads=False), None)
+        if first is None or not first.num_rows:
+            return header
+        cells = [None if _is_missing(cell) else cell for (cell,) in (column.to_pylist() for column in first.columns)]
+        joined = completed(header, CellRow(cells, Mark(file=self.path, line=1, place="row 1"), self.marks(1, ())))
+        self.skipped = joined is not None
+        return joined or header
 
     def start(self, columns: Columns) -> Columns:
         """Takes the columns of the rows to come.
@@ -199,6 +253,8 @@ class _ParquetRows:
                 ]
             self._look_at_digits(cells)
             rows = zip(*cells, strict=True)
+            while start <= self.skipped and next(rows, None):
+                start += 1
             while part := list(islice(rows, _PART)):
                 yield range(start, start + len(part)), part
                 start += len(part)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Inertia, Payload
@@ -10,6 +11,7 @@ from dh2urdf.quantities import Dimension
 from dh2urdf.source import Problem
 from dh2urdf_plugins.readers.fields import INERTIA_FIELDS
 from dh2urdf_plugins.readers.placements import TransformReader
+from dh2urdf_plugins.readers.plausibility import SMALLEST_LENGTH
 from dh2urdf_plugins.readers.shapes import ShapeReader, refuse_unknown_keys
 
 if TYPE_CHECKING:
@@ -55,6 +57,12 @@ class PayloadReader:
         tensor = self._tensor(node.value["inertia"]) if "inertia" in node.value else None
         if self.errors or mass is None or com is None:
             return None
+        distance, unit = math.hypot(*com), self.units.of(Dimension.LENGTH)
+        if unit and not unit.is_si and 0 < distance < SMALLEST_LENGTH:
+            message = f"payload.com is {1000 * distance:.4g} mm away, and the unit of lengths is {unit.symbol}"
+            suggestion = "if it is in metres, say so: '0.05 m'"
+            mark, field = node.value["com"].mark, "payload.com"
+            self.add(Problem(message=message, severity="notice", mark=mark, field=field, suggestion=suggestion))
         if "com" not in node.value or tensor is None:
             self.add(_filled_in(node, com="com" not in node.value, inertia=tensor is None))
         return Payload(mass=mass, com=com, inertia=tensor)

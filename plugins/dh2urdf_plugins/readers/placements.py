@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.cells import Cell
 from dh2urdf_plugins.readers.plausibility import LONGEST_ARM, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.row_cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
@@ -33,6 +34,8 @@ _ROUNDED = 0.1
 
 MORE_DIGITS = "write its elements with more digits, or as expressions such as sqrt(2)/2"
 ACCEPTED = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}, or a rigid 4x4 matrix as a list of four rows"
+PLACED = ("xyz", "rpy", "matrix")
+"""Keys of a mapping that say where something stands: the matrix in place of the other two."""
 
 
 class TransformReader:
@@ -104,7 +107,13 @@ class TransformReader:
 
     def _origin(self, node: Node, what: str, other_keys: Sequence[str]) -> RigidTransform | None:
         entries = node.value if isinstance(node.value, dict) else {}
-        refuse_unknown_keys(node, ("xyz", "rpy", *other_keys), what, self.add)
+        refuse_unknown_keys(node, (*PLACED, *other_keys), what, self.add)
+        if (matrix := entries.get("matrix")) is not None:
+            if both := [key for key in ("xyz", "rpy") if key in entries]:
+                message = f"{what} has a matrix and {both[0]}"
+                self._error(node.key_mark(both[0]), what, message, accepted="xyz and rpy, or the matrix of both")
+                return None
+            return self._matrix(matrix, what)
         xyz = self.vector(entries.get("xyz"), f"{what}.xyz", Dimension.LENGTH)
         rpy = self.vector(entries.get("rpy"), f"{what}.rpy", Dimension.ANGLE)
         return None if xyz is None or rpy is None else RigidTransform.from_xyz_rpy(xyz, rpy)
@@ -132,7 +141,7 @@ class TransformReader:
             return None
         try:
             quantity = evaluate(node.text, dimension, unit, angle=self.units.in_functions)
-            refuse_doubt(quantity, node.text, dimension, self.units)
+            refuse_doubt(quantity, field, Cell(node.text, node.mark), dimension, self.units)
         except QuantityError as error:
             self._error(
                 node.mark, field, error.message, found=node.text, accepted=error.accepted, suggestion=error.suggestion

@@ -15,6 +15,8 @@ from dh2urdf_plugins.readers.plausibility import (
     FASTEST_TURN,
     LONGEST_ARM,
     NARROWEST_RANGE,
+    SHORTEST_STROKE,
+    SMALL_ANGLE,
     STRONGEST,
     WIDEST_LIMIT,
 )
@@ -43,6 +45,8 @@ class PlainLimits:
         self.bounds = tuple(
             WIDEST_LIMIT if units.angle or name in units.columns else REMARKABLE_LIMIT for name in ("lower", "upper")
         )
+        rate = units.columns.get("velocity") or units.of(Dimension.TURN_RATE)
+        self.slowest = SMALL_ANGLE if rate and rate.degrees else 0.0  # of joints that turn [rad/s]
         # A speed of joints that turn, or that slide, has no unit but that of its cell.
         self.bare_speed = {linear: is_bare_speed(units, columns, linear=linear) for linear in (False, True)}
         self.known: dict[tuple[Any, ...], Limits] = {}
@@ -96,8 +100,11 @@ class PlainLimits:
         elif lower or upper:
             return None
         slides, turns = JointType.PRISMATIC in kinds, JointType.REVOLUTE in kinds
-        ranges = map(sub, upper, lower) if upper and lower and turns else ()
-        if not _are_usual(ranges, velocity or (), effort or (), linear=slides):
+        ranges = list(map(sub, upper, lower)) if upper and lower else []
+        if slides and any(map(_is_short, ranges)):
+            return None
+        slowest = self.slowest if turns else 0.0
+        if not _are_usual(ranges if turns else (), velocity or (), effort or (), slowest, linear=slides):
             return None
         count = max(map(len, numbers.values()))
         nothing = [None] * count
@@ -127,19 +134,29 @@ class PlainLimits:
         free = lower is None and upper is None
         if kind is JointType.FIXED or not (free or (bounded and kind is not JointType.CONTINUOUS)):
             return None
-        ranges = () if linear or lower is None or upper is None else (upper - lower,)
+        ranges = () if lower is None or upper is None else (upper - lower,)
         speeds, efforts = (() if number is None else (number,) for number in (velocity, effort))
-        if not _are_usual(ranges, speeds, efforts, linear=linear):
+        is_short = linear and any(map(_is_short, ranges))
+        slowest = 0.0 if linear else self.slowest
+        if is_short or not _are_usual(() if linear else ranges, speeds, efforts, slowest, linear=linear):
             return None
         return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
 
-def _are_usual(ranges: Iterable[float], speeds: Sequence[float], efforts: Sequence[float], *, linear: bool) -> bool:
+def _is_short(stroke: float) -> bool:
+    """Whether the range of a joint that slides is worth a word."""
+    return 0 < stroke < SHORTEST_STROKE
+
+
+def _are_usual(
+    ranges: Iterable[float], speeds: Sequence[float], efforts: Sequence[float], slowest: float, *, linear: bool
+) -> bool:
     """Whether ranges of joints that turn, and speeds and efforts, are of a size that needs no word."""
     fastest = FASTEST_SLIDE if linear else FASTEST_TURN
     return (
         min(ranges, default=1.0) >= NARROWEST_RANGE
-        and 0 < min(speeds, default=1.0) <= max(speeds, default=1.0) < fastest
+        and min(speeds, default=1.0) > 0
+        and slowest <= min(speeds, default=1.0) <= max(speeds, default=1.0) < fastest
         and 0 < min(efforts, default=1.0) <= max(efforts, default=1.0) <= STRONGEST
     )
 

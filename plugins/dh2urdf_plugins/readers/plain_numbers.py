@@ -62,9 +62,11 @@ class PlainNumbers:
         text = "".join(column)  # `float` reads 1_0 and digits of other scripts too
         if "_" in text or LINE_END in text or not text.isascii():
             return None
-        if 0.0 in numbers and _TINY.search(text) and not all(map(_is_held, column, numbers)):
+        if 0.0 not in numbers:
+            return numbers
+        if ("e" in text or "E" in text) and _TINY.search(text) and not all(map(_is_held, column, numbers)):
             return None
-        return [number + 0.0 for number in numbers] if "-" in text and 0.0 in numbers else numbers
+        return [number + 0.0 for number in numbers] if "-" in text else numbers
 
     def _by_text(self, column: Sequence[Any]) -> list[float] | None:
         """The same where some are expressions, of which a table has few that differ."""

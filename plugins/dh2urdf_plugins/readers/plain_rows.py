@@ -18,7 +18,7 @@ from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf_plugins.readers.cells import SPACES, text_of
 from dh2urdf_plugins.readers.decimal_signs import PlainPoints
 from dh2urdf_plugins.readers.fields import FIELDS, joint_type
-from dh2urdf_plugins.readers.joint_rows import NUMBER
+from dh2urdf_plugins.readers.joint_rows import DECIMAL, NUMBER
 from dh2urdf_plugins.readers.names import MAX_NAME, RESERVED, are_out_of_order
 from dh2urdf_plugins.readers.plain_limits import LIMITS, PlainLimits
 from dh2urdf_plugins.readers.plain_numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
@@ -27,7 +27,7 @@ from dh2urdf_plugins.readers.records import make_rows
 from dh2urdf_plugins.readers.row_cells import FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.row_names import are_joints
 from dh2urdf_plugins.readers.rows import NEARLY
-from dh2urdf_plugins.readers.unknown_columns import unit_of
+from dh2urdf_plugins.readers.unknown_columns import is_beside, is_number, unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -61,6 +61,7 @@ class PlainRows:
         self.silent = columns.silent  # to be spoken of as soon as one of them holds anything
         others = set(range(self.width)) - {*self.column.values(), *columns.ignored}
         self.others = {index: set[str]() for index in sorted(others - columns.unheld.keys())}
+        self.strays = {k for k in self.others if not columns.headers[k] and not is_beside(k, columns.headers)}
         # Without a column of types, one that no field knows may hold them.
         known = "type" in self.column or not any(columns.headers[index] for index in self.others)
         turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
@@ -116,7 +117,7 @@ class PlainRows:
             return None
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
-        if not (plain and self.points.are_sure(columns, sizes)):
+        if self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
             return None
         made = make_rows(zip(*names, kinds, a, alpha, d, theta, offset, limits, marks, strict=True))
         ends = accumulate(sizes)
@@ -129,6 +130,8 @@ class PlainRows:
                 if any(columns[index]):
                     return False
                 continue
+            if index in self.strays and not _count(columns[index]):
+                return False
             new = set(columns[index]) - known
             if any(unit_of(text.strip(SPACES)) for text in new):
                 return False
@@ -189,11 +192,19 @@ class PlainRows:
             and list(map(str.strip, names)) == list(names)
             and not are_out_of_order(joints)
             and not any(map(_HASH, names))
+            and not any(map(DECIMAL.fullmatch, names))
             and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints
             and are_joints(alike, typed="type" in self.column)
         )
 
     # --- Numbers
+
+    def _are_foreign(self, columns: Sequence[Sequence[Any]]) -> bool:
+        """Whether a cell of geometry names another unit than the SI unit where a number outside of rows names none."""
+        names = self.numbers.keys() - {"offset"} if self.units.bare else ()
+        with_words = [name for name in names if self.numbers[name].has_expressions]
+        cells = ((name, cell) for name in with_words for cell in set(columns[self.column[name]]))
+        return any(names_foreign_unit(text_of(cell), name) for name, cell in cells)
 
     def _are_plain_angles(self, values: dict[str, list[float]]) -> bool:
         """Whether all angles are of a size that needs no word, and none is nearly a quarter turn."""
@@ -204,10 +215,12 @@ class PlainRows:
             if not (math.isfinite(sum(angles)) and -bounds[name] <= min(angles) and max(angles) <= bounds[name]):
                 return False
             # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.
-            near = [x for x in angles if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
+            close = max(NEARLY * HALF_PI * bounds[name], SMALL_ANGLE if name in self.degrees else 0.0)
+            some = [x for x in angles if not close < x % HALF_PI < HALF_PI - close]  # a few more: no call for each
+            near = [x for x in some if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
             if not all(x == 0 or quarter_turns(x) is not None for x in near):
                 return False
-            if name in self.degrees and any(are_radians(x) for x in angles if -SMALL_ANGLE < x < SMALL_ANGLE):
+            if name in self.degrees and any(are_radians(x) for x in some if -SMALL_ANGLE < x < SMALL_ANGLE):
                 return False
         return True
 
@@ -224,16 +237,34 @@ class PlainRows:
 
     def _are_plain_lengths(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
         """Whether every arm is of a length that needs no word, and its numbers are of such."""
+        return self._are_usual_sizes(a, d, sizes) and self._are_of_their_unit(a, d, sizes)
+
+    def _are_usual_sizes(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+        size, largest = sizes[0], max(map(abs, (max(a), min(a), max(d), min(d))))
+        first = min(d[::size]) if sizes == [size] * len(sizes) else 0.0
+        if first >= self.shortest and 2.0 * size * largest <= longest_plain(size) and math.isfinite(sum(a) + sum(d)):
+            return True  # so much is sure of every arm without its own sum
         totals = list(map(sum, _by_arm(list(map(add, map(abs, a), map(abs, d))), sizes)))
         if math.isnan(sum(totals)) or min(totals) < self.shortest:
             return False
-        if max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))):
-            return False
+        return not (max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))))
+
+    def _are_of_their_unit(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
         for column in (column for name, column in (("a", a), ("d", d)) if name in self.foreign_lengths):
             largest = (max(map(abs, numbers)) for numbers in _by_arm(column, sizes))
             if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
                 return False
         return True
+
+
+def _count(cells: Sequence[str]) -> bool:
+    """Whether cells without a header hold no number, or count all rows of the table one by one, as pandas does."""
+    if not any(is_number(text.strip(SPACES)) for text in cells):
+        return True
+    if not all(text.isascii() and text.isdigit() for text in cells):
+        return False
+    first = int(cells[0])
+    return list(map(int, cells)) == list(range(first, first + len(cells)))
 
 
 def _by_arm(column: Sequence[float], sizes: Sequence[int]) -> Iterable[Sequence[float]]:

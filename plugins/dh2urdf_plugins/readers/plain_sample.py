@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 HEAD = 50
 """Rows of one manipulator that are read again at most, and rows that are read again in any file."""
-EVERY = 5000
+EVERY = 20_000
 """One row of this many is read again: a careful row takes 30 times as long as a fast one."""
 
 

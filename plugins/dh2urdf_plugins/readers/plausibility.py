@@ -16,7 +16,7 @@ from dh2urdf.source import Problem
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from dh2urdf.manipulator import DHRow
+    from dh2urdf.manipulator import DHRow, Limits, Payload
     from dh2urdf_plugins.readers.cells import Units
     from dh2urdf_plugins.readers.statements import Statements
 
@@ -51,10 +51,16 @@ THINNEST = 1e-3
 DENSITIES = (10.0, 25_000.0)
 """Density of a link, from that of foam to that of osmium [kg/m³]."""
 
+SHORTEST_STROKE = 1e-3
+"""Range of a joint that slides [m]."""
+RESISTANCES = {"damping": (1e4, 1e6), "friction": (1e4, 1e5), "armature": (1e4, 1e5)}
+"""What a joint that turns, and one that slides, resists with at most [N·m·s/rad, N·m, kg·m²; N·s/m, N, kg]."""
+
 SMALL_ANGLE = 7.0 / 90 * HALF_PI
 """More than the number of a full turn in rad, taken for degrees [rad]."""
 _ROUND_ANGLES = tuple(math.pi * part for part in (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 5 / 6, 1, 3 / 2, 2))
 _AS_ROUNDED = 1e-3
+_ROUND_DEGREES, _AS_LIMITS_ARE_ROUNDED = 5.0, 5e-4
 _ANOTHER = "is it in another unit?"
 
 
@@ -64,6 +70,19 @@ def are_radians(angle: float) -> bool:
         return False
     number = abs(angle) / HALF_PI * 90
     return any(abs(number - wanted) <= _AS_ROUNDED * wanted for wanted in _ROUND_ANGLES)
+
+
+def are_limits_in_radians(limits: Limits) -> bool:
+    """Whether limits that were read in degrees [rad] have the numbers of round degrees in rad, as ±2.967 for ±170°."""
+    bounds = (limits.lower or 0.0, limits.upper or 0.0)
+    return all(abs(bound) < SMALL_ANGLE for bound in bounds) and any(map(_is_round, bounds))
+
+
+def _is_round(angle: float) -> bool:
+    """Whether the number that an angle has in degrees is, in rad, a multiple of 5°."""
+    degrees = math.degrees(angle / HALF_PI * 90)
+    round_one = _ROUND_DEGREES * round(degrees / _ROUND_DEGREES)
+    return bool(round_one) and abs(degrees - round_one) <= _AS_LIMITS_ARE_ROUNDED * abs(round_one)
 
 
 def arm_length(rows: Sequence[DHRow]) -> float:
@@ -88,7 +107,15 @@ def shortest_plain(statements: Statements) -> float:
     radius, density = statements.geometry.radius, statements.density
     if (radius and not THINNEST <= radius <= 1.0) or (density and not DENSITIES[0] <= density <= DENSITIES[1]):
         return math.inf
-    return max(SHORTEST_ARM, tool, base if base > 1.0 else 0.0)
+    return max(SHORTEST_ARM, tool, base if base > 1.0 else 0.0, _shortest_for(statements.payload))
+
+
+def _shortest_for(payload: Payload | None) -> float:
+    """How long an arm has to be so that there is nothing to say of its payload [m]."""
+    if payload is None:
+        return 0.0
+    reaches = (math.sqrt(payload.mass / HEAVY), 0.5), (math.hypot(*payload.com), 1.0), (_gyration(payload), 0.2)
+    return max(reach if reach > least else 0.0 for reach, least in reaches)
 
 
 def plausibility(rows: Sequence[DHRow], statements: Statements, units: Units) -> Iterator[Problem]:
@@ -101,8 +128,10 @@ def plausibility(rows: Sequence[DHRow], statements: Statements, units: Units) ->
     """
     reach = reach_of(rows)
     yield from _of_the_arm(rows, statements, units, reach)
+    yield from _of_the_payload(statements, reach)
     yield from _of_joints(rows, units)
-    yield from _of_links(rows, reach)
+    yield from _of_resistances(rows)
+    yield from _of_links(rows, units, reach)
     radius, density = statements.geometry.radius, statements.density
     if radius and not THINNEST <= radius <= max(reach, 1.0):
         yield _of_all(f"links are {radius:.4g} m thick", rows, "radius")
@@ -139,6 +168,42 @@ def _of_the_arm(rows: Sequence[DHRow], statements: Statements, units: Units, rea
             yield _of_all(message, rows, what, "is one of them in another unit?")
 
 
+def _of_the_payload(statements: Statements, reach: float) -> Iterator[Problem]:
+    payload, mark = statements.payload, statements.placed.get("payload")
+    if payload is None:
+        return
+    arm = f"and the arm is {reach:.4g} m long"
+    found = {
+        "mass": (payload.mass > HEAVY * max(reach, 0.5) ** 2, f"the payload weighs {payload.mass:.4g} kg, {arm}"),
+        "com": (
+            (far := math.hypot(*payload.com)) > max(reach, 1.0),
+            f"the payload's centre of mass is {far:.4g} m from tool0, {arm}",
+        ),
+        "inertia": (
+            (wide := _gyration(payload)) > max(reach, 0.2),
+            f"the payload's radius of gyration is {wide:.4g} m, {arm}",
+        ),
+    }
+    for name, (is_odd, message) in found.items():
+        if is_odd:
+            field = f"payload.{name}"
+            yield Problem(message=message, severity="notice", mark=mark, field=field, suggestion=_ANOTHER)
+
+
+def _of_resistances(rows: Sequence[DHRow]) -> Iterator[Problem]:
+    """Notices of damping, friction and armature that no joint has."""
+    for name, most in RESISTANCES.items():
+        units = ("N·m·s/rad", "N·s/m") if name == "damping" else ("N·m", "N") if name == "friction" else ("kg·m²", "kg")
+        for linear, largest, unit in zip((False, True), most, units, strict=True):
+            joints = [row for row in rows if (row.type is JointType.PRISMATIC) is linear]
+            is_odd = _beyond(name, largest)
+            yield from _grouped(joints, name, is_odd, f"its {name} is {{}} {unit}", _ANOTHER)
+
+
+def _beyond(name: str, largest: float) -> Callable[[DHRow], bool]:
+    return lambda row: (getattr(row, name) or 0.0) > largest
+
+
 def _of_joints(rows: Sequence[DHRow], units: Units) -> Iterator[Problem]:
     turning = [row for row in rows if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS)]
     sliding = [row for row in rows if row.type is JointType.PRISMATIC]
@@ -155,17 +220,44 @@ def _of_joints(rows: Sequence[DHRow], units: Units) -> Iterator[Problem]:
     yield from _grouped(
         sliding, "lower", lambda row: _bound(row) > LONGEST_ARM, "the joint slides further than 100 m", _ANOTHER
     )
+    tiny = "if its limits are in metres, say so: '0.5 m', `lower [m]`"
+    yield from _grouped(sliding, "stroke", _is_short, "the joint slides no further than {} mm", tiny)
     for name in ("alpha", "theta", "offset"):
         unit = units.columns.get(name) or units.of(Dimension.ANGLE)
         if unit and unit.degrees:
             angles = [row for row in rows if name != "offset" or row in turning]
             said = "the angle is {} in a column of degrees, a part of π"
             yield from _grouped(angles, name, _radians_in(name), said, _RADIANS)
+    yield from _of_degrees(turning, units)
     bounds = [(row.limits.lower, row.limits.upper) for row in turning]
     ranges = [upper - lower for lower, upper in bounds if lower is not None and upper is not None]
-    if len(ranges) > 1 and 0 < max(ranges) < NARROWEST_RANGE:
+    if ranges and 0 < max(ranges) < NARROWEST_RANGE:
         message = f"no joint turns further than {max(ranges) / HALF_PI * 90:.3g}°"
         yield _of_all(message, rows, "upper", "if the limits are in rad, say so: `lower [rad]`, `upper [rad]`")
+
+
+def _of_degrees(turning: Sequence[DHRow], units: Units) -> Iterator[Problem]:
+    """Limits and speeds that were read in degrees, and have the numbers that they would have in rad."""
+    unit = units.columns.get("lower") or units.of(Dimension.ANGLE)
+    if unit and unit.degrees:
+        said = "its limits reach to {} in degrees, the number of round degrees in rad"
+        in_radians = "if the limits are in rad, say so: `lower [rad]`, `upper [rad]`"
+        yield from _grouped(turning, "bound", lambda row: are_limits_in_radians(row.limits), said, in_radians)
+    rate = units.columns.get("velocity") or units.of(Dimension.TURN_RATE)
+    fastest = max((row.limits.velocity or 0.0 for row in turning), default=0.0)
+    if rate and rate.degrees and 0 < fastest < SMALL_ANGLE:
+        message = f"no joint turns faster than {fastest / HALF_PI * 90:.4g} deg/s"
+        yield _of_all(message, turning, "velocity", "if the speeds are in rad/s, say so: `velocity [rad/s]`")
+
+
+def _is_short(row: DHRow) -> bool:
+    """Whether a joint that slides hardly does; one that is locked is meant to be."""
+    return 0.0 < _stroke(row) < SHORTEST_STROKE
+
+
+def _stroke(row: DHRow) -> float:
+    lower, upper = row.limits.lower, row.limits.upper
+    return 0.0 if lower is None or upper is None else upper - lower
 
 
 def _radians_in(name: str) -> Callable[[DHRow], bool]:
@@ -179,7 +271,7 @@ def _bound(row: DHRow) -> float:
     return max(abs(row.limits.lower or 0), abs(row.limits.upper or 0))
 
 
-def _of_links(rows: Sequence[DHRow], reach: float) -> Iterator[Problem]:
+def _of_links(rows: Sequence[DHRow], units: Units, reach: float) -> Iterator[Problem]:
     heaviest = min(HEAVIEST_LINK, HEAVY * max(reach, 0.5) ** 2)
     yield from _grouped(rows, "mass", lambda row: (row.mass or 0) > heaviest, "the link weighs {} kg", _ANOTHER)
     masses = [row.mass or 0 for row in rows if row.type is not JointType.FIXED]
@@ -192,15 +284,20 @@ def _of_links(rows: Sequence[DHRow], reach: float) -> Iterator[Problem]:
     yield from _grouped(rows, "inertia", lambda row: 0 < _gyration(row) < SMALLEST_GYRATION, tiny, "is it in kg·m²?")
     far = f"the centre of mass is {{}} m from the joint's frame, and the whole arm is {reach:.4g} m long"
     yield from _grouped(rows, "com", lambda row: _distance(row) > max(reach, 1.0), far, _ANOTHER)
+    unit = units.columns.get("com_x") or units.of(Dimension.LENGTH)
+    farthest = max(map(_distance, rows))
+    if unit and not unit.is_si and 0 < farthest < SMALLEST_LENGTH:
+        message = f"no centre of mass is further than {1000 * farthest:.4g} mm from its frame, and the unit of com is"
+        yield _of_all(f"{message} {unit.symbol}", rows, "com", "are its numbers in metres?")
     thick = lambda row: not THINNEST <= (row.radius or THINNEST) <= max(reach, 1.0)  # noqa: E731 - as the others
     yield from _grouped(rows, "radius", thick, "the link is {} m thick", _ANOTHER)
 
 
-def _gyration(row: DHRow) -> float:
-    """Largest radius of gyration of a link about an axis of its frame [m]; 0 where it has none."""
-    if not (row.mass and row.inertia):
+def _gyration(body: DHRow | Payload) -> float:
+    """Largest radius of gyration of a body about an axis of its frame [m]; 0 where it has none."""
+    if not (body.mass and body.inertia):
         return 0.0
-    return math.sqrt(max(row.inertia.ixx, row.inertia.iyy, row.inertia.izz, 0.0) / row.mass)
+    return math.sqrt(max(body.inertia.ixx, body.inertia.iyy, body.inertia.izz, 0.0) / body.mass)
 
 
 def _distance(row: DHRow) -> float:
@@ -212,6 +309,11 @@ _NUMBERS: dict[str, Callable[[DHRow], float | None]] = {
     "effort": lambda row: row.limits.effort,
     "upper": _bound,
     "lower": _bound,
+    "bound": lambda row: _bound(row) / HALF_PI * 90,
+    "stroke": lambda row: 1000 * _stroke(row),
+    "damping": lambda row: row.damping,
+    "friction": lambda row: row.friction,
+    "armature": lambda row: row.armature,
     "mass": lambda row: row.mass,
     "inertia": _gyration,
     "com": _distance,
@@ -235,7 +337,7 @@ def _grouped(
             severity="notice",
             mark=odd[0].mark,
             joint=odd[0].joint,
-            field=field,
+            field={"bound": "upper", "stroke": "upper"}.get(field, field),
             suggestion=suggestion,
         )
 

@@ -49,16 +49,14 @@ def make_marks(file: str, lines: Iterable[int], before: str | None = None) -> li
         lines: the line of each.
         before: what the name of a place has before its number, where the file has no lines: `row `; see `Mark.place`.
     """
+    if before is not None:
+        return [Mark(file=file, line=line, place=f"{before}{line}") for line in lines]
     made: list[Any] = []
-    place = None
     for line in lines:
         mark: Any = _Mark()
         mark.file = file
         mark.line = line
-        mark.column = None
-        if before is not None:
-            place = f"{before}{line}"
-        mark.place = place
+        mark.column = mark.place = None
         mark.__class__ = Mark
         made.append(mark)
     return made

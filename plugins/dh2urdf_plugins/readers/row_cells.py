@@ -32,6 +32,7 @@ class RowCells:
         problems: what was found so far, errors and notices.
         errors: how many of them are errors.
         bare: the first cell of each field that was read in the SI unit since nothing says its unit.
+        foreign: the first cell of each field that names another unit than the SI unit.
     """
 
     def __init__(self, units: Units) -> None:
@@ -41,6 +42,7 @@ class RowCells:
         self.problems: list[Problem] = []
         self.errors = 0
         self.bare: dict[str, Cell] = {}
+        self.foreign: dict[str, Cell] = {}
         self._foreign: set[str] = set()  # of the row: fields whose cells name another unit than the SI unit
         self._bare: set[str] = set()  # of the row: fields that are read in the SI unit since nothing says their unit
         self._cells: Mapping[str, Cell] = {}
@@ -142,6 +144,7 @@ class RowCells:
     def _look_at_unit(self, name: str, dimension: Dimension, quantity: Quantity, unit: Unit | None) -> None:
         """Refuses a bare number whose unit is another dimension's, or not sure; remembers which cells have one."""
         if quantity.foreign:
+            self.foreign.setdefault(name, self._cells[name])
             self._foreign.add(name)
         if not quantity.value or quantity.has_unit or quantity.is_radians(dimension):
             return

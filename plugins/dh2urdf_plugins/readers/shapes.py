@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.manipulator import LinkGeometry
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf_plugins.readers.cells import Cell
 from dh2urdf_plugins.readers.table_units import refuse_doubt
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class ShapeReader:
             return None
         try:
             quantity = evaluate(node.text, dimension, self.units.sure(dimension), angle=self.units.in_functions)
-            refuse_doubt(quantity, node.text, dimension, self.units)
+            refuse_doubt(quantity, what, Cell(node.text, node.mark), dimension, self.units)
         except QuantityError as error:
             self._error(node, what, error.message, error.accepted, error.suggestion)
             return None

@@ -20,7 +20,7 @@ from dh2urdf_plugins.readers.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOI
 from dh2urdf_plugins.readers.headers import Columns
 from dh2urdf_plugins.readers.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
 from dh2urdf_plugins.readers.payloads import PayloadReader
-from dh2urdf_plugins.readers.placements import TransformReader
+from dh2urdf_plugins.readers.placements import PLACED, TransformReader
 from dh2urdf_plugins.readers.shapes import ShapeReader, refuse_unknown_keys
 from dh2urdf_plugins.readers.table_units import KEY_OF, UNIT_KEYS, table_units
 
@@ -97,7 +97,8 @@ class Statements:
         mesh_links: whether meshes may be links out of the table's folder.
         visuals: whether links are seen.
         collisions: whether links touch.
-        placed: where base, tool and payload are said.
+        placed: where base, tool, payload, shapes, masses and what is drawn are said.
+        bare: the numbers among them that are in the SI unit since nothing says their unit, as `Units` has them.
     """
 
     convention: tuple[Convention, Mark] | None = None
@@ -115,6 +116,7 @@ class Statements:
     visuals: bool | None = None
     collisions: bool | None = None
     placed: dict[str, Mark] = field(default_factory=dict)
+    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)
 
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
@@ -152,7 +154,8 @@ class Statements:
 
     def units(self) -> Units:
         """The units of numbers that name none."""
-        return table_units({dimension: unit for dimension, (unit, _) in self.stated.items()}, self.columns)
+        stated = {dimension: unit for dimension, (unit, _) in self.stated.items()}
+        return replace(table_units(stated, self.columns), bare=self.bare)
 
     def say_convention(self, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes a word for the convention."""
@@ -277,7 +280,7 @@ class Statements:
         transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
         if body:
             self.say_body(node, add)
-        only_body = body and isinstance(node.value, dict) and not node.value.keys() & {"xyz", "rpy"}
+        only_body = body and isinstance(node.value, dict) and node.value.keys().isdisjoint(PLACED)
         if transform is None or only_body:
             return
         said = self.base if what == "base" else self.tool
@@ -313,15 +316,17 @@ class Statements:
         shapes = ShapeReader(self.units(), add)
         if geometry := node.value.get("geometry"):
             self.geometry = shapes.geometry(geometry, "defaults.geometry")
+            self.placed["geometry"] = geometry.mark
         if density := node.value.get("density"):
             self.density = shapes.positive(density, "defaults.density", Dimension.DENSITY)
+            self.placed["density"] = density.mark
 
     def say_what_is_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
         """Takes `visuals` and `collisions`: all or none."""
         if node := entries.get("visuals"):
-            self.visuals = drawn_or_not(node, "visuals", add)
+            self.visuals, self.placed["visuals"] = drawn_or_not(node, "visuals", add), node.mark
         if node := entries.get("collisions"):
-            self.collisions = drawn_or_not(node, "collisions", add)
+            self.collisions, self.placed["collisions"] = drawn_or_not(node, "collisions", add), node.mark
 
     def say_body(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes mass, geometry and meshes of the base's body from `base`."""
@@ -332,12 +337,13 @@ class Statements:
             self._say_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
         if geometry := node.value.get("geometry"):
             self.base_geometry = shapes.geometry(geometry, "base.geometry")
+            self.placed["base_geometry"] = geometry.mark
         self.base_meshes = MeshReader(self.units(), add, links=self.mesh_links).read(node.value, "base.")
 
     def _say_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
         if self.base_mass is not None and mass is not None and self.base_mass != mass:
             self._said_twice("base.mass", node, add)
-        self.base_mass = mass
+        self.base_mass, self.placed["base_mass"] = mass, node.mark
 
     def say_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `payload`: what the arm carries at tool0."""

@@ -15,7 +15,15 @@ from dh2urdf_plugins.readers.decimal_signs import DecimalSigns, turns
 from dh2urdf_plugins.readers.fields import FIELDS, GROUPS, REQUIRED, joint_type
 from dh2urdf_plugins.readers.joint_rows import LABEL
 from dh2urdf_plugins.readers.row_names import kind_of
-from dh2urdf_plugins.readers.unknown_columns import is_zero, left_out, refused, with_unit
+from dh2urdf_plugins.readers.unknown_columns import (
+    is_beside,
+    is_number,
+    is_zero,
+    left_out,
+    refused,
+    stray_number,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,6 +45,9 @@ class TableCells:
         self.left_out = set[int]()
         self.refused: dict[int, Problem] = {}  # of the manipulator: the first cell of each column that is refused
         self.signs = DecimalSigns(turns(columns.fields, units))
+        headers = columns.headers
+        self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
+        self.first_counts: dict[int, int] = {}  # of the manipulator: where a column without a header begins to count
 
     def read(
         self, row: Sequence[Value], marks: Sequence[Mark], mark: Mark, number: int, reader: RowReader
@@ -158,9 +169,21 @@ class TableCells:
     def _left_out(self, cell: Cell, index: int, number: int, mark: Mark, reader: RowReader) -> None:
         """Notes that a column that names no field holds something, and refuses quantities in it."""
         self._look_for_types(cell.text, index, mark, number, reader)
+        if index in self.strays and is_number(cell.text) and not self._counts(cell.text, index, number):
+            self._refuse(index, stray_number(cell.text, cell.mark, f"joint_{number}"))
+            return
         if cell.text and index in self.columns.silent:
             self.left_out.add(index)
         self._refuse(index, with_unit(cell, self.columns.headers[index], f"joint_{number}"))
+
+    def _counts(self, text: str, index: int, number: int) -> bool:
+        """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""
+        if not (text.isascii() and text.isdigit()):
+            return False
+        before = int(text) - number
+        return before == self.first_counts.setdefault(index, before) and (
+            before in (-1, 0) or "robot" in self.columns.fields
+        )
 
     def problems(self) -> list[Problem]:
         """What is wrong with a manipulator's columns, once for each, and its numbers; forgets the manipulator.
@@ -172,6 +195,7 @@ class TableCells:
         columns.silent.difference_update(found)
         self.left_out.clear()
         self.refused.clear()
+        self.first_counts.clear()
         if found:
             problems.append(left_out([(index, columns.headers[index]) for index in found], columns.marks[found[0]]))
         return problems

@@ -10,9 +10,10 @@ from dh2urdf_plugins.readers.cells import Doubt, Units, rate_of
 from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, INERTIA_FIELDS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from dh2urdf.quantities import Quantity, Unit
+    from dh2urdf_plugins.readers.cells import Cell
     from dh2urdf_plugins.readers.headers import Columns
 
 UNIT_KEYS = {
@@ -169,18 +170,54 @@ def unit_advice(doubt: Doubt, dimension: Dimension, text: str) -> str:
     return f"name its unit: '{text.strip()} {unit}'" + (f", or `units: {{{key}: {unit}}}`" if key else "")
 
 
-def refuse_doubt(quantity: Quantity, text: str, dimension: Dimension, units: Units) -> None:
-    """Refuse a number that stands outside of rows where its unit is not sure.
+def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension, units: Units) -> None:
+    """Refuse a number that stands outside of rows where its unit is not sure, and remember it where nothing says it.
+
+    Args:
+        quantity: what it says.
+        name: its field.
+        cell: its text and its place.
+        dimension: what it measures.
+        units: the units of the table.
 
     Raises:
         QuantityError: it names no unit, is not 0, and its unit is in doubt.
     """
-    doubt = units.doubt(dimension)
-    if doubt and quantity.value and not quantity.has_unit and not quantity.is_radians(dimension):
+    if not quantity.value or quantity.has_unit or quantity.is_radians(dimension):
+        return
+    doubt, text = units.doubt(dimension), cell.text
+    if doubt is None and units.of(dimension) is None:
+        units.bare.setdefault(dimension, (name, cell))
+    if doubt:
         raise QuantityError(
             f"{shown(text)} has no unit, and {doubt.reason}",
             f"0, or a number whose unit is said: {accepted_units(dimension)}",
             unit_advice(doubt, dimension, text),
+        )
+
+
+def bare_beside_cells(units: Units, foreign: Mapping[str, Cell], bare: Iterable[str]) -> Iterator[Problem]:
+    """What is wrong with bare numbers outside of rows where all lengths, or all angles, of rows name another unit.
+
+    Args:
+        units: the units of the table, with the bare numbers.
+        foreign: of the columns of geometry, the first cell that names another unit than the SI unit.
+        bare: the fields of rows that have a bare number.
+    """
+    for dimension, names in _GEOMETRY.items():
+        cell = next((foreign[name] for name in names if name in foreign), None)
+        if dimension not in units.bare or cell is None or not set(names).isdisjoint(bare):
+            continue
+        field, number = units.bare[dimension]
+        named = next(name for name in names if name in foreign)
+        yield Problem(
+            message=f"{shown(number.text)} has no unit, and {named} is {shown(cell.text)} in the rows",
+            mark=number.mark,
+            field=field,
+            found=number.text,
+            accepted=f"0, or a number whose unit is said: {accepted_units(dimension)}",
+            suggestion="write the unit behind the number, as in the rows, or declare it: "
+            f"`units: {{{KEY_OF[dimension]}: …}}`",
         )
 
 

@@ -10,6 +10,7 @@ from dh2urdf_plugins.readers.joint_rows import settle, total_problem
 from dh2urdf_plugins.readers.names import name_fault, name_problems
 from dh2urdf_plugins.readers.plausibility import arm_length, plausibility
 from dh2urdf_plugins.readers.rows import MAX_PROBLEMS
+from dh2urdf_plugins.readers.table_units import bare_beside_cells
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,6 +70,8 @@ def manipulator(
     if reader.names:
         for problem in name_problems(reader.names):
             add(problem)
+    for problem in bare_beside_cells(reader.units, reader.foreign, reader.bare):
+        add(problem)
     _look_at_sizes(arm, statements, reader)
     problems = [problem.about(robot=name.text, mark=mark) for problem in sorted(reader.problems, key=_place)]
     if reader.errors:

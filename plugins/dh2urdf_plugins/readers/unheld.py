@@ -109,7 +109,7 @@ UNHELD_WORDS = {
         _words("qd, dq, q dot, dot q, theta dot"), Unheld("a speed that may not be a limit", "velocity, or qd_max")
     ),
     **dict.fromkeys(
-        _words("qdd, ddq, qdd max, ddq max, q ddot max"), Unheld("a limit of acceleration", "a table without")
+        _words("qdd, ddq, qdd max, ddq max, q ddot max"), Unheld("a limit of acceleration", "a table without it")
     ),
     "j": Unheld("the number of a row, or an inertia", "a column index, or ixx … iyz", counts=True),
     **dict.fromkeys(
@@ -128,7 +128,8 @@ UNHELD = {key: meaning for word, meaning in UNHELD_WORDS.items() for key in keys
 # --- Headers that look like fields ------------------------------------------------------------------------------------
 
 SUSPECTS = {
-    "acceleration": "accel*, acceler*, aceler*, *beschleunigung*, jerk, ruck, qdd, ddq",
+    "acceleration": "accel*, acceler*, aceler*, *beschleunigung*, qdd, ddq",
+    "jerk": "jerk, ruck, dddq*, qddd*, dtau*, taud*",
     "inertia": "inertia*, inertial, moi, *trägheit*, inertie*, inercia*, inerzia*",
     "com": "com, cog, centroid*, gravity, *schwerpunkt*, baricentr*, barycentr*, gravité, gravedad",
     "velocity": "speed*, veloc*, vel, rpm, *geschwindigkeit*, *drehzahl*, vitesse*, omega, qd, dq, qdot",

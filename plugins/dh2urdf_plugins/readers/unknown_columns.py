@@ -17,8 +17,14 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.cells import Cell
 
 _WITH_UNIT = late_pattern(r"[+-]?[0-9]+(?:[.,][0-9]+)?\s*([^\s0-9].{0,15})")
-_NOUNS = {"acceleration": "an acceleration", "stiffness": "a stiffness or a play", "gear": "of a gear"}
+_NOUNS = {
+    "acceleration": "an acceleration",
+    "jerk": "a jerk or the rate of a torque",
+    "stiffness": "a stiffness or a play",
+    "gear": "of a gear",
+}
 """What has no field, as the end of a sentence."""
+_NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
 _FEW = 5
 _FEW_WORDS = 4
 
@@ -116,6 +122,32 @@ def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
         accepted=_measured_in(unit),
         suggestion=how_to_leave_out(header) if header else "write a header above the column",
     )
+
+
+def stray_number(text: str, mark: Mark, joint: str) -> Problem:
+    """A number in a column without a header, which belongs to the table: it may be any field."""
+    return Problem(
+        message=f"{shown(text)} stands in a column without a header",
+        mark=mark,
+        joint=joint,
+        found=text,
+        accepted="a header above each column of numbers, and an empty column between the table and notes",
+    )
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell begins as a number does."""
+    return bool(_NUMBER.match(text))
+
+
+def is_beside(index: int, named: Sequence[object]) -> bool:
+    """Whether a column stands beside the table: neither it, nor those right of it, nor its left neighbour has a header.
+
+    Args:
+        index: its number, from 0.
+        named: for each column of the header whether it has one.
+    """
+    return index > 0 and not any(named[index - 1 :])
 
 
 def unit_of(text: str) -> str | None:

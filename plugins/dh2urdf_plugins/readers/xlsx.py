@@ -6,7 +6,6 @@ formulas by the values that the workbook holds, and numbers with the unit that t
 
 from __future__ import annotations
 
-import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -243,9 +242,7 @@ def _reporting_errors(path: Path) -> Iterator[None]:
         TableError: openpyxl raised anything, as it does in many ways.
     """
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of features of workbooks that have nothing to do with cells
-            yield
+        yield
     except TableError:
         raise
     except Exception as error:

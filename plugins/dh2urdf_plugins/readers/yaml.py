@@ -20,6 +20,7 @@ from dh2urdf_plugins.readers.meshes import MESH_KEYS, Meshes, MeshReader
 from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
+from dh2urdf_plugins.readers.table_units import effort_notice
 from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, read_rows
 from dh2urdf_plugins.readers.unheld import UNHELD
 from dh2urdf_plugins.readers.unknown_columns import ignored, meant_key, refusal, refused
@@ -130,6 +131,8 @@ class _Table:
         self._state()
         reader = RowReader(self.statements.units(), type_is_given=False, traced=trace is not None)
         rows = self._rows(reader)
+        if effort := reader.bare.get("effort"):
+            self.problems += effort_notice(reader.units, effort.mark)
         if self.ignored:
             self.problems.append(ignored(self.ignored, next(iter(self.ignored.values())), "key"))
         for problem in self.problems:
@@ -206,6 +209,7 @@ class _Table:
             for key in self._joint_keys(defaults):
                 self._take(common, defaults, key, defaults.value[key], "defaults")
         found: list[tuple[dict[str, Cell] | None, Mark]] = []
+        unused = set(common)
         for number, node in enumerate(joints.value, start=1):
             if not isinstance(node.value, dict):
                 self._error(
@@ -218,7 +222,10 @@ class _Table:
                 )
                 found.append((None, node.mark))
                 continue
-            found.append((self._cells(node, common, f"joint_{number}"), node.mark))
+            cells = self._cells(node, common, f"joint_{number}")
+            unused -= {name for name in unused if name in cells and cells[name].mark == common[name].mark}
+            found.append((cells, node.mark))
+        self.problems += [_unused_default(name, common[name]) for name in common if name in unused and found]
         rows: list[DHRow | None] = []
         for row, node in zip(read_rows(found, reader), joints.value, strict=False):
             entries = node.value if isinstance(node.value, dict) else {}
@@ -378,6 +385,11 @@ class _Table:
             accepted=", ".join(_JOINT_KEYS),
             suggestion=meant_key(key, header, why and why.field, _JOINT_KEYS),
         )
+
+
+def _unused_default(name: str, cell: Cell) -> Problem:
+    message = f"defaults.{name} has no effect: every joint has a value of its own"
+    return Problem(message=message, severity="notice", mark=cell.mark, field=f"defaults.{name}", found=cell.text)
 
 
 def _joint_field(key: str) -> str | None:

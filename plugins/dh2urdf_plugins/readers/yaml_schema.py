@@ -171,7 +171,8 @@ def _everywhere(name: str) -> dict[str, Any]:
 
 
 def _origin(**more: Any) -> dict[str, Any]:  # noqa: ANN401 - schemas
-    return _mapping({"xyz": _list_of(_NUMBER, 3), "rpy": _list_of(_NUMBER, 3), **more})
+    matrix = {**_list_of(_list_of(_NUMBER, 4), 4), "description": "in place of xyz and rpy"}
+    return _mapping({"xyz": _list_of(_NUMBER, 3), "rpy": _list_of(_NUMBER, 3), "matrix": matrix, **more})
 
 
 def _unit_words(key: str) -> dict[str, Any]:

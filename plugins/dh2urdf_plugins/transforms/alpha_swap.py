@@ -16,6 +16,7 @@ from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
 from dh2urdf_plugins.transforms.paper import paper
 from dh2urdf_plugins.transforms.shapes import Shape
+from dh2urdf_plugins.transforms.unused import unused_in_paper, unused_shapes
 
 if TYPE_CHECKING:
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
@@ -114,8 +115,9 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     problems = table_problems(manipulator)
     if options.variant == "paper":
         problems += [*paper_problems(manipulator, options.snap), *unplaced_meshes(manipulator)]
+        problems += unused_in_paper(manipulator)
     else:
-        problems += mesh_problems(manipulator)
+        problems += [*mesh_problems(manipulator), *unused_shapes(manipulator, options)]
     if any(problem.severity == "error" for problem in problems):
         raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
     if options.variant == "paper":

@@ -136,9 +136,13 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
         import trimesh
     except ImportError as error:
         raise _missing("trimesh") from error
+    content = read_mesh(file)
     try:
-        scene = trimesh.load_scene(io.BytesIO(read_mesh(file)), file_type=suffix[1:])
-        return scene.to_mesh()
+        if b"<!ENTITY" in content:  # of a stranger: it could name any file, or become endless
+            raise ValueError("it declares entities")
+        mesh = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:]).to_mesh()
+        if mesh.bounds is None:
+            raise ValueError("it has no triangle whose corners are at finite places")
     except ImportError as error:
         raise _missing("pycollada") from error
     except (MissingDependencyError, MemoryError):
@@ -147,6 +151,7 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
         reason = " ".join(str(error).split()) or type(error).__name__
         message = f"the mesh {shown(Path(file.path).name)} cannot be read as {suffix[1:].upper()}: {reason[:200]}"
         raise TransformError(Problem(message=message)) from error
+    return mesh
 
 
 def _missing(package: str) -> MissingDependencyError:

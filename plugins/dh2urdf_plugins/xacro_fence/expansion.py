@@ -11,8 +11,9 @@ from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.fence import enter
 from dh2urdf.isolation import run_in_child
 from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
-from dh2urdf_plugins.xacro_fence.files import Files
+from dh2urdf_plugins.xacro_fence.files import Files, packages_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -29,8 +30,7 @@ MAX_MACROS = 50_000
 
 def expand_foreign(
     path: Path,
-    arguments: Mapping[str, str] | None = None,
-    packages: Mapping[str, Path] | None = None,
+    expansion: Expansion | None = None,
     *,
     timeout: float | None = None,
 ) -> bytes:
@@ -42,18 +42,17 @@ def expand_foreign(
 
     Args:
         path: the file.
-        arguments: values of its ``xacro:arg`` elements.
-        packages: folders of further packages, by name.
+        expansion: values of its ``xacro:arg`` elements, and the folders of further packages.
         timeout: how long it may take [s]; `EXPANSION` by default.
 
     Raises:
         ProofError: xacro cannot expand the file, or something in it is refused.
     """
     limit = EXPANSION if timeout is None else timeout
+    given = expansion or Expansion()
+    packages = packages_in(given.package_paths)
     try:
-        return run_in_child(
-            _expanded, path, dict(arguments or {}), dict(packages or {}), limit, timeout=limit, who="xacro"
-        ).value
+        return run_in_child(_expanded, path, dict(given.arguments), packages, limit, timeout=limit, who="xacro").value
     except TimeLimitError:
         raise _failure(path, f"it did not finish within {limit:g} s") from None
     except CrashError as error:
@@ -93,7 +92,9 @@ def _reason(error: Exception) -> str:
     while (inner := getattr(error, "exc", None)) is not None:  # xacro wraps what it catches, at every level
         suffix = suffix or " ".join((getattr(error, "suffix", None) or "").split())
         error = inner
-    if isinstance(error, MemoryError):
+    if type(error).__name__ == "ArgException":  # of xacro's own, which says no more than the name
+        reason = f"the argument {str(error)!r} has no value: give it one, {error}:=VALUE"
+    elif isinstance(error, MemoryError):
         reason = "it needs too much memory"
     elif isinstance(error, RecursionError):
         reason = "a macro, a file or an expression goes into itself without end (recursion)"
@@ -102,20 +103,34 @@ def _reason(error: Exception) -> str:
     return f"{reason} {suffix}".strip()
 
 
-def _close(files: Files) -> None:
-    """Has xacro evaluate, open and look up by functions of ours alone; in this process, for good."""
-    import xacro
-    from xacro import substitution_args
-
-    symbols = xacro._global_symbols = xacro.create_global_symbols()  # noqa: SLF001
-    spaces = [symbols, *(space for space in symbols.values() if isinstance(space, dict))]
-    for space in spaces:
+def closed_symbols(xacro: types.ModuleType) -> dict[str, Any]:
+    """The names that xacro gives to expressions, without what shows more, and with bounds."""
+    symbols: dict[str, Any] = xacro.create_global_symbols()
+    for space in _spaces(symbols):
         for name in REFUSED:
             dict.pop(space, name, None)
         for name, function in BOUNDED.items():
             if dict.__contains__(space, name):
                 dict.__setitem__(space, name, function)
-    calls = {id(value): value for space in spaces for value in dict.values(space) if callable(value)}
+    return symbols
+
+
+def callables(symbols: dict[str, Any]) -> dict[int, Callable[..., Any]]:
+    """What expressions may call, by `id`."""
+    return {id(value): value for space in _spaces(symbols) for value in dict.values(space) if callable(value)}
+
+
+def _spaces(symbols: dict[str, Any]) -> list[dict[str, Any]]:
+    return [symbols, *(space for space in symbols.values() if isinstance(space, dict))]
+
+
+def _close(files: Files) -> None:
+    """Has xacro evaluate, open and look up by functions of ours alone; in this process, for good."""
+    import xacro
+    from xacro import substitution_args
+
+    symbols = xacro._global_symbols = closed_symbols(xacro)  # noqa: SLF001
+    calls = callables(symbols)
 
     def safe_eval(text: str, names: dict[str, Any], local: Mapping[str, object] | None = None) -> Any:  # noqa: ANN401
         return evaluate(text, names, local, calls)

@@ -15,7 +15,7 @@ import types
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
 MAX_EXPRESSION = 20_000
 """Characters of an expression."""
@@ -58,6 +58,7 @@ _METHODS: dict[type, frozenset[str]] = {
     )
 }
 _FILLED = ("center", "ljust", "rjust", "zfill", "expandtabs")
+_GROWING = ("join", "replace")
 _FORMAT = re.compile(r"%(?:\([^)]*\))?[-+ #0]*(\*|[0-9]*)(?:\.(\*|[0-9]*))?[hlL]?[a-zA-Z%]")
 _WIDEST = 1000
 
@@ -215,7 +216,9 @@ def _attribute(value: Any, name: str) -> Any:  # noqa: ANN401
     for kind, names in _METHODS.items():
         if isinstance(value, kind) and name in names:
             method = getattr(value, name)
-            return _narrow(method) if kind is str and name in _FILLED else method
+            if kind is str and name in _FILLED:
+                return _narrow(method)
+            return _short(value, name, method) if isinstance(value, str) and name in _GROWING else method
     raise ExpressionError(f"the attribute {name!r} of a {type(value).__name__} is refused")
 
 
@@ -227,6 +230,21 @@ def _narrow(method: Callable[..., str]) -> Callable[..., str]:
         return method(width, *fill)
 
     return _approved(narrow)
+
+
+def _short(text: str, name: str, method: Callable[..., str]) -> Callable[..., str]:
+    """A method that puts texts together, into one of a bounded length."""
+
+    def joined(parts: Iterable[str]) -> str:
+        parts = list(parts)
+        _bounded(sum(map(len, parts)) + len(text) * len(parts), MAX_ITEMS, "a length")
+        return method(parts)
+
+    def replaced(old: str, new: str, count: int = -1) -> str:
+        _bounded(len(text) + text.count(old) * len(new), MAX_ITEMS, "a length")
+        return method(old, new, count)
+
+    return _approved(joined if name == "join" else replaced)
 
 
 def _called(function: object, calls: Mapping[int, Callable[..., Any]]) -> Callable[..., Any]:
@@ -272,7 +290,9 @@ def bounded_range(*bounds: int) -> range:
 
 
 def type_of(value: object) -> type:
-    """The type of a value; with more arguments, Python's own makes types."""
+    """The type of a plain value: Python's own makes types of three arguments, and shows those behind functions."""
+    if not isinstance(value, (*_METHODS, type(None))):
+        raise ExpressionError(f"the type of a {type(value).__name__} is refused")
     return type(value)
 
 

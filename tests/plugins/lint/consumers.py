@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import math
 import os
@@ -213,6 +214,7 @@ def _each_in_a_fork(consumer: str, paths: list[str]) -> None:
                     end = "crashes" if isinstance(error, SystemExit) else "refuses"
                     found = Behaviour(end, extra={"raised": f"{type(error).__name__}: {error}"})
                 sys.stdout.flush()
+                ctypes.CDLL(None).fflush(None)  # what a library of C has printed, and `_exit` would drop
                 answer.write_text(json.dumps(found.__dict__))
                 os._exit(0)
             _, status = os.waitpid(child, 0)

@@ -94,6 +94,20 @@ def test_a_comment_that_was_split_into_cells_is_one_again(
 
 
 @pytest.mark.parametrize(
+    ("comment", "name"),
+    [
+        (r'# robot: "say \"hi\", \u00e9"', 'say "hi", é'),
+        ("# Manipulator = 'it''s'", "it's"),
+        ('# model: "ur5"', "ur5"),
+        ("# model: ur5", "ur5"),
+    ],
+)
+def test_a_name_in_quotes_is_read_as_yaml(comment: str, name: str, read_one: Callable[..., Manipulator]) -> None:
+    """Under each of the keys that say the name, as under `name`."""
+    assert read_one(f"{comment}\na,alpha,d\n0.3,0,0.1\n").name == name
+
+
+@pytest.mark.parametrize(
     ("comment", "convention"),
     [
         ("# DH convention = modified", Convention.MODIFIED),

@@ -437,10 +437,31 @@ def test_prose_is_no_suspect(text: str) -> None:
         ("±pi/2", {"lower": "-pi/2", "upper": "pi/2"}),
         ("-pi/2..pi", {"lower": "-pi/2", "upper": "pi"}),
         ("-170 à 170 deg", {"lower": "-170 deg", "upper": "170 deg"}),
+        ("±170,5", {"lower": "-170,5", "upper": "170,5"}),
+        ("+/-170,5 deg", {"lower": "-170,5 deg", "upper": "170,5 deg"}),
+        ("±170, 120", None),
+        ("min: -170,5, max: 170,5", {"lower": "-170,5", "upper": "170,5"}),
+        ("min: -170,5; max: 170", {"lower": "-170,5", "upper": "170"}),
         ("", {}),
     ],
 )
 def test_a_decimal_comma_is_no_separator(text: str, parts: dict[str, str] | None) -> None:
     """Between semicolons a comma separates bounds only with a space behind it."""
     found = split_cell(FIELDS["limits"], text, decimal_comma=True)
+    assert (None if isinstance(found, GroupError) else found) == parts
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("±170,5", {"lower": "-170,5", "upper": "170,5"}),
+        ("±1,250", None),
+        ("min: -170,5, max: 170,5", {"lower": "-170,5", "upper": "170,5"}),
+        ("min: -170,max: 170", {"lower": "-170", "upper": "170"}),
+        ("-170,170", {"lower": "-170", "upper": "170"}),
+    ],
+)
+def test_a_decimal_comma_in_quotes(text: str, parts: dict[str, str] | None) -> None:
+    """Between commas it is read where it can be nothing else."""
+    found = split_cell(FIELDS["limits"], text)
     assert (None if isinstance(found, GroupError) else found) == parts

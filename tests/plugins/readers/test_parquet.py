@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import csv as python_csv
 import io
+import math
 import pickle
 import sys
 from contextlib import suppress
@@ -12,13 +13,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet as pq
 
-from dh2urdf.errors import MissingDependencyError, TableError
+from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Inertia, JointType, Manipulator, Payload
 from dh2urdf.registry import load
 from dh2urdf.stages import Rejected
@@ -666,3 +668,87 @@ def test_an_index_of_pandas_with_a_name_is_a_column(tmp_path: Path) -> None:
     (arm,) = parquet.read(tmp_path / "arm.parquet", STANDARD)
     assert isinstance(arm, Manipulator)
     assert [row.joint for row in arm.rows] == ["hip", "knee"]
+
+
+def arm_of(given: Any) -> Manipulator:
+    """The one arm of a file or a data frame."""
+    if not isinstance(given, Path):
+        return Manipulator.from_dh(given, convention="standard")
+    (arm,) = parquet.read(given, STANDARD)
+    assert isinstance(arm, Manipulator)
+    return arm
+
+
+@pytest.mark.parametrize(("units", "a"), [(("mm", "deg", "mm"), 0.3), (("[m]", "[deg]", "[m]"), 300.0), ((), 300.0)])
+def test_a_row_of_units_in_columns_of_text(tmp_path: Path, units: tuple[str, ...], a: float) -> None:
+    """As in CSV and in workbooks; the rows below it keep their places."""
+    rows = [*([units] if units else []), ("300", "0", "0"), ("200", "90" if units else "90 deg", "0")]
+    columns = dict(zip(("a", "alpha", "d"), map(list, zip(*rows, strict=True)), strict=True))
+    pq.write_table(pa.table(columns), tmp_path / "arm.parquet")
+    arm = arm_of(tmp_path / "arm.parquet")
+    assert (arm.rows[0].a, arm.rows[1].alpha) == (a, math.pi / 2)
+    assert [row.mark.place for row in arm.rows if row.mark] == [f"row {k + bool(units)}" for k in (1, 2)]
+
+
+def test_an_index_of_pandas_without_a_name_is_that_of_the_joints(tmp_path: Path) -> None:
+    """As `Manipulator.from_dh` reads it; beside a column of joints it is left out, with a notice."""
+    import pandas as pd
+
+    frame = pd.DataFrame({"a": [0.1, 1.0], "alpha": [0.0, 0.0], "d": [0.0, 0.0]}, index=["hip", "knee"])
+    path = tmp_path / "arm.parquet"
+    frame.to_parquet(path)
+    for source in (path, frame):
+        assert [row.joint for row in arm_of(source).rows] == ["hip", "knee"]
+        assert arm_of(source).notices == ()
+    frame.assign(joint=["one", "two"]).to_parquet(path)
+    assert [row.joint for row in arm_of(path).rows] == ["one", "two"]
+    assert "'__index_level_0__' is left out" in arm_of(path).notices[0].message
+
+
+@pytest.mark.parametrize(
+    ("key", "outcome"),
+    [
+        ("units", "refused"),
+        ("Units", "refused"),
+        ("length_unit", "refused"),
+        ("DH2URDF.units", "refused"),
+        ("dh2urdf_units", "refused"),
+        ("dh2urdf:units", "refused"),
+        ("convention", "refused"),
+        ("dh2urdf.units", "read"),
+        ("owner", "left alone"),
+    ],
+)
+def test_metadata_whose_key_is_nearly_one(tmp_path: Path, key: str, outcome: str) -> None:
+    """In the file, as attributes that pandas writes into it, and as those of a data frame."""
+    import pandas as pd
+
+    frame = pd.DataFrame({"a": [300.0], "alpha": [0.0], "d": [0.0]})
+    value = "standard" if key == "convention" else "mm"
+    frame.to_parquet(tmp_path / "plain.parquet")
+    table = pq.read_table(tmp_path / "plain.parquet")
+    metadata = {**(table.schema.metadata or {}), key: value}
+    pq.write_table(table.replace_schema_metadata(metadata), tmp_path / "plain.parquet")
+    frame.attrs = {key: value}
+    frame.to_parquet(tmp_path / "attributes.parquet")
+    for source in (tmp_path / "plain.parquet", tmp_path / "attributes.parquet", frame):
+        if outcome == "refused":
+            with pytest.raises(Dh2UrdfError, match=key):
+                arm_of(source)
+        else:
+            assert arm_of(source).rows[0].a == (0.3 if outcome == "read" else 300.0)
+
+
+def test_lists_are_read_where_a_cell_holds_several_fields(tmp_path: Path) -> None:
+    """Ranges, centres of mass and tensors, of a Parquet file and from Python alike; refused elsewhere."""
+    tensor = [[0.1, 0.0, 0.01], [0.0, 0.1, 0.0], [0.01, 0.0, 0.1]]
+    row = {"a": 0.3, "alpha": 0.0, "d": 0.0, "mass": 1.0, "limits": [-1, 2], "com": [0.0, 0.1, 0.2], "inertia": tensor}
+    pq.write_table(pa.table({key: [cell] for key, cell in row.items()}), tmp_path / "arm.parquet")
+    given = {**row, "com": np.array([0.0, 0.1, 0.2]), "limits": (-1, np.float64(2)), "inertia": np.array(tensor)}
+    for arm in (arm_of(tmp_path / "arm.parquet"), arm_of([given])):
+        (made,) = arm.rows
+        assert (made.limits.lower, made.limits.upper, made.com) == (-1.0, 2.0, (0.0, 0.1, 0.2))
+        assert made.inertia is not None
+        assert made.inertia.ixz == 0.01
+    with pytest.raises(Dh2UrdfError, match="field 'a'"):
+        arm_of([{**given, "a": [0.3]}])

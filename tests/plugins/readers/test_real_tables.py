@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+import dh2urdf
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 
@@ -346,3 +347,37 @@ def test_a_column_is_refused_for_what_it_is(header: str, cell: str, said: str, r
     """By its unit, where its words say only that it is a limit."""
     (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,{cell}\n")
     assert said in str(problem)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("| a | alpha | d |\n|---|---|---|\n| 0.3 | 0 | 0 |", "take out the lines of dashes and the bars at both ends"),
+        ("┌────┬────┐\n│ θⱼ │ dⱼ │\n├────┼────┤\n│ q1 │ 0  │\n└────┴────┘", "take out the lines of dashes"),
+        ("a & alpha & d \\\\\n0.3 & 0 & 0 \\\\", "put commas in place of &"),
+        ("dh = [0 pi/2 0.1; 0.3 0 0];", "programs differ in their order"),
+        ("[0 pi/2 0.1; ...\n 0.3 0 0]", "programs differ in their order"),
+        ("a,alpha,d\n0.3,0,-", "write 0 if that is meant"),
+        ("a,alpha,d\n0.3,0,–", "write 0 if that is meant"),
+        ("a,alpha,d\n0.3,0,-425*", "take out the mark at the end"),
+        ("a,alpha,d\n0.3,0.291 rad + 0.1,0", "write a unit behind each part of the sum"),
+        ("a,alpha,d,dddq_max\n0.3,0,0,5", "seems to be a jerk or the rate of a torque, which no column holds"),
+        ("a,alpha,d,dtau_max\n0.3,0,0,5", "seems to be a jerk or the rate of a torque, which no column holds"),
+    ],
+)
+def test_tables_of_other_programs_and_their_cells_are_refused_with_what_to_do(table: str, said: str) -> None:
+    """Bars, LaTeX, arrays, dashes for 0, marks of footnotes; no advice that is about something else."""
+    with pytest.raises(TableError) as raised:
+        dh2urdf.read(f"# convention: standard\n{table}\n", reader="csv")
+    assert said in str(raised.value)
+    assert "thousands" not in str(raised.value)
+
+
+@pytest.mark.parametrize("arms", [1, 300])
+def test_decimal_numbers_as_names_are_spoken_of(arms: int) -> None:
+    """1.0 and 2.0 count the joints; 1.5 is a name, with a notice, alone and among many."""
+    rows = [f"r{arm},{name},0.3,0,0" for arm in range(arms) for name in ("1.5", "2.5")]
+    found = list(dh2urdf.read_all("\n".join(["robot,joint,a,alpha,d", *rows]), reader="csv", convention="standard"))
+    assert all("holds decimal numbers, which are kept as names" in str(arm.notices) for arm in found)
+    one = dh2urdf.read("joint,a,alpha,d\n1.0,0.3,0,0\n2.0,0.3,0,0", reader="csv", convention="standard")
+    assert [row.joint for row in one.rows] == ["joint_1", "joint_2"]

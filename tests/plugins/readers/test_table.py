@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import dh2urdf
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.registry import load
@@ -14,6 +15,7 @@ from dh2urdf_plugins.readers.table import CellRow, TableOptions, read_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 HEADER = ["joint", "type", "a", "alpha", "d"]
 FIRST = ["shoulder", "R", 0.0, math.pi / 2, 0.089]
@@ -179,3 +181,82 @@ def test_the_catalog_knows_who_reads_cells() -> None:
     (arm,) = reader.read_cells(rows(HEADER, FIRST), "cells", STANDARD)
     assert isinstance(arm, Manipulator)
     assert arm.name == "cells"
+
+
+# --- One grammar: what stands around the columns means the same in every container -------------------------------------
+
+
+def sheet_of(text: str, folder: Path) -> Path:
+    """The same cells as a workbook."""
+    from openpyxl import Workbook
+
+    book = Workbook()
+    for line in text.splitlines():
+        book.active.append([None if cell == "" else _number_or_text(cell) for cell in line.split(",")])
+    book.save(folder / "arm.xlsx")
+    return folder / "arm.xlsx"
+
+
+def _number_or_text(cell: str) -> float | str:
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def read_from(form: str, text: str, folder: Path) -> Manipulator | Rejected:
+    """The one manipulator of a CSV file or a workbook."""
+    (folder / "arm.csv").write_text(text)
+    path = folder / "arm.csv" if form == "csv" else sheet_of(text, folder)
+    (item,) = dh2urdf.read_all(path, convention="standard")
+    return item
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("j1,0.3,0,0\n\nrev B of the sheet", "nothing is read from what stands below the table, after an empty row"),
+        ("j1,0.3,0,0\n,,,\nSource: UR,,,", "nothing is read from what stands below the table, after an empty row"),
+        ("j1,0.3,0,0\n\nj2,,0,0", "a is empty"),
+        ("j1,0.3,0,0\n\nj2,0.2,0,0", None),
+    ],
+)
+@pytest.mark.parametrize("form", ["csv", "xlsx"])
+def test_notes_below_the_table(form: str, rows: str, said: str | None, tmp_path: Path) -> None:
+    """A notice after an empty row; what says geometry there is a row."""
+    item = read_from(form, f"joint,a,alpha,d\n{rows}\n", tmp_path)
+    problems = item.problems if isinstance(item, Rejected) else ()
+    messages = [problem.message for problem in (*problems, *item.notices)]
+    assert [message for message in messages if said is None or said not in message] == []
+    assert len(messages) == (said is not None)
+
+
+@pytest.mark.parametrize(
+    ("header", "cells", "said"),
+    [
+        (",a,alpha,d", ["0,0.3,0,0", "1,0.3,0,0"], "is left out"),
+        (",a,alpha,d", ["1,0.3,0,0", "2,0.3,0,0"], "is left out"),
+        (",a,alpha,d", ["425,0.3,0,0", "426,0.3,0,0"], "'425' stands in a column without a header"),
+        (",a,alpha,d", ["0,0.3,0,0", "0.5,0.3,0,0"], "'0.5' stands in a column without a header"),
+        ("a,,alpha,d", ["0.3,0.1,0,0", "0.3,0.2,0,0"], "'0.1' stands in a column without a header"),
+        ("a,alpha,d,,", ["0.3,0,0,,18.4"], ""),
+        ("a,alpha,d,", ["0.3,0,0,checked"], ""),
+    ],
+)
+@pytest.mark.parametrize("form", ["csv", "xlsx"])
+def test_numbers_in_a_column_without_a_header(
+    form: str, header: str, cells: list[str], said: str, tmp_path: Path
+) -> None:
+    """They count the rows, or may be any field and are refused; beside the table they are a note, as all texts are."""
+    item = read_from(form, "\n".join([header, *cells, ""]), tmp_path)
+    assert isinstance(item, Rejected) is ("stands in" in said)
+    (problem,) = item.problems if isinstance(item, Rejected) else item.notices
+    assert said in problem.message
+
+
+@pytest.mark.parametrize(("cell", "bad"), [("501", []), ("7", ["r250"]), ("checked", []), ("0.5", ["r250"])])
+def test_a_column_without_a_header_that_counts_the_rows_of_all_manipulators(cell: str, bad: list[str]) -> None:
+    """As pandas writes it: one cell that is another number is refused, also where rows are read fast."""
+    rows = [f"r{k // 2},{k if k != 501 else cell},0.3,0,0" for k in range(1000)]
+    text = "\n".join(["# convention: standard", "robot,,a,alpha,d", *rows, ""])
+    assert [item.name for item in dh2urdf.read_all(text, reader="csv") if isinstance(item, Rejected)] == bad

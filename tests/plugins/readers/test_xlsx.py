@@ -143,6 +143,22 @@ def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
     assert [notice.mark.in_file for notice in arm.notices if notice.mark] == ["Sheet2!A1", "Sheet2!I7", "Sheet2!A10"]
 
 
+def test_a_note_below_the_table_may_stand_in_a_column_of_numbers(sheet: Worksheet) -> None:
+    """One cell of prose after an empty row is a note."""
+    fill(sheet, ["a", "alpha", "d"], [0.1, 0, 0], [], ["measured by the maker"])
+    arm = read_one()
+    assert [row.a for row in arm.rows] == [0.1]
+    assert [notice.message for notice in arm.notices] == [
+        "nothing is read from what stands below the table, after an empty row: 'measured by the maker'",
+    ]
+
+
+def test_an_expression_below_the_table_is_no_note(sheet: Worksheet) -> None:
+    """It is a row that lacks its other cells."""
+    fill(sheet, ["a", "alpha", "d"], [0.1, 0, 0], [], [None, "pi/2"])
+    assert "a is empty" in refusal()
+
+
 @pytest.mark.parametrize(
     ("row", "said"),
     [

@@ -114,6 +114,25 @@ class TestBodies:
         with pytest.raises(TransformError, match="is flat"):
             mesh_body(saved(sheet), ONE)
 
+    @pytest.mark.parametrize(
+        ("name", "content", "message"),
+        [
+            (
+                "link.dae",
+                '<!DOCTYPE x [<!ENTITY s SYSTEM "file:///etc/passwd">]><COLLADA version="1.4.1"><asset>&s;</asset></COLLADA>',
+                "'link.dae' cannot be read as DAE: it declares entities",
+            ),
+            ("link.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "as OBJ: it has no triangle whose corners"),
+            ("link.obj", "v 0 0 0\nv 1 0 0\nf 1 2 999999999999\n", "cannot be read as OBJ: index 999999999998"),
+            ("link.stl", "\0" * 80 + "\x7f" * 4 + "\0" * 100, "link"),
+        ],
+    )
+    def test_a_hostile_mesh_is_refused(self, name: str, content: str, message: str, tmp_path: Path) -> None:
+        """No file beside it is read, and none makes an internal error."""
+        (tmp_path / name).write_bytes(content.encode("latin-1"))
+        with pytest.raises(TransformError, match=message):
+            mesh_body(find_mesh(name, tmp_path), ONE)
+
     @pytest.mark.parametrize("name", ["link.stl", "link.obj", "link.dae"])
     def test_what_is_no_mesh_is_refused(self, name: str, tmp_path: Path) -> None:
         """With the format by its suffix."""

@@ -15,14 +15,21 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.errors import CrashError, ProofError
+import dh2urdf
+from dh2urdf.errors import CrashError, InputError, ProofError
 from dh2urdf.isolation import run_in_child
+from dh2urdf.registry import load
+from dh2urdf.stages import Expansion
+from dh2urdf.studio.viewing import load_figures
 from dh2urdf_plugins.lint.inspection import inspect_xacro
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 from dh2urdf_plugins.xacro_reader import read_foreign_xacro
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import ModuleType
+
+    from conftest import Answer
 
 
 ROBOT = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">{}</robot>'
@@ -69,7 +76,10 @@ ATTACKS = {
     "eval": ('<link name="$(eval 9**9**9)"/>', "bits"),
     "eval behind a value": ('<link name="$(eval [].__class__)"/>', "'__class__' is refused"),
     "power": ('<link name="${9**9**9}"/>', "bits"),
-    "memory": ('<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>', "memory"),
+    "memory": (
+        '<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>',
+        "a length of more",
+    ),
     "entities": ("", "declares entities"),
     "into itself": ('<xacro:include filename="r.xacro"/>', "recursion"),
     "macro into itself": ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion"),
@@ -249,7 +259,7 @@ def test_what_makers_write_expands_as_in_the_real_xacro(tmp_path: Path) -> None:
     """Packages, YAML with units, namespaces, blocks, comprehensions, conditions: byte by byte."""
     folder = tmp_path / "arm_description"
     for name, text in {
-        "package.xml": "<package/>",
+        "package.xml": "<package><name>arm_description</name></package>",
         "urdf/arm.urdf.xacro": ROBOT.format(MAKERS),
         "urdf/part.xacro": ROBOT.format(PART),
         "config/six.yaml": CONFIG,
@@ -264,13 +274,18 @@ def test_what_makers_write_expands_as_in_the_real_xacro(tmp_path: Path) -> None:
 
 def test_a_package_is_read_where_it_is_named(tmp_path: Path) -> None:
     """And nowhere else; the message says which are known."""
-    other = tmp_path / "elsewhere" / "grippers"
+    other = tmp_path / "elsewhere" / "src" / "grippers"
     other.mkdir(parents=True)
+    (other / "package.xml").write_text("<package><name>grippers</name></package>")
     (other / "hand.xacro").write_text(ROBOT.format('<link name="hand"/>'))
     path = tmp_path / "arm" / "r.xacro"
     path.parent.mkdir()
     path.write_text(ROBOT.format('<xacro:include filename="$(find grippers)/hand.xacro"/>'))
-    assert b'name="hand"' in expand_foreign(path, packages={"grippers": other})
+    for folder in (other, other.parent, tmp_path / "elsewhere"):
+        assert b'name="hand"' in expand_foreign(path, Expansion(package_paths=(folder,)))
+    for folder, message in ((path.parent, "no folder in it holds a package.xml"), (path, "there is no such folder")):
+        with pytest.raises(InputError, match=message):
+            expand_foreign(path, Expansion(package_paths=(folder,)))
     with pytest.raises(ProofError, match=r"the package 'grippers' is not known \(known: none\)"):
         expand_foreign(path)
 
@@ -278,4 +293,48 @@ def test_a_package_is_read_where_it_is_named(tmp_path: Path) -> None:
 def test_arguments_have_the_values_that_are_given(tmp_path: Path) -> None:
     path = tmp_path / "r.xacro"
     path.write_text(ROBOT.format('<xacro:arg name="side" default="left"/><link name="$(arg side)"/>'))
-    assert b'"right"' in expand_foreign(path, {"side": "right"})
+    assert b'"right"' in expand_foreign(path, Expansion(arguments={"side": "right"}))
+    path.write_text(ROBOT.format('<xacro:arg name="side"/><link name="$(arg side)"/>'))
+    with pytest.raises(ProofError, match=r"missing attribute 'default'"):
+        expand_foreign(path)
+    path.write_text(ROBOT.format('<link name="$(arg side)"/>'))
+    with pytest.raises(ProofError, match=r"the argument 'side' has no value: give it one, side:=VALUE"):
+        expand_foreign(path)
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """A file with an argument, which includes a file of a package elsewhere."""
+    other = tmp_path / "ws" / "src" / "grippers"
+    other.mkdir(parents=True)
+    (other / "package.xml").write_text("<package><name>grippers</name></package>")
+    (other / "hand.xacro").write_text(ROBOT.format('<link name="hand_$(arg side)"/>'))
+    include = '<xacro:arg name="side" default="left"/><xacro:include filename="$(find grippers)/hand.xacro"/>'
+    (tmp_path / "arm.urdf.xacro").write_text(ROBOT.format(include))
+    return tmp_path
+
+
+def test_check_and_view_take_arguments_and_package_paths(cli: Callable[..., Answer], workspace: Path) -> None:
+    """On the command line, in Python, and for the page; what no file could use is refused."""
+    file, path = workspace / "arm.urdf.xacro", workspace / "ws" / "src"
+    assert "the package 'grippers' is not known" in cli("check", file, status=1).stdout
+    found = cli("check", file, "side:=right", "--package-path", path, "--for", "pybullet").stdout
+    assert "the root link 'hand_right' has no inertial" in found
+    expansion = Expansion(arguments={"side": "right"}, package_paths=(path,))
+    (figure,) = load_figures([file], load(), expansion)
+    assert [link.name for link in figure.robot.links] == ["hand_right"]
+    inspection = dh2urdf.check(file, arguments={"side": "up"}, package_paths=[str(path)])
+    assert inspection.robot is not None
+    assert inspection.robot.links[0].name == "hand_up"
+    for words, message in (
+        (["side=right"], "'side=right' is no argument"),
+        (["side:=a", "side:=b"], "'side:=b' is given twice"),
+        (["--package-path", workspace / "nowhere"], "there is no such folder of packages"),
+    ):
+        assert message in cli("check", file, *words, status=2).stderr
+    plain = workspace / "arm.urdf"
+    plain.write_text('<robot name="r"><link name="a"/></robot>')
+    assert "files of the format 'urdf' have no macros" in cli("check", plain, "side:=right", status=2).stderr
+    with pytest.raises(InputError, match="none of the files has macros"):
+        load_figures([plain], load(), expansion)
+    assert len(load_figures([plain, file], load(), expansion)) == 2

@@ -90,9 +90,11 @@ ATTACKS = {
     "vars(1)": "name 'vars' is not defined",
     # calls
     "type('T', (), {})": "takes 1 positional argument",
-    "type(lambda: 0)(1, {})": "calling 'function' is refused",
-    "type(sorted)(1)": "calling 'builtin_function_or_method' is refused",
-    "type(type(1))('T', (), {})": "calling 'type' is refused",
+    "type(lambda: 0)(1, {})": "the type of a function is refused",
+    "type(sorted)(1)": "the type of a builtin_function_or_method is refused",
+    "type(type(1))('T', (), {})": "the type of a type is refused",
+    "list(map(type(type(1)), ['T'], [()], [{}]))": "the type of a type is refused",
+    "sorted([1], key=type(type(1)))": "the type of a type is refused",
     "1()": "calling 'int' is refused",
     # statements in disguise
     "(x := 1)": "NamedExpr is refused",
@@ -112,6 +114,9 @@ ATTACKS = {
     "factorial(10**7)": "a factorial of more than",
     "comb(10**7, 5000)": "a factorial of more than",
     "'a'.center(10**10)": "a width of more than",
+    "('a' * 1000).replace('a', 'b' * 100000)": "a length of more than",
+    "'a'.replace('', 'b' * 600000)": "a length of more than",
+    "('a' * 1000).join(['b'] * 2000)": "a length of more than",
     "'a'.zfill(10**10)": "a width of more than",
     "'\\t'.expandtabs(10**10)": "a width of more than",
     "1" * 30_000: "has 30000 characters",
@@ -174,6 +179,8 @@ def test_no_expression_reaches_behind_a_value(text: str) -> None:
             waiting.extend([*value, *value.values()])
         else:
             plain = isinstance(value, (int, float, str, range, map, type, type(None)))
-            own = callable(value) and (id(value) in CALLS or getattr(value, "__name__", "") in ("<lambda>", "narrow"))
+            own = callable(value) and (
+                id(value) in CALLS or getattr(value, "__name__", "") in ("<lambda>", "narrow", "joined", "replaced")
+            )
             method = type(value).__name__ in ("builtin_function_or_method", "generator")
             assert plain or own or method, (text, value)

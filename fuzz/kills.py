@@ -87,7 +87,7 @@ def try_one(folder: Path, rng: random.Random, kills: int) -> Result:
         differences += [name for name in found.keys() | expected.keys() if found.get(name) != expected.get(name)]
         if process.returncode:
             differences.append(f"exit status {process.returncode}")
-        shutil.rmtree(out)
+        shutil.rmtree(out, ignore_errors=True)  # A run that failed may have none.
     return Result(killed, ends, differences)
 
 

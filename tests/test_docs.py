@@ -308,6 +308,8 @@ def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
     assert [(block.page, block.language) for page in PAGES for block in BLOCKS[page] if "not run" in block.marks] == [
         ("fuzzing.md", "sh"),
         ("fuzzing.md", "sh"),
+        ("fuzzing.md", "sh"),
+        ("fuzzing.md", "sh"),
         ("machines.md", "sh"),
         ("machines.md", "python"),
         ("plugins.md", "python"),

@@ -265,6 +265,7 @@ def run(
     settings: Mapping[str, object] | None = None,
     resume: bool = False,
     dry_run: bool = False,
+    keep: bool = False,
     without: Iterable[str] = (),
 ) -> RunReport:
     """Do the run that a run file describes, as `dh2urdf run` does.
@@ -280,6 +281,8 @@ def run(
         settings: changes of the run file, as ``--set`` takes them: ``{"transform.options.frames": "dh"}``.
         resume: keep what an earlier run has finished and what has not changed since.
         dry_run: read and check everything, write nothing.
+        keep: leave the files of the last run into the same folder that this one does not write. Without it they are
+            removed at the end; a file that was changed meanwhile stays.
         without: plugins or distributions to leave out.
 
     Returns:
@@ -297,7 +300,7 @@ def run(
     from dh2urdf.settings import Asked
 
     asker, root = _asker("run"), None
-    for flag, value in (("resume", resume), ("dry_run", dry_run)):
+    for flag, value in (("resume", resume), ("dry_run", dry_run), ("keep", keep)):
         if not isinstance(value, bool):
             message = f"{flag}={value!r} is neither True nor False"
             raise ConfigError(Problem(message=message, mark=asker.mark, field=flag, accepted="True or False"))
@@ -310,7 +313,7 @@ def run(
         config = "run"
     asked, output = Asked(asker.mark, "settings: "), None if out is None else os.fspath(out)
     plan = load_plan(Path(config), catalog, overrides, output, root, asked=asked)
-    _, report = execute(plan, resume=resume, dry_run=dry_run)
+    _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
     return report
 
 

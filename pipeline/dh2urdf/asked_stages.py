@@ -27,12 +27,13 @@ class AskedStages:
 
     Attributes:
         problems: all that is wrong, each with its place in the run file.
-        repeated: notices of files that are inputs more than once, by the path they are read from.
+        notices: what there is to say of inputs, by the path of the file that says it: named twice, or by a pattern that
+            could not be searched everywhere.
     """
 
     def __init__(self, catalog: Catalog, problems: Iterable[Problem] = ()) -> None:
         self.problems = list(problems)
-        self.repeated: dict[Path, Problem] = {}
+        self.notices: dict[Path, Problem] = {}
         self._catalog = catalog
 
     def call(self, kind: Any, asked: StageCall) -> Call[Any] | None:  # noqa: ANN401 - a kind of stage
@@ -72,6 +73,7 @@ class AskedStages:
         found: list[tuple[Path, Call[Reader[Any]]]] = []
         first: dict[tuple[int, int], tuple[Path, Call[Reader[Any]], Mark | None]] = {}
         for given in inputs:
+            self.notices.update((path, notice) for path, notice in zip(given.paths, given.notices, strict=False))
             for path in given.paths:
                 with self._at(given.mark):
                     name = given.stage or self._catalog.reader_for(path).name
@@ -105,7 +107,7 @@ class AskedStages:
                 field="inputs",
                 suggestion=f"the first time is at {earlier_mark}" if earlier_mark != mark else None,
             )
-            self.repeated.setdefault(earlier, notice)
+            self.notices.setdefault(earlier, notice)
             return
         self.problems.append(
             Problem(

@@ -295,8 +295,8 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
         source, before = str(path), count
         try:
             for item in map(meshes.give, read_items(call, path)):
-                again = plan.repeated.get(path) if count == before else None
-                what = replace(item, notices=(again, *item.notices)) if again else item
+                said = plan.input_notices.get(path) if count == before else None
+                what = replace(item, notices=(said, *item.notices)) if said else item
                 gathering.see(what)
                 count += 1
                 yield Item(what, source)

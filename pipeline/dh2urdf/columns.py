@@ -200,8 +200,8 @@ def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an
 
 
 def _alike(numbers: Any) -> Any:  # noqa: ANN401 - a float or an array
-    """Numbers of an array, as one float where all are the same."""
-    return float(numbers[0]) if (numbers == numbers[0]).all() else numbers
+    """Numbers of an array, as one float where all are the same; an empty array stays one."""
+    return float(numbers[0]) if len(numbers) and (numbers == numbers[0]).all() else numbers
 
 
 def replaced(record: T, change: Callable[[Any], Any]) -> T:

@@ -12,7 +12,6 @@ import os
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +20,7 @@ from dh2urdf.cells import CellCall
 from dh2urdf.conversion import Sample
 from dh2urdf.documents import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.errors import ConfigError
+from dh2urdf.file_patterns import matching
 from dh2urdf.layouts import Layout
 from dh2urdf.mesh_section import MeshCall, MeshesReader
 from dh2urdf.meshes import RELATIVE, prefix_of
@@ -54,8 +54,6 @@ DEFAULT_EXECUTOR = "local"
 DEFAULT_POSES = 32
 MAX_POSES = 1_000_000
 """Random joint vectors of one proof [1]."""
-MAX_FILES = 1_000_000
-"""Files that one pattern may match [1]."""
 _SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
 """What a shell would put something else in place of."""
 
@@ -84,12 +82,14 @@ class InputCall:
         stage: name of the reader; None leaves it to each file's suffix.
         options: the reader's options as they are written.
         mark: where the input stands.
+        notices: what there is to say of the pattern.
     """
 
     paths: tuple[Path, ...]
     stage: str | None = None
     options: Node | None = None
     mark: Mark | None = None
+    notices: tuple[Problem, ...] = ()
 
     def read_by(self, reader: str) -> StageCall:
         """The call of a reader with the options of this input."""
@@ -243,16 +243,6 @@ def _tidy(path: Path) -> Path:
     return tidy if tidy.resolve() == path.resolve() else path
 
 
-def _matches(folder: Path, pattern: str) -> Iterator[Path]:
-    """The files that match a pattern, from a folder; ``**`` follows no links, which may lead in circles."""
-    whole = folder / pattern
-    anchor = Path(whole.anchor)
-    for path in anchor.glob(str(whole.relative_to(anchor))):
-        hidden = [part for part in path.parts if part.startswith(".") and part not in whole.parts]
-        if not hidden and not path.is_dir():
-            yield path
-
-
 # --- The sections -----------------------------------------------------------------------------------------------------
 
 
@@ -312,11 +302,13 @@ class _Sections(SettingsReader):
                 self.say("this input has no path", node, field, accepted="`path: FILE`, where FILE may be a pattern")
             if path is None:
                 continue
+            notices: list[Problem] = []
             yield InputCall(
-                paths=tuple(self._files(*path, f"{field}.path")),
+                paths=tuple(self._files(*path, f"{field}.path", notices)),
                 stage=self.name(given.get("stage"), f"{field}.stage"),
                 options=self._options(given.get("options"), f"{field}.options"),
                 mark=given.get("stage", given["path"]).mark,
+                notices=tuple(notices),
             )
 
     def _calls(self, section: Node, field: str, needed: str = "") -> Iterator[StageCall]:
@@ -392,26 +384,21 @@ class _Sections(SettingsReader):
     def _folder(self, node: Node) -> Path:
         return Path() if node.file == self.changes else self.path.parent
 
-    def _files(self, text: str, node: Node, field: str) -> Iterator[Path]:
+    def _files(self, text: str, node: Node, field: str, notices: list[Problem]) -> Iterator[Path]:
         """The files of a path or pattern, in the order of their names."""
         path = self._resolved(text, node)
         if not glob.has_magic(text) or os.path.exists(path):  # noqa: PTH110 - it takes any text; Path.exists raises
             paths = [path]
         else:
             try:
-                paths = sorted(islice(_matches(self._folder(node), text), MAX_FILES + 1))
-            except OSError as error:  # /proc and the like
-                told = f"{shown(str(error.filename), LONG_PATH)} cannot be searched: {error.strerror}"
-                self.say(f"{shown(text)}: {told}", node, field, accepted="a pattern of fewer folders")
+                found = matching(self._folder(node), text)
+            except ConfigError as error:
+                why = error.problems[0]
+                self.say(why.message, node, field, accepted=why.accepted, suggestion=why.suggestion)
                 return
-            if len(paths) > MAX_FILES:
-                accepted = f"at most {MAX_FILES} files for one pattern"
-                self.say(f"more than {MAX_FILES} files match {shown(text)}", node, field, accepted=accepted)
-                return
-            paths = [_tidy(path) for path in paths]
-            if not paths:
-                folder = self._folder(node).absolute()
-                self.say(f"no file matches {shown(text)} in the folder {shown(str(folder), LONG_PATH)}", node, field)
+            paths = [_tidy(path) for path in found.paths]
+            if found.notice:
+                notices.append(found.notice.about(mark=node.mark))
         for file in paths:
             try:
                 check_file(file)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.attribution import Call, blaming, depending_on
 from dh2urdf.cells import Cell, cannot_be, compose, truth_of
-from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError
+from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.output import put_in_place, refuse_inputs, staging, write_files, write_whole
@@ -301,16 +301,23 @@ def read_items(call: Call[Reader[Any]], path: Path, trace: Trace | None = None) 
         trace: takes what the cells of each manipulator say, where it is wanted and the reader knows it.
 
     Raises:
-        TableError: the file as a whole cannot be read.
+        TableError: the file as a whole cannot be read, or it has changed while it was read.
         StageError: the reader raised something else.
     """
-    reader = call.stage
-    with blaming(call):
-        if trace is None or reader.trace is None:
-            items = items_of(reader.read(path, call.options), Manipulator)
-        else:
-            items = items_of(reader.trace(path, call.options, trace), Manipulator)
-    yield from checked_items(items, call)
+    before, reader = _state_of(path), call.stage
+    try:
+        with blaming(call):
+            if trace is None or reader.trace is None:
+                items = items_of(reader.read(path, call.options), Manipulator)
+            else:
+                items = items_of(reader.trace(path, call.options, trace), Manipulator)
+        yield from checked_items(items, call)
+    except TableError as error:
+        if _state_of(path) != before:
+            raise TableError([_changed(path), *error.problems], error.notices) from error
+        raise
+    if _state_of(path) != before:
+        raise TableError(_changed(path))
 
 
 def checked_items(items: Iterator[Manipulator | Rejected], call: Call[Reader[Any]]) -> Iterator[Manipulator | Rejected]:
@@ -333,3 +340,20 @@ def checked_items(items: Iterator[Manipulator | Rejected], call: Call[Reader[Any
             else:
                 a_record(item, Manipulator, Rejected)
         yield item
+
+
+def _state_of(path: Path) -> tuple[int, ...] | None:
+    """What is another number once somebody has written to a file or put another one in its place; None without one."""
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return None
+    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
+
+
+def _changed(path: Path) -> Problem:
+    return Problem(
+        message="the file has changed while it was read: what was made of it may be of two versions",
+        mark=Mark(file=str(path)),
+        suggestion="leave the file alone and begin again; a run with `--resume` makes what is different",
+    )

@@ -62,8 +62,12 @@ class LocalStore(Store):
         """Never write over some files, which are known by their names here, in lower case."""
         self._protected = frozenset(names)
 
+    def is_protected(self, name: str) -> bool:
+        """Whether a file is an input of the run, and must stay as it is."""
+        return bool(self._protected) and name.casefold() in self._protected
+
     def _check_protected(self, name: str) -> None:
-        if self._protected and name.casefold() in self._protected:
+        if self.is_protected(name):
             place = shown(str(self.directory / name), 200)
             raise OutputError(
                 Problem(message=f"{place} is an input, and would be overwritten", suggestion="write to another folder")
@@ -155,10 +159,14 @@ class LocalStore(Store):
                 yield os.path.relpath(f"{parent}/{file}", self._root).replace(os.sep, "/")
 
     def remove(self, name: str) -> None:
-        """Remove a file, if it is there."""
+        """Remove a file, if it is there, and the folder that was its own."""
         path = Path(self._path(checked(name)))
         with reporting_os_errors(self.directory / name, "remove"), suppress(*NOT_THERE):
             path.unlink()
+        if folder := name.rpartition("/")[0]:
+            with suppress(OSError):  # Others are in it.
+                path.parent.rmdir()
+                self._made.discard(folder)
 
     def remove_tree(self, folder: str) -> None:
         """Remove a folder and all in it, if it is there."""

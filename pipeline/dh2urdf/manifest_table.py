@@ -50,10 +50,12 @@ class ManifestTable:
 
     Attributes:
         path: the file that is written.
+        place: where it will be in the end, which errors tell of.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, place: str | None = None) -> None:
         self.path = path
+        self.place = place or str(path)
         self._columns = _Columns()
         self._waiting: list[bytes] = []
         self._writer: ParquetWriter | None = None

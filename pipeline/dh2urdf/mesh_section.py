@@ -187,7 +187,7 @@ class MeshesReader(PlacementReader):
         if text is None:
             return None
         try:
-            file = find_mesh(text, self._folder)
+            file = find_mesh(text, self._folder, links=True)  # A run file is the user's own.
         except ConfigError as error:
             mark = given["file"].mark
             self.problems.extend(replace(problem, mark=mark, field=f"{field}.file") for problem in error.problems)

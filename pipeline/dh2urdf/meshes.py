@@ -61,15 +61,18 @@ def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
 # --- Files ------------------------------------------------------------------------------------------------------------
 
 
-def find_mesh(text: str, folder: Path) -> MeshFile:
+def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
     """The file that a table or a run file names.
 
     Args:
         text: the path as it is written.
         folder: the folder of the file that says it, from which the path leads.
+        links: whether a link may lead out of that folder. A table may be a stranger's, and come with links to files
+            of whoever reads it.
 
     Raises:
-        ConfigError: there is none, or it cannot be read; the problem says where it was looked for.
+        ConfigError: there is none, or it cannot be read, or it is a link out of the folder; the problem says where it
+            was looked for.
     """
     accepted = "the path of a file, from the folder of the file that names it"
     if "://" in text:
@@ -78,8 +81,6 @@ def find_mesh(text: str, folder: Path) -> MeshFile:
     path = Path(os.path.abspath(folder / text))  # noqa: PTH100 - as it is written: a link may have a better name
     try:
         check_file(path)
-        status = path.stat()
-        return MeshFile(path=str(path), sha256=_digest(str(path), status.st_mtime_ns, status.st_size))
     except ConfigError as error:
         why = error.problems[0]
         raise ConfigError(
@@ -95,9 +96,37 @@ def find_mesh(text: str, folder: Path) -> MeshFile:
                 ),
             )
         ) from None
+    if not links:
+        _refuse_link(path, folder, text)
+    try:
+        status = path.stat()
+        return MeshFile(path=str(path), sha256=_digest(str(path), status.st_mtime_ns, status.st_size))
     except OSError as error:
         message = f"the mesh {shown(text, LONG_PATH)} cannot be read: {error.strerror}"
         raise ConfigError(Problem(message=message, found=text)) from None
+
+
+def _refuse_link(path: Path, folder: Path, text: str) -> None:
+    """Refuses a path that a link leads elsewhere than it says.
+
+    Raises:
+        ConfigError: it lies in the folder, and a link leads out of it; or it is written as a path to another folder,
+            and the file there is a link out of that one.
+    """
+    home = os.path.abspath(folder)  # noqa: PTH100 - as above
+    said = home if path.is_relative_to(home) else path.parent
+    target = Path(os.path.realpath(path))
+    if not any(target.is_relative_to(os.path.realpath(root)) for root in (home, said)):
+        raise ConfigError(
+            Problem(
+                message=f"the mesh {shown(text, LONG_PATH)} is a link out of the folder "
+                f"{shown(str(said), LONG_PATH)}, to {shown(str(target), LONG_PATH)}",
+                found=text,
+                accepted="a file, or a link to one in the table's folder",
+                suggestion="copy the file there; or, where you trust the table, set its reader's option "
+                "`mesh_links: true`",
+            )
+        )
 
 
 @lru_cache(maxsize=4096)

@@ -29,6 +29,7 @@ from dh2urdf.isolation import run_in_child
 from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
+from dh2urdf.leftovers import Leftovers, clear_leftovers
 from dh2urdf.making import Effect, Maker
 from dh2urdf.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.mesh_section import MeshCall
@@ -64,7 +65,7 @@ class Plan:
 
     Attributes:
         inputs: files with the reader of each.
-        repeated: notices of files that the run file names more than once, by path.
+        input_notices: what there is to say of inputs before they are read, by path.
         recipe: what is done with every manipulator.
         key: the recipe's, by which a later run knows files that are still right.
         store: where the output goes.
@@ -88,7 +89,7 @@ class Plan:
     html: bool = True
     meshes: tuple[MeshCall, ...] = ()
     files: tuple[Path, ...] = ()
-    repeated: Mapping[Path, Problem] = field(default_factory=dict)
+    input_notices: Mapping[Path, Problem] = field(default_factory=dict)
 
 
 class Result:
@@ -100,6 +101,7 @@ class Result:
         seconds: how long the steps took, added up over all workers; `total` is the time that passed [s].
         timings: how long the steps of the first manipulators took [s].
         keeps_kinematics: whether the transform keeps T(q).
+        leftovers: what became of files of the last run that this one has no part in.
     """
 
     def __init__(self, *, keeps_kinematics: bool = True) -> None:
@@ -108,6 +110,7 @@ class Result:
         self.seconds: dict[str, float] = {}
         self.timings: list[dict[str, Any]] = []
         self.keeps_kinematics = keeps_kinematics
+        self.leftovers = Leftovers()
 
     @property
     def made(self) -> int:
@@ -213,12 +216,12 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         variations=config.variations,
         html=config.html,
         meshes=config.meshes,
-        repeated=asked.repeated,
+        input_notices=asked.notices,
     )
 
 
 def execute(
-    plan: Plan, *, resume: bool = False, dry_run: bool = False, note: Note | None = None
+    plan: Plan, *, resume: bool = False, dry_run: bool = False, keep: bool = False, note: Note | None = None
 ) -> tuple[Result, RunReport]:
     """Do a run.
 
@@ -226,6 +229,7 @@ def execute(
         plan: what to do.
         resume: keep what earlier runs into the same place have finished, where it is whole and nothing of it changed.
         dry_run: read, transform and check, but write nothing.
+        keep: leave the files of the last run into the same place that this one has no part in.
         note: is told of every batch as it comes, as soon as something could be read, and how many manipulators the run
             will probably have.
 
@@ -260,7 +264,7 @@ def execute(
         with path.open("w+b") as rows:
             ledger = Ledger(rows, f"{store}/{MANIFEST}")
             if can_write_parquet():
-                ledger.table = ManifestTable(folder / TABLE)
+                ledger.table = ManifestTable(folder / TABLE, f"{store}/{TABLE}")
             if plan.html and can_write_html():
                 ledger.overview = Overview(FULL, ledger.index)
             try:
@@ -273,6 +277,9 @@ def execute(
                 write_html(store, ledger.overview, exhibits, plan.recipe, plan.layout)
             else:
                 store.remove(PAGE)  # An older one would tell of another run.
+            # While the old manifest stands there, as what is removed is known from it alone.
+            kept_meshes = plan.recipe.mesh_prefix is None
+            result.leftovers = clear_leftovers(store, rows, keep=keep, keep_meshes=kept_meshes)
             result.seconds["total"] = time.perf_counter() - started
             write_timing(store, result)
         store.put(MANIFEST, path)

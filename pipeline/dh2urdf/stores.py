@@ -86,7 +86,11 @@ class Store(ABC):
 
     @abstractmethod
     def remove(self, name: str) -> None:
-        """Remove a file, if it is there."""
+        """Remove a file, if it is there, and the folder that was its own."""
+
+    def is_protected(self, _name: str) -> bool:
+        """Whether a file is an input of the run, and must stay as it is."""
+        return False
 
     @abstractmethod
     def remove_tree(self, folder: str) -> None:

@@ -134,19 +134,19 @@ def test_a_pattern_finds_no_hidden_files(folder: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_searched_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The folders of running processes come and go while a pattern is looked for."""
+    """What the system says of a folder of running processes, word for word."""
 
-    def gone(*_: object) -> list[Path]:
+    def gone(*_: object) -> None:
         raise OSError(22, "Invalid argument", "/proc/1/net")
 
-    monkeypatch.setattr("dh2urdf.config._matches", gone)
+    monkeypatch.setattr("os.scandir", gone)
     (message,) = problems(folder, "inputs: '/**'\n")
     assert "'/**': '/proc/1/net' cannot be searched: Invalid argument" in message
 
 
 def test_a_pattern_has_a_bound(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A pattern that matches half a disk is told, not followed."""
-    monkeypatch.setattr("dh2urdf.config.MAX_FILES", 1)
+    monkeypatch.setattr("dh2urdf.file_patterns.MAX_FILES", 1)
     (message,) = problems(folder, "inputs: 'tables/?.csv'\n")
     assert "more than 1 files match 'tables/?.csv'" in message
 
@@ -286,6 +286,10 @@ def test_a_setting_does_not_leak_through_an_alias(folder: Path) -> None:
         ("transform.variant=paper", "the options of a stage stand under `options:`"),
         ("output.dirctory=x", "did you mean 'directory'?"),
         (".".join("transform" for _ in range(99)) + "=1", "a key of 99 names"),
+        ("output={directory: [", "this is not valid YAML"),
+        ("output=a: b: c", "this is not valid YAML: mapping values are not allowed"),
+        ("output.directory=[x", """'KEY="TEXT"'"""),
+        ("output.directory='x", "this is not valid YAML"),
     ],
 )
 def test_a_setting_that_leads_nowhere_is_told(folder: Path, setting: str, message: str) -> None:
@@ -293,6 +297,14 @@ def test_a_setting_that_leads_nowhere_is_told(folder: Path, setting: str, messag
     (found,) = problems(folder, TABLE, setting)
     assert found.startswith("command line: error: ")
     assert message in found
+
+
+@pytest.mark.parametrize("word", ["*.csv", "@x", "50%", "C:\\\\arms\\\\out", '"[x"'])
+def test_a_setting_that_is_a_text_needs_no_quotes(folder: Path, word: str) -> None:
+    """A pattern is no YAML, and what is meant all the same; a text that begins like a list stands in quotes."""
+    found = config(folder, TABLE, f"output.directory={word}")
+    assert not found.problems
+    assert Path(found.output).name == Path(word.strip('"')).name
 
 
 @given(setting=st.text() | st.from_regex(r"\A(inputs|emitters|output|proof)(\.[a-z0]+){0,3}=[\[\]{}a-z: ]*\Z"))

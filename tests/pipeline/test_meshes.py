@@ -43,6 +43,35 @@ class TestFiles:
             hashes.append(find_mesh("link.stl", tmp_path).sha256)
         assert hashes == [sha256(b"solid").hexdigest(), sha256(b"solid two").hexdigest()]
 
+    @pytest.mark.parametrize("text", ["link.stl", "shared/far.stl", "./shared/../link.stl", "../other/back.stl"])
+    def test_a_link_out_of_the_folder_is_refused_unless_it_is_allowed(self, tmp_path: Path, text: str) -> None:
+        """A table may come from a stranger, with links to files of whoever reads it; the target is named."""
+        table, other = tmp_path / "table", tmp_path / "other"
+        for folder in (table, other, tmp_path / "far"):
+            folder.mkdir()
+        (tmp_path / "far/far.stl").write_bytes(b"solid")
+        for link in (table / "link.stl", other / "back.stl"):
+            link.symlink_to(tmp_path / "far/far.stl")
+        (table / "shared").symlink_to(tmp_path / "far")
+        with pytest.raises(ConfigError, match=r"is a link out of the folder '.*', to '.*far\.stl'") as caught:
+            find_mesh(text, table)
+        assert "mesh_links: true" in str(caught.value.problems[0])
+        assert find_mesh(text, table, links=True).sha256 == sha256(b"solid").hexdigest()
+
+    @pytest.mark.parametrize("text", ["in.stl", "linked/link.stl", "../other/mesh.stl", "../other/near.stl"])
+    def test_other_links_are_followed(self, tmp_path: Path, text: str) -> None:
+        """Within the folder, or within another one that the table names by its path; the folder itself may be a link."""
+        table, other = tmp_path / "real", tmp_path / "other"
+        for folder in (table / "meshes", other):
+            folder.mkdir(parents=True)
+        for file in (table / "meshes/link.stl", other / "mesh.stl"):
+            file.write_bytes(b"solid")
+        (table / "in.stl").symlink_to("meshes/link.stl")
+        (table / "linked").symlink_to("meshes")
+        (other / "near.stl").symlink_to("mesh.stl")
+        (tmp_path / "table").symlink_to("real")
+        assert find_mesh(text, tmp_path / "table").sha256 == sha256(b"solid").hexdigest()
+
     @pytest.mark.parametrize(
         ("text", "message"),
         [

@@ -91,6 +91,15 @@ def test_they_are_the_tables_of_the_variants(rules: tuple[tuple[str, Law], ...])
         assert [row.mark for row in picked.rows] == [row.mark for row in table.rows]
 
 
+def test_where_no_variant_is_an_arm_there_are_no_columns() -> None:
+    """All fail alone, each for its own values."""
+    some = variation(("lower", Uniform(low=2.0, high=3.0)))
+    variants = list(some.variants())
+    found = variant_columns(some, [v.name for v in variants], [v.drawn() for v in variants])
+    assert found
+    assert (found[0], len(found[1])) == ([], 0)
+
+
 def test_drawn_types_differ_in_more_than_numbers() -> None:
     """Where types or numbers of axes are drawn there are no columns of all."""
     some = variation(("type", Choices(values=("revolute", "prismatic"))))

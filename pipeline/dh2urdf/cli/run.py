@@ -23,6 +23,7 @@ from dh2urdf.runs import execute, load_plan
 @click.option(
     "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a value of CONFIG for this run; repeatable."
 )
+@click.option("--keep", is_flag=True, help="Leave the files of the last run into DIR that this one does not write.")
 @click.option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON in place of the summary.")
 @click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
@@ -33,6 +34,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     workers: str | None,
     resume: bool,  # noqa: FBT001 - click hands flags over so
     settings: tuple[str, ...],
+    keep: bool,  # noqa: FBT001
     dry_run: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
     quiet: bool,  # noqa: FBT001
@@ -41,7 +43,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
     Every manipulator is read, transformed, written, read back and compared with the DH product of its table; the
     loaders then ask the simulators. Beside the files, the output holds report.html and report.json, a manifest with a
-    row for each manipulator, an index of the failures, and timing.json.
+    row for each manipulator, an index of the failures, and timing.json. Files that the last run wrote there and this
+    one does not are removed at the end, unless they were changed.
 
     \b
     dh2urdf run configs/ur5.yaml
@@ -57,7 +60,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     debug = click.get_current_context().find_root().params["debug"]
     try:
         with progress(quiet=quiet, debug=debug) as note:
-            result, report = execute(plan, resume=resume, dry_run=dry_run, note=note)
+            result, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep, note=note)
     except KeyboardInterrupt as interrupt:
         if not dry_run:
             interrupt.add_note("`--resume` goes on from there")

@@ -54,6 +54,8 @@ def print_summary(result: Result, report: RunReport, where: str, *, dry_run: boo
     console.print(f"{what}{' (dry run: nothing was written)' if dry_run else ''}", markup=False)
     if not result.keeps_kinematics:
         console.print("the transform does not keep the kinematics: differences are reported and fail nothing")
+    if told := result.leftovers.told:
+        console.print(told)
     if not dry_run:
         console.print(f"written to {where}", markup=False, soft_wrap=True)
 

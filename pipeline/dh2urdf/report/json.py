@@ -64,9 +64,11 @@ def write_reports(store: Store, ledger: Ledger, result: Result) -> RunReport:
     report = run_report(ledger.rows, result)
     store.write(REPORT, to_text(report))
     if ledger.table:
-        with reporting_os_errors(f"{store}/{TABLE}"):
+        with reporting_os_errors(ledger.table.place):
             ledger.table.finish(ledger.rows)
         store.put(TABLE, ledger.table.path)
+    else:
+        store.remove(TABLE)  # An older one would tell of another run.
     return report
 
 

@@ -47,11 +47,12 @@ class Ledger:
         """
         with reporting_os_errors(self._place):
             write_all(self.rows.fileno(), block)
-            lines = block.splitlines(keepends=True)
-            rows = [loads(line) for line in lines]
-            for row in rows:
-                self.index.add(row)
-                if self.overview:
-                    self.overview.add(row)
-            if self.table:
+        lines = block.splitlines(keepends=True)
+        rows = [loads(line) for line in lines]
+        for row in rows:
+            self.index.add(row)
+            if self.overview:
+                self.overview.add(row)
+        if self.table:
+            with reporting_os_errors(self.table.place):
                 self.table.add(rows, lines)

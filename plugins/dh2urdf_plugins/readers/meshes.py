@@ -37,8 +37,9 @@ class Meshes(NamedTuple):
 class MeshReader:
     """Reads meshes and hands over what is wrong with them."""
 
-    def __init__(self, units: Units, add: Callable[[Problem], None]) -> None:
-        """Takes the units of numbers, and what is called with every problem."""
+    def __init__(self, units: Units, add: Callable[[Problem], None], *, links: bool = False) -> None:
+        """Takes the units of numbers, what is called with every problem, and whether links may leave the folder."""
+        self._links = links
         self._placements = TransformReader(units, add)
         self._add = add
 
@@ -70,7 +71,7 @@ class MeshReader:
             self._error(node, field, f"{field} is {node.describe()}", "the path of a file")
             return None
         try:
-            return MeshShape(file=find_mesh(node.text, Path(node.file).parent), mark=node.mark)
+            return MeshShape(file=find_mesh(node.text, Path(node.file).parent, links=self._links), mark=node.mark)
         except ConfigError as error:
             for problem in error.problems:
                 self._add(replace(problem, mark=node.mark, field=field))

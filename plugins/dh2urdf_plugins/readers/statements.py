@@ -55,6 +55,10 @@ class TableOptions:
     payload: str | dict[str, Any] | None = field(
         default=None, metadata={"help": "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"}
     )
+    mesh_links: bool = field(
+        default=False,
+        metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
+    )
 
     def __post_init__(self) -> None:
         """Refuses words that mean nothing in any table.
@@ -90,6 +94,7 @@ class Statements:
         payload: what the arm carries at tool0.
         base_geometry: shape of the base's body.
         base_meshes: meshes of the base's body.
+        mesh_links: whether meshes may be links out of the table's folder.
         visuals: whether links are seen.
         collisions: whether links touch.
         placed: where base, tool, payload, shapes, masses and what is drawn are said.
@@ -107,6 +112,7 @@ class Statements:
     payload: Payload | None = None
     base_geometry: LinkGeometry = LinkGeometry()
     base_meshes: Meshes = Meshes()
+    mesh_links: bool = False
     visuals: bool | None = None
     collisions: bool | None = None
     placed: dict[str, Mark] = field(default_factory=dict)
@@ -290,6 +296,7 @@ class Statements:
     def say_options(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
         """Takes the convention and the units of the options; base and tool follow when the units are known."""
         mark = Mark(file=OPTIONS)
+        self.mesh_links = options.mesh_links
         if options.convention is not None:
             self.say_convention(Cell(options.convention, mark), add)
         if options.length_unit is not None:
@@ -331,7 +338,7 @@ class Statements:
         if geometry := node.value.get("geometry"):
             self.base_geometry = shapes.geometry(geometry, "base.geometry")
             self.placed["base_geometry"] = geometry.mark
-        self.base_meshes = MeshReader(self.units(), add).read(node.value, "base.")
+        self.base_meshes = MeshReader(self.units(), add, links=self.mesh_links).read(node.value, "base.")
 
     def _say_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
         if self.base_mass is not None and mass is not None and self.base_mass != mass:

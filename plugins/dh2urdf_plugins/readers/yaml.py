@@ -250,7 +250,7 @@ class _Table:
     def _meshes(self, entries: dict[str, Node], joint: str) -> Meshes:
         """The meshes of a joint's link."""
         before = len(self.problems)
-        meshes = MeshReader(self.statements.units(), self.problems.append).read(entries)
+        meshes = MeshReader(self.statements.units(), self.problems.append, links=self.options.mesh_links).read(entries)
         self.problems[before:] = [replace(problem, joint=joint) for problem in self.problems[before:]]
         return meshes
 

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import greater_of, mapped
+from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import DHRow, JointType, Limits
 from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual
 from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
+from dh2urdf.source import Problem
 from dh2urdf_plugins.transforms.checks import PAYLOAD
 from dh2urdf_plugins.transforms.meshes import is_weighed, mesh_solid
 
@@ -210,14 +212,33 @@ def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
     return own.joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child, origin=origin)
 
 
-def shape_body(visuals: Sequence[Visual], density: float) -> Inertial:
-    """The mass properties of what is seen, if it were solid and of one density [kg/m³]."""
+def shape_body(visuals: Sequence[Visual], density: float, joint: str | None = None) -> Inertial:
+    """The mass properties of what is seen, if it were solid and of one density [kg/m³].
+
+    Args:
+        visuals: what is seen of a link.
+        density: its density [kg/m³].
+        joint: the joint that moves the link, for messages; None for the base.
+
+    Raises:
+        TransformError: the shapes are so small that their mass is 0, to the last digit that a double has.
+    """
     bodies = []
     for visual in visuals:
         shape = visual.geometry
         body = mesh_solid(shape, density) if isinstance(shape, Mesh) else solid(shape, density)
         bodies.append(placed(body, visual.origin.transform))
-    return compound(bodies)
+    try:
+        return compound(bodies)
+    except ValueError:
+        raise TransformError(
+            Problem(
+                message=f"the shapes of {'the link' if joint else 'the base'} are so small that their mass is 0",
+                joint=joint,
+                field="radius",
+                accepted="a greater radius, or a mass, a centre of mass and an inertia in the table",
+            )
+        ) from None
 
 
 def of_mass(body: Inertial, mass: float | None) -> Inertial:
@@ -260,7 +281,7 @@ def link_body(part: Part, density: float) -> Inertial:
     if frame and is_weighed(row):  # Nobody need read a mesh for that.
         body = own.inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
     else:
-        body = of_mass(shape_body(part.visuals, density), row.mass)
+        body = of_mass(shape_body(part.visuals, density, row.joint), row.mass)
     if frame is None:
         return body
     com, inertia = body.com, body.inertia

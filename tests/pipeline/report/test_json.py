@@ -38,7 +38,7 @@ def ledger(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = T
     """What was gathered from some rows."""
     made = Ledger((folder / "rows").open("w+b"), "manifest.jsonl")
     if with_table:
-        made.table = ManifestTable(folder / "table")
+        made.table = ManifestTable(folder / "table", f"{folder}/manifest.parquet")
     made.add(b"".join(map(to_line, rows)))
     return made
 

@@ -1,10 +1,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from dh2urdf.errors import TableError
 from dh2urdf.rotations import HALF_PI, RigidTransform
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, yaml
@@ -46,6 +47,26 @@ def test_a_mesh_is_a_path_or_a_mapping(read_one: Callable[..., Manipulator]) -> 
     assert row.visual.pose == RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))
     assert row.collision.pose == RigidTransform.from_xyz_rpy((0.001, 0.0, 0.0), (0.0, 0.0, HALF_PI))
     assert str(row.visual.mark).endswith("arm.yaml:4:48")
+
+
+@pytest.mark.parametrize("reader", [yaml, csv], ids=["yaml", "csv"])
+def test_a_mesh_that_is_a_link_to_elsewhere_is_refused(tmp_path: Path, reader: Any) -> None:
+    """Of a joint, and of the base in any table; the option `mesh_links` allows it."""
+    (tmp_path / "secret").write_text("solid")
+    (tmp_path / "table").mkdir()
+    (tmp_path / "table/link.stl").symlink_to(tmp_path / "secret")
+    path = tmp_path / "table" / f"arm.{reader.READER.name}"
+    if reader is yaml:
+        path.write_text(joint("mesh: link.stl"))
+    else:
+        path.write_text("# convention: standard\n# base: {mesh: link.stl}\njoint,a,alpha,d\nj,1,0,0\n")
+    try:
+        problems = [problem for item in reader.read(path, TableOptions()) for problem in item.problems]
+    except TableError as error:
+        problems = list(error.problems)
+    assert ["is a link out of the folder" in problem.message for problem in problems] == [True]
+    (arm,) = reader.read(path, TableOptions(mesh_links=True))
+    assert arm.base_visual or arm.rows[0].visual
 
 
 @pytest.mark.parametrize(

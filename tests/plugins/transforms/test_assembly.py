@@ -28,6 +28,16 @@ HALF_PI = math.pi / 2
 GRAVITY = 9.81
 
 
+def test_shapes_without_a_mass_that_a_double_holds_are_refused() -> None:
+    """The joint and its radius are named, and no stage is blamed."""
+    rows = tuple(DHRow(joint=name, link=f"{name}_link", a=0.3, alpha=0.0, d=0.0, radius=1e-200) for name in "ab")
+    arm = Manipulator(name="arm", convention=Convention.STANDARD, rows=rows)
+    with pytest.raises(TransformError, match="so small that their mass is 0") as caught:
+        alpha_swap(arm, AlphaSwapOptions())
+    (problem,) = caught.value.problems
+    assert (problem.joint, problem.field) == ("a", "radius")
+
+
 def body(robot: Robot, name: str) -> Inertial:
     inertial = next(link.inertial for link in robot.links if link.name == name)
     assert inertial is not None

@@ -1,0 +1,280 @@
+"""Runs that the system is against: no permission, a full disk, inputs that change, a clock set back, an upgrade."""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import hashlib
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import dh2urdf
+from dh2urdf.batches import Expected, items
+from dh2urdf.errors import OutputError, TableError
+from dh2urdf.file_patterns import matching
+from dh2urdf.manifest_table import ManifestTable
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.registry import load
+from dh2urdf.report.ledger import Ledger
+from dh2urdf.runs import load_plan
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+HEAD = "# convention: standard\n"
+TABLE = f"{HEAD}joint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
+RUN = """\
+inputs: arm.csv
+variations: {of: arm, count: 12, vary: {field: a, joints: elbow, scale: [0.9, 1.1]}}
+output: {directory: out, layout: folders, size: 5}
+report: {html: false}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "arm.csv").write_text(TABLE)
+    (tmp_path / "run.yaml").write_text(RUN)
+    return tmp_path
+
+
+def tree(folder: Path) -> dict[str, str]:
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+# --- Inputs that change -----------------------------------------------------------------------------------------------
+
+
+def many_arms(a: float, count: int = 3000) -> str:
+    rows = [f"arm_{number},joint,{a},pi/2,0.1" for number in range(count)]
+    return "\n".join([f"{HEAD}robot,joint,a,alpha,d", *rows, ""])
+
+
+def replaced(path: Path) -> None:
+    path.with_suffix(".new").write_text(many_arms(0.5))
+    path.with_suffix(".new").replace(path)
+
+
+CHANGES: dict[str, Callable[[Path], Any]] = {
+    "written": lambda path: path.write_text(many_arms(0.5)),
+    "replaced": replaced,
+    "cut off": lambda path: os.truncate(path, path.stat().st_size // 2),
+    "removed": lambda path: path.unlink(),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_an_input_that_changes_while_it_is_read_fails(folder: Path, change: Callable[[Path], Any]) -> None:
+    """What was read may be of two versions; of a run it is one failure more, and the other inputs are made."""
+    path = folder / "many.csv"
+    path.write_text(many_arms(0.4))
+    read = dh2urdf.read_all(path)
+    next(read)
+    change(path)
+    with pytest.raises(TableError, match="the file has changed while it was read"):
+        list(read)
+    path.write_text(many_arms(0.4))
+    (folder / "run.yaml").write_text("inputs: [many.csv, arm.csv]\n")
+    plan = load_plan(folder / "run.yaml", load())
+    found = items(plan, Expected(plan))
+    next(found)
+    change(path)
+    *others, failed, last = [item.what for item in found]
+    assert isinstance(last, Manipulator)
+    assert "the file has changed while it was read" in str(failed)
+    assert all(isinstance(item, Manipulator) for item in others)
+
+
+def test_inputs_that_stay_are_read_to_their_end(folder: Path) -> None:
+    """Another name of a file, and a file beside it, change nothing."""
+    read = dh2urdf.read_all(folder / "arm.csv")
+    (folder / "other.csv").write_text(TABLE)
+    assert len(list(read)) == 1
+
+
+# --- The clock, and an upgrade ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("days", [-4000, 4000])
+def test_a_clock_set_back_or_forward_changes_nothing(cli: Cli, folder: Path, days: int) -> None:
+    """What is finished is known by its bytes, whatever the times of files are."""
+    cli("run", "run.yaml", "--workers", 1)
+    for path in [*folder.rglob("*")]:
+        moment = path.stat().st_mtime + days * 86400
+        os.utime(path, (moment, moment))
+    (folder / "out/00001/arm_08.urdf").write_text("cut off")
+    answer = cli("run", "run.yaml", "--resume", "--workers", 1).stdout
+    assert "1 made, 12 unchanged" in answer
+    cli("run", "run.yaml", "--workers", 1, "-o", "fresh")
+    assert tree(folder / "out") == tree(folder / "fresh")
+
+
+@pytest.mark.parametrize("layout", ["files", "folders", "shards"])
+def test_an_upgrade_between_a_killed_run_and_its_resumption_makes_everything_again(
+    cli: Cli, folder: Path, monkeypatch: pytest.MonkeyPatch, layout: str
+) -> None:
+    """Files of an older version are not those of the new one; the result is the one of a run from nothing."""
+    words = ("run", "run.yaml", "--workers", 1, "--set", f"output.layout={layout}")
+    words = words if layout != "files" else ("run", "run.yaml", "--workers", 1, "--set", "output={directory: out}")
+    cli(*words)
+    # As a kill leaves it: a journal in place of the manifest.
+    journal = folder / "out/.dh2urdf/journal/0001"
+    journal.mkdir(parents=True)
+    rows = (folder / "out/manifest.jsonl").read_bytes().splitlines(keepends=True)
+    (folder / "out/manifest.jsonl").unlink()
+    (journal / "000000000.jsonl").write_bytes(b"".join(rows[:-1]) + rows[-1][:40])
+    for module in ("keys", "report.json"):
+        monkeypatch.setattr(f"dh2urdf.{module}.__version__", "99.0")
+    told = cli(*words, "--resume").stdout
+    assert "13 made" in told
+    cli(*words, "-o", "fresh")
+    assert tree(folder / "out") == tree(folder / "fresh")
+
+
+# --- No permission ----------------------------------------------------------------------------------------------------
+
+
+def ordinary(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Runs the command as somebody whom permissions hold: root without the capabilities that pass over them."""
+
+    def give_up() -> None:
+        if os.geteuid() == 0:
+            libc = ctypes.CDLL(None, use_errno=True)
+            for capability in (1, 2):  # CAP_DAC_OVERRIDE and CAP_DAC_READ_SEARCH
+                if libc.prctl(24, capability, 0, 0, 0):  # PR_CAPBSET_DROP
+                    raise OSError(ctypes.get_errno(), "prctl")
+
+    command = [sys.executable, "-c", "from dh2urdf.cli import main; main()", *words]
+    return subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, check=False, preexec_fn=give_up, timeout=300
+    )
+
+
+pytest_linux = pytest.mark.skipif(sys.platform != "linux", reason="permissions are those of Linux")
+
+
+@pytest_linux
+def test_a_folder_without_permission_is_told(folder: Path) -> None:
+    """Of inputs: a notice where others were found, an error where none was; of the output: an error that names it."""
+    for name in ("open", "closed"):
+        (folder / "tables" / name).mkdir(parents=True)
+        (folder / "tables" / name / f"{name}.csv").write_text(TABLE)
+    (folder / "some.yaml").write_text("inputs: tables/*/*.csv\noutput: {directory: out}\n")
+    (folder / "none.yaml").write_text("inputs: tables/c*/*.csv\n")
+    (folder / "locked").mkdir()
+    try:
+        for name in ("tables/closed", "locked"):
+            (folder / name).chmod(0)
+        some, none = ordinary(folder, "run", "some.yaml"), ordinary(folder, "run", "none.yaml")
+        locked = ordinary(folder, "run", "run.yaml", "-o", "locked/out")
+    finally:
+        for name in ("tables/closed", "locked"):
+            (folder / name).chmod(0o755)
+    assert some.returncode == 0, some.stderr
+    assert "'tables/closed' cannot be searched: Permission denied" in some.stderr
+    assert "files that match 'tables/*/*.csv' may be missing" in some.stderr
+    assert none.returncode == 2
+    assert "no file matches 'tables/c*/*.csv'" in none.stderr
+    assert "'tables/closed' cannot be searched: Permission denied" in none.stderr
+    assert locked.returncode == 2
+    assert "cannot write 'locked/out': Permission denied" in locked.stderr
+    assert not any("Traceback" in answer.stderr for answer in (some, none, locked))
+
+
+@pytest_linux
+def test_a_file_of_the_last_run_that_cannot_be_removed_is_told(cli: Cli, folder: Path) -> None:
+    """The run ends before its manifest is in place, so that it goes on later, and `--keep` does without."""
+    cli("run", "run.yaml", "--workers", 1)
+    (folder / "out/00002").chmod(0o555)
+    smaller = ("run", "run.yaml", "--workers", "1", "--set", "variations.0.count=10", "--resume")
+    try:
+        refused, kept = ordinary(folder, *smaller), ordinary(folder, *smaller, "--keep")
+    finally:
+        (folder / "out/00002").chmod(0o755)
+    assert refused.returncode == 2
+    assert "cannot remove 'out/00002/arm_1" in refused.stderr
+    assert "`--keep` leaves files of an earlier run" in refused.stderr
+    assert kept.returncode == 0, kept.stderr
+
+
+# --- Patterns ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_pattern_over_a_whole_disk_has_a_bound(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is told how many files and folders it leads past, though few match."""
+    for number in range(30):
+        (folder / f"{number}.txt").touch()
+    monkeypatch.setattr("dh2urdf.file_patterns.MOST_ENTRIES", 20)
+    with pytest.raises(dh2urdf.errors.ConfigError, match="leads past more than 20 files and folders"):
+        matching(folder, "**/*.csv")
+
+
+def test_a_folder_that_vanishes_on_the_way_is_passed_over(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others are at work on the disk."""
+    for name in ("a", "b", "c"):
+        (folder / name).mkdir()
+        (folder / name / "arm.csv").write_text(TABLE)
+    scan = os.scandir
+
+    def vanishing(path: str) -> Any:
+        if str(path).endswith("b") and (folder / "b").exists():
+            (folder / "b/arm.csv").unlink()
+            (folder / "b").rmdir()
+        return scan(path)
+
+    monkeypatch.setattr(os, "scandir", vanishing)
+    for pattern in ("*/arm.csv", "**/?rm.csv", "?/*.csv"):
+        (folder / "b").mkdir(exist_ok=True)
+        (folder / "b/arm.csv").write_text(TABLE)
+        found = {str(path.relative_to(folder)) for path in matching(folder, pattern).paths}
+        assert found - {"arm.csv", "b/arm.csv"} == {"a/arm.csv", "c/arm.csv"}
+
+
+def test_the_folder_of_the_run_file_is_no_pattern(folder: Path) -> None:
+    """Brackets in its name are brackets; two `**` find a file once, and `a**` is `a*`."""
+    odd = folder / "runs[1]"
+    (odd / "x/y").mkdir(parents=True)
+    (odd / "x/y/arm.csv").write_text(TABLE)
+    assert [path.name for path in matching(odd, "x/*/a**.csv").paths] == ["arm.csv"]
+    assert len(matching(odd, "**/**/y/**/*.csv").paths) == 1
+    assert len(matching(odd, "**/x/**/arm.csv").paths) == 1
+
+
+# --- A full disk ------------------------------------------------------------------------------------------------------
+
+
+def test_a_full_disk_is_told_of_the_file_that_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The Parquet manifest, where the other one could be written."""
+    table = ManifestTable(tmp_path / "table", "out/manifest.parquet")
+    with (tmp_path / "rows").open("w+b") as rows:
+        ledger = Ledger(rows, "out/manifest.jsonl")
+        ledger.table = table
+
+        def full(*_: object) -> None:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(table, "add", full)
+        with pytest.raises(OutputError, match=r"cannot write 'out/manifest\.parquet': No space left"):
+            ledger.add(b'{"name": "arm", "status": "ok", "errors": [], "kind": null}\n')
+        assert rows.tell()
+
+
+def test_a_run_without_pyarrow_leaves_no_table_of_another_run(
+    cli: Cli, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An older one would tell of other manipulators."""
+    (folder / "out").mkdir()
+    (folder / "out/manifest.parquet").write_bytes(b"PAR1")
+    monkeypatch.setattr("dh2urdf.runs.can_write_parquet", lambda: False)
+    cli("run", "run.yaml", "--workers", 1)
+    assert not (folder / "out/manifest.parquet").exists()

@@ -220,7 +220,7 @@ def read_from(form: str, text: str, folder: Path) -> Manipulator | Rejected:
         ("j1,0.3,0,0\n,,,\nSource: UR,,,", "nothing is read from what stands below the table, after an empty row"),
         ("j1,0.3,0,0\n\nj2,,0,0", "a is empty"),
         ("j1,0.3,0,0\n\nj2,0.2,0,0", None),
-        ("j1,0.3,0,0\n\nelbow,,0,", "a is empty"),
+        ("j1,0.3,0,0\n\nelbow,,0,0", "a is empty"),
     ],
 )
 @pytest.mark.parametrize("form", ["csv", "xlsx"])

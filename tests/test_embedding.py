@@ -11,10 +11,18 @@ import subprocess
 import sys
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from importlib import metadata
 from itertools import count
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import dh2urdf
+from dh2urdf.discovery import installed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import pytest
 
 TABLES = Path(__file__).parents[1] / "configs" / "tables"
 NAMES = ("ur5", "stanford", "scara")
@@ -100,8 +108,9 @@ def _thorough() -> tuple[object, ...]:
     )
 
 
-def test_nothing_of_the_process_is_switched(tmp_path: Path) -> None:
+def test_nothing_of_the_process_is_switched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """At no moment of a conversion, a run and a check: collector, streams, signals, folder, warnings and the rest."""
+    monkeypatch.setattr("dh2urdf.own_process._OWN", [])  # a test of the command line may have claimed the process
     seen: set[tuple[object, ...]] = set()
     calls = count()
 
@@ -126,3 +135,21 @@ def test_nothing_of_the_process_is_switched(tmp_path: Path) -> None:
     assert next(calls) > 50_000
     assert seen == {before[0]}
     assert (_quick(), _thorough()) == before
+
+
+def test_metadata_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, install: Callable[..., None]) -> None:
+    """Not in every call: only where something was installed since; then it is found."""
+    reads = []
+    real = metadata.entry_points
+    monkeypatch.setattr(metadata, "entry_points", lambda *args, **named: reads.append(1) or real(*args, **named))
+    (tmp_path / "site").mkdir()
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    arm = dh2urdf.read(TABLES / "ur5.csv")
+    reads.clear()
+    for _ in range(5):
+        dh2urdf.convert(arm)
+    assert reads == []
+    install(tmp_path / "site", "late", "")
+    dh2urdf.convert(arm)
+    assert reads == [1]
+    assert [plugin.entry for plugin in installed().plugins if plugin.distribution_name == "late"] == ["lab"]

@@ -7,9 +7,11 @@ of it runs, and a distribution that has a plugin for each of two versions works 
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf import __version__
@@ -127,15 +129,10 @@ def installed(without: Sequence[str] = ()) -> Installed:
     Raises:
         ConfigError: one of the names is nobody's.
     """
-    from importlib.metadata import entry_points
-
     major = int(INTERFACE_VERSION.partition(".")[0])
-    every = entry_points()
     by_major: dict[int, list[Plugin]] = {major: []}
-    for group in every.groups:
-        if found := _GROUP.fullmatch(group):
-            points = sorted(every.select(group=group), key=lambda point: (point.value, point.name))
-            by_major.setdefault(int(found[1] or 1), []).extend(map(Plugin.of, points))
+    for version, points in _entry_points(_search_path()):
+        by_major.setdefault(version, []).extend(map(Plugin.of, points))
     everybody = [plugin for plugins in by_major.values() for plugin in plugins]
     _check_names(without, everybody)
     left_out = [plugin for plugin in everybody if any(plugin.is_named(name) for name in without)]
@@ -150,6 +147,30 @@ def installed(without: Sequence[str] = ()) -> Installed:
         plugins=tuple(plugin for plugin in fitting if plugin not in left_out),
         incompatible=tuple(_incompatible(plugin, other) for other, plugin in foreign),
         left_out=tuple(left_out),
+    )
+
+
+def _search_path() -> tuple[tuple[str, int], ...]:
+    """Where distributions are looked for, with what changes as soon as one is installed or removed there."""
+    found = []
+    for place in sys.path:
+        try:
+            found.append((place, os.stat(place or ".").st_mtime_ns))  # noqa: PTH116 - asked at every call
+        except OSError:
+            found.append((place, 0))
+    return tuple(found)
+
+
+@lru_cache(maxsize=8)
+def _entry_points(_place: tuple[tuple[str, int], ...]) -> tuple[tuple[int, tuple[EntryPoint, ...]], ...]:
+    """The entry points of plugins by the interface's major version: all metadata is read for them, so they are kept."""
+    from importlib.metadata import entry_points
+
+    every = entry_points()
+    return tuple(
+        (int(found[1] or 1), tuple(sorted(every.select(group=group), key=lambda point: (point.value, point.name))))
+        for group in every.groups
+        if (found := _GROUP.fullmatch(group))
     )
 
 

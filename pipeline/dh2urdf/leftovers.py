@@ -1,5 +1,7 @@
 """Files of the last run into a place that a new run has no part in: they are removed at its end, and nothing else is.
 
+Those of a manipulator that has failed in the new run stay as they were: it has a part in them.
+
 The manifest of the last run names them, with the hashes of their bytes. A file that has other bytes by now is
 somebody's work, and stays; so does one that the new run reads.
 """
@@ -67,16 +69,13 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
     if not store.size(MANIFEST) or _is_same(store, rows):
         return Leftovers()
     found: Counter[str] = Counter()
-    rows.seek(0)
-    named = SeenNames()
-    digests: set[str] = set()
-    for row in map(_Row, rows):
-        named.add(map(_key, row.names()))
-        digests.update(row.meshes.values())
+    named, failed, digests = _of_new(rows)
     shards: dict[str, bool] = {}
     meshes: dict[str, str] = {}
     with store.open(MANIFEST) as stream:
         for row in map(_Row, stream):
+            if failed.known([row.name]):
+                continue
             meshes |= {} if keep_meshes else row.meshes
             names = _left(row.names(), named)
             if not row.shards.isdisjoint(names):
@@ -91,6 +90,18 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
         if meshes[name] not in digests:
             _clear(store, [name], found, keep=keep, whole=_digest(store, name) == meshes[name])
     return Leftovers(**found)
+
+
+def _of_new(rows: BinaryIO) -> tuple[SeenNames, SeenNames, set[str]]:
+    """The files that a new manifest names, the manipulators that failed, and the hashes of the meshes."""
+    rows.seek(0)
+    named, failed = SeenNames(), SeenNames()
+    digests: set[str] = set()
+    for row in map(_Row, rows):
+        named.add(map(_key, row.names()))
+        failed.add([row.name] if row.failed else [])
+        digests.update(row.meshes.values())
+    return named, failed, digests
 
 
 def _clear(store: Store, names: Iterable[str], found: Counter[str], *, keep: bool, whole: bool) -> None:
@@ -144,6 +155,8 @@ class _Row:
     """The files that a row of a manifest names; none where the line is no row.
 
     Attributes:
+        name: of the manipulator.
+        failed: whether nothing was made of it.
         files: files of their own, with the hashes of their bytes.
         shards: tar files that hold the others.
         pictures: pictures beside the files.
@@ -151,6 +164,7 @@ class _Row:
     """
 
     def __init__(self, line: bytes) -> None:
+        self.name, self.failed = "", False
         self.files: dict[str, str] = {}
         self.shards: set[str] = set()
         self.pictures: set[str] = set()
@@ -168,6 +182,7 @@ class _Row:
         pictures = [report["picture"] for report in row["loaders"].values() if report["picture"]]
         beside = "".join(next(iter(own), "").rpartition("/")[:2])  # In a shard, pictures are members.
         self.pictures = {checked(f"{beside}{name}") for name in pictures} if own else set()
+        self.name, self.failed = str(row["name"]), row["status"] != "ok"
         self.files, self.meshes, self._members = own, meshes, inside
         self.shards = {shard for shard, _, _ in inside}
 

@@ -446,7 +446,7 @@ def test_the_example_is_twenty_arms(cli: Callable[..., Answer], tmp_path: Path) 
     assert [entry["name"] for entry in entries] == ["ur5", *(f"ur5_{number:02d}" for number in range(1, 21))]
     for entry in entries[1:]:
         assert set(entry["proof"]) == {"urdf", "xacro"}
-        assert list(entry["drawn"]) == ["a_2", "a_3", "alpha_5", *(f"mass_{number}" for number in range(1, 7))]
+        assert list(entry["drawn"]) == ["a_2", "a_3", "alpha_5", "mass_2", "mass_3"]
 
 
 @pytest.mark.parametrize(

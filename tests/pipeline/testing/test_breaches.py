@@ -83,7 +83,7 @@ BREACHES = [
     ("TestCarelessLoader", "test_raises_documented_errors_only", "ValueError: subsection not found"),
     ("TestNoTime", "test_settings_follow_from_the_options", "time_limit gives 0.0, not seconds or None"),
     # Executors
-    ("TestUnordered", "test_results_come_in_order", "[2, 4, 6, "),
+    ("TestUnordered", "test_results_come_in_order", " 20, 2"),  # the order is the threads' own
     ("TestAtOnce", "test_errors_come_in_their_place", "[], and then the error, of the reciprocals"),
     ("TestBackwards", "test_results_come_in_order", "[78, 76, 74, "),
     ("TestAllAtOnce", "test_takes_tasks_as_they_are_needed", "10001 tasks were taken before 40 results"),

@@ -457,6 +457,7 @@ def test_every_change_has_an_effect(kind: str, reader: str, seed: int, tmp_path:
 
     Each dialect of a reader is given its share of the changes.
     """
+
     def read(content: Table) -> Outcome:
         file = WRITERS[reader](random.Random(seed), content, bulk=False)  # noqa: S311 - no secret
         return outcome(file, content.options, tmp_path)

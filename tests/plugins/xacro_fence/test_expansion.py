@@ -134,6 +134,21 @@ def test_check_and_view_read_foreign_files_behind_the_fence(package: Path, name:
         read_foreign_xacro(path)
 
 
+@pytest.mark.parametrize("name", [name for name in ATTACKS if name not in ("macros", "loops")])  # these take seconds
+def test_no_command_runs_a_hostile_file(cli: Callable[..., Answer], package: Path, name: str) -> None:
+    """`check` says that it cannot be expanded; `convert`, `run` and `info` take no xacro, as a table or as a run file."""
+    path = attack(package, name)
+    before = sorted(package.iterdir())
+    (package.parent / "run.yaml").write_text(f"inputs: {path.relative_to(package.parent)}\n")
+    answers = [
+        cli("check", path, status=1),
+        *(cli(command, path, status=2) for command in ("convert", "info", "run")),
+        cli("run", package.parent / "run.yaml", status=2),
+    ]
+    assert all(SECRET not in answer.stdout + answer.stderr for answer in answers)
+    assert sorted(package.iterdir()) == before
+
+
 # --- The layers below, each by itself ----------------------------------------------------------------------------------
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+import signal
 import sys
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -489,3 +490,37 @@ def test_what_an_emitter_prints_is_not_in_its_file(
     quiet = dh2urdf("convert", "arm.csv", "--to", "urdf", path=[tmp_path / "site"])
     assert answer.stdout == quiet.stdout
     assert answer.stderr == "emitter 'noisy' of noisy 1.0 prints: at work\n" + quiet.stderr
+
+
+@pytest.mark.parametrize(
+    ("ending", "status", "said"),
+    [
+        (
+            "os._exit(5)",
+            5,
+            "dh2urdf: emitter 'bad' of rude 1.0 left the process (exit status 5), and nothing came of it",
+        ),
+        ("ctypes.string_at(0)", -signal.SIGSEGV, 'rude_lab.py", line 7 in emit'),
+    ],
+)
+def test_what_ends_the_command_itself_is_named(
+    *,
+    tmp_path: Path,
+    install: Callable[..., None],
+    dh2urdf: Callable[..., CompletedProcess[str]],
+    ending: str,
+    status: int,
+    said: str,
+) -> None:
+    """`convert` calls stages in its own process: one that ends it, or crashes it, is known all the same."""
+    source = (
+        "import ctypes, os\nfrom dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
+        "from dh2urdf_plugins.emitters.urdf import EMITTER\n\ndef emit(robot, stem, options):\n"
+        f"    {ending}\n"
+        "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='bad', emit=emit, suffixes=('.bad',))\n"
+    )
+    install(tmp_path / "site", "rude", source)
+    (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
+    answer = dh2urdf("convert", "arm.csv", "-o", "arm.bad", path=[tmp_path / "site"], status=status)
+    assert said in answer.stderr
+    assert not (tmp_path / "arm.bad").exists()

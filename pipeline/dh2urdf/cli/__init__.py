@@ -9,11 +9,12 @@ import sys
 import warnings
 from importlib import import_module
 from itertools import pairwise
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from dh2urdf import __version__
+from dh2urdf.at_work import at_work_here
 from dh2urdf.cli.leaving_out import without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
 from dh2urdf.own_process import claim
@@ -138,10 +139,32 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
     signal.signal(signal.SIGTERM, _on_terminate)
     claim()
+    _tell_of_the_end()
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # what libraries warn their callers of is not for the user of a command
     words = sys.argv[1:] if arguments is None else arguments
     sys.exit(_status(words))
+
+
+def _tell_of_the_end() -> None:
+    """Has what ends this process without a word leave one on standard error: `os._exit`, and a crash in C.
+
+    Of the first it names stage and plugin. Of a crash, Python prints where it was, which is in a file of the plugin.
+    """
+    if sys.__stderr__ is None:  # a shell has closed it
+        return
+    import faulthandler
+
+    faulthandler.enable(sys.__stderr__)
+    end, own = os._exit, os.getpid()
+
+    def leave(status: int) -> NoReturn:
+        who = at_work_here()
+        if os.getpid() == own and who is not None and who.plugin is not None and not who.plugin.is_builtin:
+            os.write(2, f"dh2urdf: {who} left the process (exit status {status}), and nothing came of it\n".encode())
+        end(status)
+
+    os._exit = leave
 
 
 def _on_terminate(_number: int, _frame: FrameType | None) -> None:

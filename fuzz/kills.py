@@ -1,4 +1,4 @@
-"""Runs that are killed again and again and resumed: nothing is lost, whatever the layout and whoever works.
+"""Runs that are killed again and again and resumed: nothing is lost, in each layout and with each executor.
 
     python fuzz/kills.py --kills 20
 

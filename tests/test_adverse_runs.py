@@ -211,7 +211,7 @@ def test_a_file_of_the_last_run_that_cannot_be_removed_is_told(cli: Cli, folder:
 
 
 def test_a_pattern_over_a_whole_disk_has_a_bound(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is told how many files and folders it leads past, though few match."""
+    """The message says how many files and folders it leads past, though few match."""
     for number in range(30):
         (folder / f"{number}.txt").touch()
     monkeypatch.setattr("dh2urdf.file_patterns.MOST_ENTRIES", 20)

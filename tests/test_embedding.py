@@ -116,7 +116,7 @@ def test_nothing_of_the_process_is_switched(tmp_path: Path, monkeypatch: pytest.
 
     def work(folder: Path) -> None:
         dh2urdf.convert(TABLES / "ur5.csv", folder / "one", formats=["urdf", "xacro"])
-        # Without the page: matplotlib changes the filters of warnings for a moment, whoever calls it.
+        # Without the page: matplotlib changes the filters of warnings for a moment, for every caller.
         output = {"output": {"directory": str(folder / "run")}, "report": {"html": False}}
         dh2urdf.run({"inputs": str(TABLES / "ur5.csv"), **output})
         dh2urdf.check(folder / "one" / "ur5.urdf.xacro")

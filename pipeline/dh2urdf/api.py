@@ -22,7 +22,7 @@ from dh2urdf.given_tables import GivenRows, as_file
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import load
 from dh2urdf.robot import Robot
-from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, convert_table
+from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, plan_conversion
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.spooled import STEM
 from dh2urdf.stage_answers import items_of
@@ -194,7 +194,7 @@ def convert(
     with ExitStack() as stack:
         if not isinstance(table, Manipulator):
             table = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
-        return convert_table(
+        planned = plan_conversion(
             table,
             None if out is None else Path(out),
             asker,
@@ -206,6 +206,7 @@ def convert(
             settings=_settings(options),
             meshes=meshes,
         )
+        return planned.carry_out()
 
 
 def check(

@@ -83,7 +83,7 @@ class _ProblemsError(Dh2UrdfError):
 
 
 def _several(error: Exception, problems: Iterable[Problem]) -> tuple[Problem, ...]:
-    """Raises a TypeError where problems are something else: whoever prints them could not."""
+    """Raises a TypeError where problems are something else: code that prints them could not."""
     given = problems if isinstance(problems, Iterable) and not isinstance(problems, (str, bytes)) else (problems,)
     found = tuple(given)
     for problem in found:

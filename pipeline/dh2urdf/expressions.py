@@ -111,7 +111,7 @@ _TOKEN = re.compile(
 )
 _DECIMAL_COMMA = late_pattern(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
 _LONGEST_UNIT = 7
-"""Tokens of the longest unit [1]: ``N * m * s / rad``."""
+"""Tokens of the longest unit: ``N * m * s / rad``."""
 _TORN = late_pattern(r"[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in|s)\s)\w+\s+\w", re.IGNORECASE)
 """A power without its sign, and a word with a space behind it that is no factor: `m m` is no mm, `N m` is Nm."""
 _CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}

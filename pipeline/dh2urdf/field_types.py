@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Take = Callable[[Any], Any]
 
 NEARLY_ORTHONORMAL = 1e-6
-"""Deviation from a rotation that single precision and printing leave [1]; the nearest rotation is kept then."""
+"""Deviation from a rotation that single precision and printing leave; the nearest rotation is kept then."""
 _ROUNDING = 1e-12
 _NUMBER = "one finite number in SI units (m, rad, kg, s)"
 

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 MAX_FILES = 1_000_000
-"""Files that one pattern may match [1]."""
+"""Files that one pattern may match."""
 MOST_ENTRIES = 3_000_000
-"""Files and folders that one pattern may pass [1]: three times the files that it may match; some ten seconds."""
+"""Files and folders that one pattern may pass: three times the files that it may match; some ten seconds."""
 _DEEP = "**"
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     """Joint vectors as an array, or by the names of the joints."""
 
 _SHOWN_TYPES = 24
-"""Types of joints that the text of a manipulator shows [1]."""
+"""Types of joints that the text of a manipulator shows."""
 
 
 class Convention(StrEnum):

@@ -68,7 +68,7 @@ def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
         text: the path as it is written.
         folder: the folder of the file that says it, from which the path leads.
         links: whether a link may lead out of that folder. A table may be a stranger's, and come with links to files
-            of whoever reads it.
+            of the user who reads it.
 
     Raises:
         ConfigError: there is none, or it cannot be read, or it is a link out of the folder; the problem says where it

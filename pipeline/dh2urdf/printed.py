@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 MOST_LINES = 100
-"""Lines of one batch that are passed on [1]; the rest is counted."""
+"""Lines of one batch that are passed on; the rest is counted."""
 
 
 class NamedLines(io.TextIOBase):
-    """A text stream that hands over whole lines with whoever is at work.
+    """A text stream that hands over whole lines with the name of the stage at work.
 
     Args:
         put: takes what is to be printed, a line with the name of its plugin, and the line alone; both without an end.

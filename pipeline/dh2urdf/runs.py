@@ -364,7 +364,7 @@ def _answers(
     Args:
         plan: the run.
         maker: makes a batch.
-        some: the batches; whoever takes one adds it to those under way.
+        some: the batches; taking one adds it to those under way.
         under_way: the batches without a result.
 
     Raises:
@@ -380,7 +380,7 @@ def _answers(
         if result is end:
             break
         if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
-            continue  # It is told already.
+            continue  # It is reported already.
         while under_way:
             batch = under_way.popleft()
             if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):

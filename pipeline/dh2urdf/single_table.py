@@ -113,7 +113,7 @@ class Planned:
         """Read the table, make the robot, write and prove the files.
 
         Args:
-            note: is told of the notices before anything is written.
+            note: takes the notices before anything is written.
 
         Raises:
             TableError: the table cannot be read, or no robot can be made of it.
@@ -159,48 +159,6 @@ class Planned:
             raise TypeError(self.table)
         wanted = trace if self.table.stat().st_size <= TRACED_BYTES else None
         return read_manipulator(self.reader, self.table, self.robot, self.asker, wanted), (self.table,)
-
-
-def convert_table(
-    table: Path | Manipulator,
-    target: Path | None,
-    asker: Asker,
-    catalog: Catalog,
-    *,
-    reader: str | None = None,
-    transform: str = DEFAULT_TRANSFORM,
-    formats: Sequence[str] = (),
-    robot: str | None = None,
-    given: Mapping[str, Mapping[str, str | None]] | None = None,
-    settings: Iterable[Setting] = (),
-    meshes: str | None = None,
-    note: Callable[[Sequence[Problem]], None] = lambda _: None,
-) -> Conversion:
-    """Make a robot description of one table, and prove that it is the same arm.
-
-    The arguments are those of `plan_conversion`; `note` is told of the notices before anything is written.
-
-    Raises:
-        InputError: as `plan_conversion`.
-        TableError: the table cannot be read, or no robot can be made of it.
-        ManipulatorError: no file could be made, or it is not the arm of the table.
-        OutputError: the files cannot be written, or one of them is an input.
-        PluginError: a plugin that is needed is broken, or something it needs is not installed.
-    """
-    planned = plan_conversion(
-        table,
-        target,
-        asker,
-        catalog,
-        reader=reader,
-        transform=transform,
-        formats=formats,
-        robot=robot,
-        given=given,
-        settings=settings,
-        meshes=meshes,
-    )
-    return planned.carry_out(note)
 
 
 def plan_conversion(

@@ -1,7 +1,7 @@
 """What stages give, held against what `dh2urdf.stages` says: the types in records, and the names of files.
 
-A fault is a TypeError or ValueError, raised where the stage is called, so that it is told as the stage's own. The types
-come from the annotations of the records, so that no field can be forgotten.
+A fault is a TypeError or ValueError, raised where the stage is called, so that it is reported as the stage's own. The
+types come from the annotations of the records, so that no field can be forgotten.
 """
 
 from __future__ import annotations

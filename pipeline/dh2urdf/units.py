@@ -23,7 +23,7 @@ from dh2urdf.source import did_you_mean, shown
 class Dimension(StrEnum):
     """What a quantity measures.
 
-    `EFFORT` is a force or a torque, for whoever does not know yet what a joint does; `FORCE` and `TORQUE` are one each.
+    `EFFORT` is a force or a torque, where the type of the joint is not known yet; `FORCE` and `TORQUE` are one each.
     """
 
     NUMBER = "a bare number"
@@ -61,7 +61,7 @@ class Unit:
         symbol: how messages write it.
         dimension: what it measures.
         power: the power of ten that it is of the SI unit [1].
-        factor: what else it is of the SI unit [1].
+        factor: what else it is of the SI unit.
         parts: how many of it a quarter turn has, or a quarter turn per second; None for what is no part of a turn.
     """
 

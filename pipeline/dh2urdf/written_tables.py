@@ -6,14 +6,14 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, blaming
-from dh2urdf.errors import RecordValueError
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.attribution import Call, blaming, default_call
+from dh2urdf.conversion import read_items
+from dh2urdf.errors import InputError, RecordValueError
 from dh2urdf.output import write_whole
 from dh2urdf.registry import load
 from dh2urdf.source import Mark, Problem
 from dh2urdf.spooled import spooled
-from dh2urdf.stage_answers import a_record, a_whole_record, items_of
+from dh2urdf.stage_answers import a_whole_record
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import WrittenTable, table_text
 
@@ -21,7 +21,24 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Reader
+    from dh2urdf.table_text import TableText
+
+
+def in_format(table: TableText, call: Call[Reader[Any]]) -> WrittenTable:
+    """A table as a file in the format of a reader.
+
+    Raises:
+        InputError: the reader only reads.
+        StageError: the reader is at fault.
+    """
+    if call.stage.write is None:
+        raise InputError(
+            Problem(message=f"the reader {call.stage.name!r} does not write tables", found=call.stage.name)
+        )
+    with blaming(call, "write"):
+        return a_whole_record(call.stage.write(table), WrittenTable)
 
 
 def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLike[str] | None, function: str) -> str:
@@ -42,14 +59,10 @@ def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLi
     """
     catalog = load()
     reader: Reader[Any] = catalog.get("reader", format_name)
-    call = Call(stage=reader, options=reader.options(), plugin=catalog.plugin_of(reader))
-    with blaming(call):
-        if reader.write is None:
-            raise NotImplementedError(f"the reader {format_name!r} writes no tables")
-        content = a_whole_record(reader.write(table_text(manipulator)), WrittenTable).content
-        with spooled(content, function, reader.suffixes[0]) as path:
-            (again,) = items_of(reader.read(path, call.options), Manipulator)
-            a_record(again, Manipulator, Rejected)
+    call = default_call(catalog, reader)
+    content = in_format(table_text(manipulator), call).content
+    with spooled(content, function, reader.suffixes[0]) as path:
+        (again,) = read_items(call, path)
     if isinstance(again, Rejected):
         raise RecordValueError(again.problems)
     if again != manipulator:

@@ -45,7 +45,7 @@ class TestFiles:
 
     @pytest.mark.parametrize("text", ["link.stl", "shared/far.stl", "./shared/../link.stl", "../other/back.stl"])
     def test_a_link_out_of_the_folder_is_refused_unless_it_is_allowed(self, tmp_path: Path, text: str) -> None:
-        """A table may come from a stranger, with links to files of whoever reads it; the target is named."""
+        """A table may come from a stranger, with links to files of its reader; the target is named."""
         table, other = tmp_path / "table", tmp_path / "other"
         for folder in (table, other, tmp_path / "far"):
             folder.mkdir()

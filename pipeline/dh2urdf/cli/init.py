@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from dh2urdf.attribution import default_call
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.errors import ConfigError
@@ -53,7 +54,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         message = f"--joints names {len(names)} joints"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted=f"at most {MOST_AXES}"))
     names = names or [f"joint_{number}" for number in range(1, (axes or DEFAULT_AXES) + 1)]
-    content = table_template(chosen_writer(catalog(), file), Convention(convention), names, name, file)
+    installed = catalog()
+    call = default_call(installed, chosen_writer(installed, file))
+    content = table_template(call, Convention(convention), names, name, file)
     files = {file: content}
     if run_file is not None:
         if str(run_file).casefold() == str(file).casefold():

@@ -94,8 +94,8 @@ def convert_several(
     Args:
         files: the file that each table becomes.
         plan: resolves the stages of a conversion.
-        note: is told of notices.
-        said: is told of what was converted.
+        note: takes notices.
+        said: takes what was converted.
         as_json: whether to print what became of the tables.
 
     Raises:

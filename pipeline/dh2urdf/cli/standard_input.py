@@ -98,7 +98,7 @@ def _standard_input() -> bytes:
     mark = Mark(file=NAME)
     try:
         content = sys.stdin.buffer.read(MAX_BYTES + 1)
-    except (AttributeError, OSError, ValueError) as error:  # closed by whoever started the command
+    except (AttributeError, OSError, ValueError) as error:  # closed by the program that started the command
         reason = getattr(error, "strerror", None) or "it is closed"
         raise TableError(Problem(message=f"standard input cannot be read: {reason}", mark=mark)) from None
     if not content.strip():

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 HEAD = ("joint", "field", "value", "as typed", "read in", "place")
 MOST_ARMS = 40
-"""Manipulators of a table that are listed [1]; the rest are counted."""
+"""Manipulators of a table that are listed; the rest are counted."""
 WIDTH = 100
-"""Characters of a line on a terminal [1]."""
+"""Characters of a line on a terminal."""
 _KINDS = {"turn_rate": "angular speed", "linear_damping": "linear damping"}
 """Kinds of quantities, as a sentence names them."""
 _STATED = {"geometry": "shape of the links", "base_mass": "mass of the base", "base_geometry": "shape of the base"}

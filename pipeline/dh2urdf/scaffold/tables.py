@@ -6,6 +6,7 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.conversion import read_items
 from dh2urdf.errors import ConfigError, OutputError, TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.options import COMMAND_LINE
@@ -13,16 +14,18 @@ from dh2urdf.output import reporting_os_errors
 from dh2urdf.source import Problem, shown
 from dh2urdf.spooled import spooled
 from dh2urdf.table_text import TableText, yaml_word
+from dh2urdf.written_tables import in_format
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from dh2urdf.attribution import Call
     from dh2urdf.registry import Catalog
     from dh2urdf.stages import Reader
 
 MOST_AXES = 100
-"""Joints of a template at most [1]."""
+"""Joints of a template at most."""
 _PRODUCTS = {
     Convention.STANDARD: "standard (classic, distal): a row is Rz(theta) Tz(d) Tx(a) Rx(alpha)",
     Convention.MODIFIED: "modified (Craig, proximal): a row is Rx(alpha) Tx(a) Rz(theta) Tz(d)",
@@ -45,22 +48,23 @@ output: {{directory: build}}
 """
 
 
-def table_template(reader: Reader[Any], convention: Convention, joints: Sequence[str], name: str, file: Path) -> bytes:
+def table_template(
+    call: Call[Reader[Any]], convention: Convention, joints: Sequence[str], name: str, file: Path
+) -> bytes:
     """A table of an arm that stands upright, with comments; in either convention it is the same arm.
 
     Args:
-        reader: writes it, and reads it back.
+        call: the reader that writes it and reads it back.
         convention: the convention of its rows.
         joints: the names of its joints.
         name: the manipulator's name; empty leaves it to the file's.
         file: where it will be.
 
     Raises:
-        ConfigError: the reader writes no tables, or a name cannot be one.
+        ConfigError: a name cannot be one.
+        InputError: the reader only reads.
+        StageError: the reader is at fault.
     """
-    if reader.write is None:
-        message = f"the reader {reader.name!r} writes no tables"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=str(file), accepted="arm.csv or arm.yaml"))
     lines = [
         f"A table of Denavit-Hartenberg parameters: {len(joints)} axes, a row for each, from the base outwards.",
         "Put the numbers of your arm in place of these, and convert it:",
@@ -77,8 +81,8 @@ def table_template(reader: Reader[Any], convention: Convention, joints: Sequence
         angle_unit="deg",
         rows=tuple(_rows(convention, joints)),
     )
-    content = "".join(f"# {line}\n" for line in lines).encode() + reader.write(text).content
-    _check(reader, content, file)
+    content = "".join(f"# {line}\n" for line in lines).encode() + in_format(text, call).content
+    _check(call, content, file)
     return content
 
 
@@ -112,10 +116,10 @@ def _rows(convention: Convention, joints: Sequence[str]) -> list[dict[str, str]]
     ]
 
 
-def _check(reader: Reader[Any], content: bytes, file: Path) -> None:
-    """Reads a template: whoever starts with it starts with a table that is right."""
+def _check(call: Call[Reader[Any]], content: bytes, file: Path) -> None:
+    """Reads a template, so that its user starts with a table without errors."""
     with spooled(content, str(file), file.suffix) as path:
-        (item,) = reader.read(path, reader.options())
+        (item,) = read_items(call, path)
     if not isinstance(item, Manipulator):
         problems = [replace(problem, mark=COMMAND_LINE) for problem in item.problems]
         raise ConfigError(problems)

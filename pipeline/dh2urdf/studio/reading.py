@@ -12,17 +12,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, blaming, default_call
+from dh2urdf.attribution import Call, default_call
 from dh2urdf.conversion import make_robot, read_items
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
-from dh2urdf.stage_answers import a_whole_record
-from dh2urdf.stages import Reader, Rejected, Transform
+from dh2urdf.stages import Rejected, Transform
 from dh2urdf.studio.edits import begun
 from dh2urdf.table_text import FIELDS, TableText, WrittenTable
+from dh2urdf.written_tables import in_format
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -95,25 +95,12 @@ def read(table: TableText, catalog: Catalog) -> Reading:
     )
 
 
-def write_table(table: TableText, reader: Reader[Any], catalog: Catalog) -> WrittenTable:
-    """A table as a file of a reader's format.
-
-    Raises:
-        InputError: the reader only reads.
-        StageError: the reader is at fault.
-    """
-    if reader.write is None:
-        raise InputError(Problem(message=f"the reader {reader.name!r} does not write tables", found=reader.name))
-    with blaming(default_call(catalog, reader), "write"):
-        return a_whole_record(reader.write(table), WrittenTable)
-
-
 def read_whole(table: TableText, catalog: Catalog) -> Reading:
     """What the reader says of all rows of a table."""
     reader = catalog.get("reader", READER)
     if blank := [number for number, row in enumerate(table.rows) if not row]:
         return Reading(table=table, problems=tuple(map(_blank, blank)))
-    written = write_table(table, reader, catalog)
+    written = in_format(table, default_call(catalog, reader))
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         path = Path(folder) / f"table{reader.suffixes[0]}"
         path.write_bytes(written.content)
@@ -181,7 +168,7 @@ def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Cata
     try:
         robot = make_robot(manipulator, transform_call(catalog, variant))
     except ManipulatorError as error:
-        return Made(problems=located(error.problems, write_table(table, reader, catalog), table))
+        return Made(problems=located(error.problems, in_format(table, default_call(catalog, reader)), table))
     return Made(robot=robot)
 
 

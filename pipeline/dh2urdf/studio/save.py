@@ -20,9 +20,10 @@ from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output import safe_stem
 from dh2urdf.proof import Proof
-from dh2urdf.studio.reading import READER, transform_call, write_table
+from dh2urdf.studio.reading import READER, transform_call
 from dh2urdf.table_text import yaml_word
 from dh2urdf.truth import Truth
+from dh2urdf.written_tables import in_format
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,7 +60,7 @@ def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
         InputError: no such reader is installed, or it only reads.
     """
     reader = catalog.get("reader", format_name)
-    written = write_table(table, reader, catalog)
+    written = in_format(table, default_call(catalog, reader))
     return Saved(name=f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", content=written.content)
 
 

@@ -38,7 +38,7 @@ AHEAD = 4
 TRIES = 2
 """Workers that a task may cost before it is lost: the first may have been killed for the sake of others."""
 MOST_LINES = 100
-"""Lines of what C code and other programs print during a task that are passed on [1]."""
+"""Lines of what C code and other programs print during a task that are passed on."""
 
 _SCRIPT = Path(__file__).with_name("local_worker.py")
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.row_source import Row
 
 _BATCH = 200
-"""Rows that are handed on at once [1]."""
+"""Rows that are handed on at once."""
 _FEW = 5
 BELOW = "what stands below the table, after an empty row"
 _PROSE = late_pattern(r"[^\W\d_]{3,}(?:[\s:,.]|$)")

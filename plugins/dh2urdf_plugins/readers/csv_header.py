@@ -26,7 +26,7 @@ DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
 MAX_HEADER = 100_000
 """Length of the header [1]."""
 _COMMENT_LINES = 1000
-"""Lines that a comment, or a header, in quotes may run over [1]."""
+"""Lines that a comment, or a header, in quotes may run over."""
 _EMPTY = SPACES + "".join(DELIMITERS) + '"'
 """What a line consists of that holds nothing."""
 

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 GEOMETRY = frozenset(("a", "alpha", "d", "theta"))
 SURE = 2
-"""Fields of geometry that make a row a header beyond doubt [1]."""
+"""Fields of geometry that make a row a header beyond doubt."""
 MAX_TITLES = 1000
-"""Rows that may stand above the header [1]."""
+"""Rows that may stand above the header."""
 _FEW = 5
 _OTHER_COMMENT = late_pattern(r"\s*(?:--|[!;*]|/\*|<!--|rem\b)", re.IGNORECASE)
 """What a comment of another language begins with."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MAX_UNPACKED = 2**29
 """Bytes of a workbook when unpacked [B]: a zip archive may hold a thousand times its own size."""
 MAX_PARTS = 10_000
-"""Parts of a workbook [1]."""
+"""Parts of a workbook."""
 
 _PROLOG = 2**16
 _ACCEPTED = "a workbook in the format of Excel 2007 and later (.xlsx)"

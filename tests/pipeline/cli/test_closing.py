@@ -320,7 +320,7 @@ class TestSeveralTables:
 class TestWhichCommandIsMeant:
     @pytest.mark.parametrize("name", ["bare.csv", "panda.yaml"])
     def test_run_of_a_table(self, cli: Cli, folder: Path, name: str) -> None:
-        """It is told what to type."""
+        """The message says what to type."""
         (folder / "panda.yaml").write_bytes((TABLES / "panda.yaml").read_bytes())
         assert cli("run", name, status=2).stderr == (
             f"{name}: error: this is a table, not a run file\n"

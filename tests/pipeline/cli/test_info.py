@@ -99,7 +99,7 @@ class TestFields:
 
     @pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
     def test_every_field_of_every_table_of_the_project(self, cli: Cli, path: Path) -> None:
-        """Each typed text stands at its place; each value of the manipulator is told."""
+        """Each typed text stands at its place; each value of the manipulator is printed."""
         detail = report(cli("info", path, "--json").stdout)["detail"]
         arm, lines = dh2urdf.read(path), path.read_text("utf-8").splitlines()
         for row, joint in zip(arm.rows, detail["joints"], strict=True):
@@ -283,7 +283,7 @@ class TestForms:
         assert answer.stderr == cli("convert", "bad.csv", status=2).stderr
 
     def test_a_run_file(self, cli: Cli, folder: Path) -> None:
-        """It is told as such."""
+        """The message says so."""
         (folder / "run.yaml").write_text("inputs: arm.csv\n")
         assert "this is a run file, not a table" in cli("info", "run.yaml", status=2).stderr
 

@@ -117,7 +117,7 @@ def test_nothing_is_overwritten(cli: Cli, tmp_path: Path, words: list[str], kind
     ],
 )
 def test_a_wrong_word_writes_nothing(cli: Cli, tmp_path: Path, words: list[str], message: str) -> None:
-    """It is told on standard error."""
+    """Standard error reports it."""
     assert message in cli("init", *words, status=2).stderr
     assert list(tmp_path.iterdir()) == []
 
@@ -149,7 +149,7 @@ class TestExamples:
         assert (tmp_path / "ur5.csv").read_text() == "mine"
 
     def test_an_unknown_one(self, cli: Cli) -> None:
-        """It is told with those that there are."""
+        """The message lists those that there are."""
         assert "did you mean 'scara'?" in cli("example", "skara", status=2).stderr
 
     def test_a_wheel_has_them(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

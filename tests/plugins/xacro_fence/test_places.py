@@ -63,7 +63,7 @@ def test_every_element_is_where_it_was_written(tmp_path: Path) -> None:
     """In the file, in included files, in macros, in blocks that are inserted twice, and behind conditions."""
     path, starts = write(tmp_path)
     expanded = expand_foreign(path)
-    elements = list(etree.fromstring(expanded.content).iter())
+    elements = list(etree.fromstring(expanded.content).iter("*"))
     assert len(elements) == len(expanded.places)
     numbered = [
         (element, place) for element, place in zip(elements, expanded.places, strict=True) if "n" in element.attrib
@@ -78,7 +78,7 @@ def test_calls_are_told_from_the_innermost_on(tmp_path: Path) -> None:
     """Of a macro in a macro both, each in the file where it stands; of an element outside macros none."""
     path, _ = write(tmp_path)
     expanded = expand_foreign(path)
-    elements = etree.fromstring(expanded.content).iter()
+    elements = etree.fromstring(expanded.content).iter("*")
     calls = {
         element.attrib["name"]: [offset(call) for call in place.calls]
         for element, place in zip(elements, expanded.places, strict=True)

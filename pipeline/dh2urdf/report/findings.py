@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.agreement import changes, number_text
 from dh2urdf.manipulator import JointType
 from dh2urdf.stages import SEVERITIES, Finding

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.report.findings import SCHEMA, counts, finding_entry
 from dh2urdf.stages import SEVERITIES
 

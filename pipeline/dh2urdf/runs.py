@@ -199,6 +199,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         sample=config.sample,
         time_limit=config.time_limit,
         mesh_prefix=config.mesh_prefix,
+        mesh_conversion=config.mesh_conversion,
     )
     for needed in (*recipe.loaders, executor):
         with depending_on(needed, "require"):

@@ -12,7 +12,7 @@ from hashlib import sha256
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -33,6 +33,7 @@ from dh2urdf.leftovers import Leftovers, clear_leftovers
 from dh2urdf.making import Effect, Maker
 from dh2urdf.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.mesh_section import MeshCall
+from dh2urdf.open_store import open_store
 from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
@@ -43,7 +44,7 @@ from dh2urdf.settings import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.source import Mark, Problem, in_file_order, printable
 from dh2urdf.stage_answers import a_record, items_of
 from dh2urdf.stages import Executor, Lost, Reader
-from dh2urdf.stores import Store, open_store
+from dh2urdf.stores import Store
 from dh2urdf.variations import VariationCall
 from dh2urdf.watchdog import this_process
 

@@ -154,7 +154,8 @@ class Finding:
         message: what stands there, as one plain sentence without its place and without a full stop.
         mend: what to do about it.
         effects: what the consumers do that do not just take it; empty where the finding is not about them.
-        mark: where it stands.
+        mark: where it stands; of a file that holds macros, in the file where the element is written.
+        calls: where the macros are called that it comes from, the innermost first.
     """
 
     rule: str
@@ -162,6 +163,7 @@ class Finding:
     mend: str
     effects: tuple[Effect, ...] = ()
     mark: Mark | None = None
+    calls: tuple[Mark, ...] = ()
 
     @property
     def severity(self) -> Severity:
@@ -227,6 +229,9 @@ class Emitter(Generic[O]):
             depend on which links, joints, shapes and masses there are, not on their numbers.
         check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
             findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
+        descriptions: of the files of a folder, each with the name of its outermost element of XML (empty where it has
+            none), those that are whole descriptions of the format: `dh2urdf check FOLDER`. Files that are only a part
+            of others are left out.
     """
 
     name: str
@@ -242,6 +247,7 @@ class Emitter(Generic[O]):
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
     check: Callable[..., Inspection] | None = None
+    descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
     notices: Callable[[Robot, O], Sequence[Problem]] | None = None
 
 

@@ -33,12 +33,15 @@ def print_findings(
     else:
         for finding in of_the_file:
             answer("\n".join(map(printable, _lines(finding))))
-    numbers = [
-        f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts(of_the_file).items() if count
-    ]
-    answer(f"{', '.join(numbers) or 'nothing found'} for {', '.join(consumers)}")
+    answer(f"{numbers_of(of_the_file)} for {', '.join(consumers)}")
     if comparison:
         answer("\n".join(map(printable, _comparison(*comparison))))
+
+
+def numbers_of(findings: Sequence[Finding]) -> str:
+    """How many findings there are of each severity, as a sentence says it."""
+    numbers = [f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts(findings).items() if count]
+    return ", ".join(numbers) or "nothing found"
 
 
 def said(finding: Finding) -> Iterator[str]:
@@ -54,6 +57,8 @@ def said(finding: Finding) -> Iterator[str]:
 def _lines(finding: Finding) -> Iterator[str]:
     place = f"{finding.mark}: " if finding.mark else ""
     yield f"{place}{finding.severity}: {finding.message} [{finding.rule}]"
+    for call in finding.calls:
+        yield f"    by the macro called at {call}"
     for line in said(finding):
         yield f"    {line}"
     yield f"    mend: {finding.mend}"
@@ -72,10 +77,10 @@ def _print_table(findings: Sequence[Finding]) -> None:
     table.add_column("what is done with it", ratio=4, overflow="fold")
     for finding in findings:
         mark = finding.mark
-        place = str(replace(mark, file="")).removeprefix(":") if mark else ""
+        place = str(mark if len(files) > 1 and mark else replace(mark, file="") if mark else "").removeprefix(":")
         colour = COLOURS[finding.severity]
         table.add_row(
-            place,
+            escape(printable("\n".join([place, *(f"by {call}" for call in finding.calls)]))),
             f"[{colour}]{finding.severity}[/]\n{escape(finding.rule)}",
             escape(printable(finding.message)) + f"\n[dim]{escape(printable(finding.mend))}[/]",
             escape("\n".join(map(printable, said(finding)))),

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.agreement import changes, number_text
 from dh2urdf.manipulator import JointType
 from dh2urdf.stages import SEVERITIES, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
     from dh2urdf.agreement import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.source import Mark
 
 SCHEMA = "dh2urdf-check/1"
 """Name and version of the form of the JSON."""
@@ -63,26 +64,33 @@ def as_json(
         "file": str(file),
         "consumers": dict(consumers),
         "counts": counts(findings),
-        "findings": [_finding(finding) for finding in findings],
+        "findings": [finding_entry(finding) for finding in findings],
     }
     if comparison:
         document["comparison"] = _comparison(*comparison)
     return json.dumps(document, indent=2, ensure_ascii=False)
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
-    mark = finding.mark
+def finding_entry(finding: Finding) -> dict[str, Any]:
+    """A finding as the JSON has it."""
     return {
         "rule": finding.rule,
         "severity": finding.severity,
-        "file": mark.file if mark else None,
-        "line": mark.line if mark else None,
-        "column": mark.column if mark else None,
+        **_place(finding.mark),
+        "calls": [_place(call) for call in finding.calls],
         "message": finding.message,
         "mend": finding.mend,
         "consumers": {
             effect.consumer: {"severity": effect.severity, "does": effect.text} for effect in finding.effects
         },
+    }
+
+
+def _place(mark: Mark | None) -> dict[str, Any]:
+    return {
+        "file": mark.file if mark else None,
+        "line": mark.line if mark else None,
+        "column": mark.column if mark else None,
     }
 
 
@@ -130,7 +138,7 @@ def _pose(pose: Any) -> dict[str, list[float]]:  # noqa: ANN401 - a rigid transf
     return {"xyz": list(pose.translation), "rpy": list(pose.rpy)}
 
 
-def as_sarif(file: Path, findings: Sequence[Finding]) -> str:
+def as_sarif(findings: Sequence[Finding]) -> str:
     """What was found, as a SARIF text."""
     names = list(dict.fromkeys(finding.rule for finding in findings))
     first = {name: next(finding for finding in findings if finding.rule == name) for name in names}
@@ -139,28 +147,35 @@ def as_sarif(file: Path, findings: Sequence[Finding]) -> str:
         "semanticVersion": __version__,
         "rules": [{"id": name, "help": {"text": first[name].mend}} for name in names],
     }
-    results = [_result(file, finding, names.index(finding.rule)) for finding in findings]
+    results = [_result(finding, names.index(finding.rule)) for finding in findings]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
     return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2, ensure_ascii=False)
 
 
-def _result(file: Path, finding: Finding, rule_index: int) -> dict[str, Any]:
+def _result(finding: Finding, rule_index: int) -> dict[str, Any]:
     mark = finding.mark
-    place: dict[str, Any] = {"artifactLocation": {"uri": _uri(file)}}
-    text = finding.message
-    if mark and mark.file != str(file):
-        text += f" ({mark})"  # A place in what the file was expanded to is none in the file.
-    elif mark and mark.line:
-        place["region"] = {"startLine": mark.line, **({"startColumn": mark.column} if mark.column else {})}
+    text = f"{finding.message} ({mark.place})" if mark and mark.place else finding.message
     said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"mend: {finding.mend}"]
-    return {
+    result = {
         "ruleId": finding.rule,
         "ruleIndex": rule_index,
         "level": finding.severity,
         "message": {"text": "\n".join(said)},
-        "locations": [{"physicalLocation": place}],
+        "locations": [_location(mark)] if mark else [],
         "properties": {"consumers": [effect.consumer for effect in finding.effects]},
     }
+    if finding.calls:
+        result["relatedLocations"] = [
+            {**_location(call), "message": {"text": "the macro is called here"}} for call in finding.calls
+        ]
+    return result
+
+
+def _location(mark: Mark) -> dict[str, Any]:
+    place: dict[str, Any] = {"artifactLocation": {"uri": _uri(Path(mark.file))}}
+    if mark.line:
+        place["region"] = {"startLine": mark.line, **({"startColumn": mark.column} if mark.column else {})}
+    return {"physicalLocation": place}
 
 
 def _uri(file: Path) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import orjson
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.outcome import to_text
 from dh2urdf.output import reporting_os_errors
 

@@ -20,7 +20,7 @@ from dh2urdf_plugins.urdf_reader import read_urdf
 from dh2urdf_plugins.urdf_scanner import scan_columns
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.columns import RobotColumns
@@ -91,6 +91,13 @@ def check(path: Path) -> Inspection:
     return inspect_urdf(path)
 
 
+def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
+    """The URDFs among the files of a folder."""
+    from dh2urdf_plugins.lint.whole_files import urdfs
+
+    return urdfs(roots)
+
+
 EMITTER = Emitter(
     name="urdf",
     summary="URDF that every common simulator and ROS tool reads alike",
@@ -101,5 +108,6 @@ EMITTER = Emitter(
     emit_columns=emit_columns,
     read_columns=scan_columns,
     check=check,
+    descriptions=descriptions,
     notices=notices,
 )

@@ -11,11 +11,11 @@ from dh2urdf import __version__
 from dh2urdf.batch_report import BatchReport
 from dh2urdf.errors import OutputError
 from dh2urdf.manifest_table import ManifestTable
+from dh2urdf.open_store import open_store
 from dh2urdf.outcome import make_row, to_line, to_text
 from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.runs import Result
-from dh2urdf.stores import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -15,7 +15,8 @@ from dh2urdf.manipulator import Inertia, JointType, MeshFile, MeshShape
 from dh2urdf.meshes import find_mesh
 from dh2urdf.robot import Cylinder, Mesh
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions, alpha_swap, alpha_swap_columns
+from dh2urdf_plugins.transforms.alpha_swap import alpha_swap, alpha_swap_columns
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 from dh2urdf_plugins.transforms.meshes import mesh_body
 
 if TYPE_CHECKING:

@@ -288,7 +288,9 @@ def test_every_simulator_takes_three_arms_with_meshes_in_every_format(folder: Pa
             assert report["mass_error"] < 1e-6, name
         path = str(folder / "out" / row["files"][0]["path"])
         model = pinocchio.buildModelFromUrdf(path)
-        geometry = pinocchio.buildGeomFromUrdf(model, path, pinocchio.GeometryType.COLLISION, package_dirs=[str(folder / "out")])
+        geometry = pinocchio.buildGeomFromUrdf(
+            model, path, pinocchio.GeometryType.COLLISION, package_dirs=[str(folder / "out")]
+        )
         found = [each for each in geometry.geometryObjects if each.meshPath.endswith(".obj")]
         assert len(found) == counts[row["name"]]
         plant, _ = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)

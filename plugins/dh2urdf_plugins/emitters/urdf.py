@@ -45,7 +45,13 @@ def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     """
     notation, profile = Notation(), PROFILES[options.profile]
     robot = adapted(robot, profile)
-    root = urdf_tree(robot, notation.text(robot.name), notation, mujoco=profile.mujoco_element)
+    root = urdf_tree(
+        robot,
+        notation.text(robot.name),
+        notation,
+        mujoco=profile.mujoco_element,
+        shared_materials=profile.shared_materials,
+    )
     if profile.transmissions:
         append_transmissions(root, robot, notation)
     content = serialise(root, robot.comment)

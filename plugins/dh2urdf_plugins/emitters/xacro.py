@@ -226,7 +226,7 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Prof
     macro = _append(parent, "macro", name=name, params=MACRO_PARAMETERS)
     _append_properties(macro, robot)
     _append_mounting(macro, robot, notation)
-    append_robot(macro, robot, notation)
+    append_robot(macro, robot, notation, shared_materials=profile.shared_materials)
     if profile.transmissions:
         append_transmissions(macro, robot, notation)
     if robot.links[0].inertial is None and profile.frame_inertials:

@@ -53,6 +53,7 @@ class Precision(NamedTuple):
         position: a position, as a share of the arm's reach [1].
         angle: an orientation [rad].
         name: in words.
+        com: besides, a centre of mass, where it is told in the world [m].
         inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
             link's origin, where the simulator holds the inertia about that [1].
     """
@@ -63,6 +64,7 @@ class Precision(NamedTuple):
     position: float
     angle: float
     name: str
+    com: float = 0.0
     inertia_about_origin: float = 0.0
 
 
@@ -144,7 +146,7 @@ class Comparison:
                 "mass": (abs(found.mass - body.mass), self.precision.number * body.mass, "kg"),
                 "com": (
                     norm(subtract(found.com, body.com)),
-                    self.precision.number * norm(body.com) + _WITHOUT_EXTENT,
+                    self.precision.number * norm(body.com) + self.precision.com + _WITHOUT_EXTENT,
                     "m",
                 ),
                 "inertia": (

@@ -34,7 +34,7 @@ def recipe_key(recipe: Recipe) -> str:
     ]
     python = sys.version_info[:2]
     told = (sorted(recipe.optional), sorted(recipe.missing.items()))
-    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, told), __version__)
+    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told), __version__)
 
 
 def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:

@@ -21,7 +21,7 @@ from dh2urdf.batch_report import BatchReport, Tally
 from dh2urdf.batches import Batch, Doomed, Single
 from dh2urdf.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.columns import ManipulatorColumns, in_columns
-from dh2urdf.conversion import Recipe, Written, emit_robot, make_item, with_notices
+from dh2urdf.conversion import Recipe, Written, emit_robot, make_item, with_copies, with_notices
 from dh2urdf.earlier_files import EarlierFiles
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.journal import Journal
@@ -31,7 +31,6 @@ from dh2urdf.loading import load_with_all, not_loaded
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.memory import collected_at_the_end
 from dh2urdf.mesh_copies import MeshCopies
-from dh2urdf.meshes import located
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
 from dh2urdf.printed import collected_lines
 from dh2urdf.proof import Proof
@@ -280,7 +279,7 @@ class _Work:
             with _timed(self.seconds, "transform"):
                 groups = transform_columns(self.recipe.transform, columns)
             for members, made in groups:
-                robots = replace(made, robot=located(made.robot, self.recipe.mesh_prefix))
+                robots = replace(made, robot=with_copies(made.robot, self.recipe))
                 some = columns if len(members) == len(columns) else columns.take(members)
                 outcomes.update(self._alike([places[member] for member in members], some, robots))
         except StageError as error:
@@ -377,7 +376,7 @@ class _Work:
             with watched(self.maker.home, self.recipe.time_limit, loaders):
                 with _timed(seconds, "transform"):
                     robot, truth = make_item(what, self.recipe.transform)
-                    robot = with_notices(located(robot, self.recipe.mesh_prefix), self.recipe.emitters)
+                    robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.maker.effect is Effect.LOOK:
                     return outcome

@@ -204,6 +204,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         sample=config.sample,
         time_limit=config.time_limit,
         mesh_prefix=config.mesh_prefix,
+        mesh_conversion=config.mesh_conversion,
     )
     recipe = replace(recipe, missing=missing_of(recipe))
     require(executor)

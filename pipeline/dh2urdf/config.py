@@ -67,11 +67,13 @@ class StageCall:
         stage: its name.
         options: its options as they are written; `dh2urdf.options.make_options` checks them.
         mark: where the stage is named.
+        optional: of a loader, whether what it refuses is a notice and fails nothing.
     """
 
     stage: str
     options: Node | None = None
     mark: Mark | None = None
+    optional: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -280,7 +282,7 @@ class _Sections(SettingsReader):
             transform=self._call(sections["transform"], "transform", DEFAULT_TRANSFORM)
             or StageCall(stage=DEFAULT_TRANSFORM),
             emitters=tuple(self._calls(sections["emitters"], "emitters", needed="something must be written")),
-            loaders=tuple(self._calls(sections["loaders"], "loaders")),
+            loaders=tuple(self._calls(sections["loaders"], "loaders", ("optional",))),
             execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR, ("time_limit",))
             or StageCall(stage=DEFAULT_EXECUTOR),
             output=self._output(output.get("directory")),
@@ -324,13 +326,15 @@ class _Sections(SettingsReader):
                 notices=tuple(notices),
             )
 
-    def _calls(self, section: Node, field: str, needed: str = "") -> Iterator[StageCall]:
+    def _calls(
+        self, section: Node, field: str, others: tuple[str, ...] = (), *, needed: str = ""
+    ) -> Iterator[StageCall]:
         entries = section.value if isinstance(section.value, list) else []
         if needed and not entries:
             self.say(f"the list is empty, and {needed}", section, field, accepted="at least one stage")
         seen: dict[str, Mark | None] = {}
         for index, node in enumerate(entries):
-            call = self._call(node, f"{field}.{index}")
+            call = self._call(node, f"{field}.{index}", others=others)
             if call is None:
                 continue
             if call.stage in seen:
@@ -355,7 +359,9 @@ class _Sections(SettingsReader):
             self.say("it is not said which stage is meant", node, field, accepted="`stage: NAME`")
         name = self.name(given.get("stage"), f"{field}.stage") or default
         options = self._options(given.get("options"), f"{field}.options")
-        return StageCall(stage=name, options=options, mark=given.get("stage", node).mark) if name else None
+        optional = self.switch(given.get("optional"), f"{field}.optional", default=False)
+        mark = given.get("stage", node).mark
+        return StageCall(stage=name, options=options, mark=mark, optional=optional) if name else None
 
     def _options(self, node: Node | None, field: str) -> Node | None:
         if node is None or node.value is None:

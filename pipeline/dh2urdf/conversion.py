@@ -5,7 +5,8 @@ The command `convert` and every worker of a run go through here, so one table an
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -58,6 +59,8 @@ class Recipe:
         transform: makes the robot.
         emitters: make the files.
         loaders: load the files into simulators.
+        optional: the names of the loaders whose failures are notices.
+        missing: of these, what is not installed that they need, by their names.
         poses: random joint vectors of a proof, besides zero and both ends of the limits.
         proved: whose files are compared with the table.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
@@ -69,6 +72,8 @@ class Recipe:
     transform: Call[Transform[Any]]
     emitters: tuple[Call[Emitter[Any]], ...]
     loaders: tuple[Call[Loader[Any]], ...] = ()
+    optional: frozenset[str] = frozenset()
+    missing: Mapping[str, str] = field(default_factory=dict)
     poses: int = 32
     proved: Sample = Sample()
     sample: Sample = Sample()

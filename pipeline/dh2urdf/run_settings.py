@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-DEFAULT_SAMPLE = Sample(first=100, every=50)
-"""What goes through xacro expansion and simulators: of a short run everything, of a long one a sample."""
+DEFAULT_SAMPLE = Sample(first=1000, every=50)
+"""What goes through xacro expansion and simulators: all of a run of up to 1,000, of a longer one a sample."""
 DEFAULT_TIME_LIMIT = 300.0
 """How long one manipulator may take, simulators aside [s]."""
 MOST = 10**9

@@ -57,7 +57,18 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
             _stage(catalog, "emitter", "what writes files"), f"what writes files; {DEFAULT_EMITTER} by default"
         ),
         "loaders": _one_or_more(
-            _stage(catalog, "loader", "what loads the files"), "what loads the files; none by default", least=0
+            _stage(
+                catalog,
+                "loader",
+                "what loads the files",
+                optional={
+                    "type": "boolean",
+                    "default": False,
+                    "description": "whether a refusal, or a missing program, is a notice and fails nothing",
+                },
+            ),
+            "what loads the files; none by default",
+            least=0,
         ),
         "output": _either(_text("where the output goes"), _output())
         | {"description": "where the output goes: a folder or an address, alone or with its layout"},

@@ -349,7 +349,7 @@ def test_every_function_of_every_record_is_tried() -> None:
     ):
         mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
-    described = {"name", "summary", "suffixes", "formats", "costly_proof", "expandable"}
+    described = {"name", "summary", "suffixes", "formats", "costly_proof", "expandable", "finds_packages"}
     assert tried == {
         (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described
     }

@@ -232,7 +232,8 @@ def check(
         description: the file; or its text of several lines, its bytes, or a stream; or a robot, as URDF.
         emitter: name of the emitter that knows the format, such as ``urdf``; without it the file's suffix says it.
         arguments: values of a xacro's arguments.
-        package_paths: folders of ROS packages, or folders that hold some: a xacro may include their files.
+        package_paths: folders of ROS packages, or folders that hold some: a xacro may include their files,
+            and ``package://`` addresses are looked for there.
         without: plugins or distributions to leave out.
 
     Returns:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 BEGINNING = 2**16
 """As much of a file as is read to know whether it is a description [B]."""
 
+PACKAGE_FILE = "package.xml"
+"""What the folder of a ROS package holds."""
+
 
 class Described(NamedTuple):
     """What is in some folders.
@@ -30,11 +33,13 @@ class Described(NamedTuple):
         files: the descriptions, each with the name of its format, in the order of their paths.
         unreadable: what is wrong with files that could not be looked at.
         looked_at: how many files there are.
+        packages: the folders that are ROS packages.
     """
 
     files: tuple[tuple[Path, str], ...]
     unreadable: tuple[Problem, ...]
     looked_at: int
+    packages: tuple[Path, ...]
 
 
 def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
@@ -49,6 +54,7 @@ def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
         BrokenPluginError: an emitter is at fault.
     """
     files, unreadable, looked_at = list[tuple[Path, str]](), list[Problem](), 0
+    packages: list[Path] = []
     for folder in folders:
         roots: dict[Path, str] = {}
         paths = sorted(_files(folder, unreadable))
@@ -68,8 +74,9 @@ def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
                 )
             )
         looked_at += len(paths)
+        packages.extend(path.parent for path in paths if path.name == PACKAGE_FILE)
         files.extend(sorted(found.items()))
-    return Described(tuple(dict.fromkeys(files)), tuple(unreadable), looked_at)
+    return Described(tuple(dict.fromkeys(files)), tuple(unreadable), looked_at, tuple(packages))
 
 
 def _claimed(catalog: Catalog, roots: dict[Path, str]) -> Iterator[tuple[str, Path]]:

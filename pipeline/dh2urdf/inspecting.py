@@ -31,7 +31,7 @@ def inspect(
         file: a robot description.
         format_name: the name of its format; by the suffix of the file where it is None.
         choice: how a format is named, for messages.
-        expansion: how it is expanded, where it holds macros.
+        expansion: how it is expanded, where it holds macros, and where its packages are.
 
     Raises:
         ConfigError: files of the format cannot be checked, or hold no macros that could be expanded.
@@ -49,6 +49,8 @@ def inspect(
             )
         )
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
+        if emitter.finds_packages and not (expansion and expansion.arguments):
+            return a_whole_record(emitter.check(file, expansion or Expansion()), Inspection)
         return a_whole_record(emitter.check(file, *expanded_with(emitter, expansion, file)), Inspection)
 
 
@@ -74,14 +76,14 @@ class Inspections(NamedTuple):
 def inspect_several(
     catalog: Catalog, paths: Iterable[Path], format_name: str | None, choice: str, expansion: Expansion
 ) -> Inspections:
-    """What the emitters say of files, and of the descriptions in folders.
+    """What the emitters say of files, and of the descriptions in folders, which know the ROS packages in there.
 
     Args:
         catalog: the emitters that there are.
         paths: files and folders.
         format_name: the format of the files that are named; by their suffix where it is None.
         choice: how a format is named, for messages.
-        expansion: how those are expanded that hold macros.
+        expansion: how those are expanded that hold macros, and where packages are.
 
     Raises:
         InputError: a file that is named cannot be read, or there is nothing to inspect in a folder.
@@ -90,6 +92,7 @@ def inspect_several(
     """
     waiting: list[tuple[Path, str | None]] = []
     unreadable: list[Problem] = []
+    packages: list[Path] = []
     looked_at = 0
     for path in paths:
         if path.is_dir():
@@ -97,6 +100,7 @@ def inspect_several(
             waiting.extend(found.files)
             unreadable.extend(found.unreadable)
             looked_at += found.looked_at
+            packages.extend(found.packages)
         else:
             check_file(path, InputError)
             waiting.append((path, format_name))
@@ -105,11 +109,13 @@ def inspect_several(
     findings = [replace(_UNREADABLE, message=problem.message, mark=problem.mark) for problem in unreadable]
     waiting = list(dict.fromkeys(waiting))
     is_used = expansion == Expansion()
+    known = replace(expansion, package_paths=(*expansion.package_paths, *packages))
     for path, name in waiting:
         emitter = _emitter(catalog, path, name, choice)
-        is_used = is_used or emitter.expandable
+        is_used = is_used or emitter.expandable or (emitter.finds_packages and not expansion.arguments)
+        given = known if emitter.expandable else replace(known, arguments={}) if emitter.finds_packages else None
         try:
-            inspection = inspect(catalog, path, emitter.name, choice, expansion if emitter.expandable else None)
+            inspection = inspect(catalog, path, emitter.name, choice, given)
         except InputError as error:
             if isinstance(error, ConfigError):
                 raise
@@ -118,7 +124,7 @@ def inspect_several(
         consumers.update(inspection.consumers)
         findings.extend(inspection.findings)
     if not is_used:
-        message = "none of these files has macros: they take no arguments and no package paths"
+        message = "none of these files has macros: they take no arguments, and only a URDF takes package paths"
         raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
     different = {(finding.rule, finding.mark, finding.message): finding for finding in reversed(findings)}
     return Inspections(tuple(path for path, _ in waiting), looked_at, consumers, tuple(reversed(different.values())))

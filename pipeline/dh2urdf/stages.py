@@ -205,7 +205,8 @@ class Expansion:
 
     Attributes:
         arguments: the values of its arguments, by name.
-        package_paths: folders of ROS packages, or folders that hold some: their files may be read.
+        package_paths: folders of ROS packages, or folders that hold some: their files may be read, and ``package://``
+            addresses are looked for there.
     """
 
     arguments: Mapping[str, str] = field(default_factory=dict)
@@ -229,6 +230,7 @@ class Emitter(Generic[O]):
             `read_back` does nothing but read.
         expandable: whether files of the format hold macros: then `read_foreign` and `check` take an `Expansion` as
             their second argument.
+        finds_packages: whether `check` takes an `Expansion` though files hold no macros: for its `package_paths`.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
         emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
@@ -258,6 +260,7 @@ class Emitter(Generic[O]):
     read_back: Callable[[Path], Robot] | None = None
     read_foreign: Callable[..., Robot] | None = None
     expandable: bool = False
+    finds_packages: bool = False
     one_file: Callable[[O], O] | None = None
     costly_proof: bool = False
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None

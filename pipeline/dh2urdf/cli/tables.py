@@ -72,7 +72,7 @@ package_paths_option = click.option(
     type=click.Path(path_type=Path),
     multiple=True,
     metavar="DIR",
-    help="A ROS package, or a folder of packages, whose files a xacro may include; repeatable.",
+    help="A ROS package, or a folder of packages, whose files a xacro may include or meshes are in; repeatable.",
 )
 
 

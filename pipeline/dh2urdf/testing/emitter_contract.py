@@ -150,7 +150,7 @@ class EmitterContract(StageContract):
             for reading, given in (
                 (self.stage.read_back, ()),
                 (self.stage.read_foreign, self._expansion),
-                (self.stage.check, self._expansion),
+                (self.stage.check, self._checked_with),
             ):
                 try:
                     if reading is not None:
@@ -169,6 +169,10 @@ class EmitterContract(StageContract):
     @property
     def _expansion(self) -> tuple[Expansion, ...]:
         return (Expansion(),) if self.stage.expandable else ()
+
+    @property
+    def _checked_with(self) -> tuple[Expansion, ...]:
+        return (Expansion(),) if self.stage.expandable or self.stage.finds_packages else ()
 
     def test_reads_back_the_same_arm(self, tmp_path: Path) -> None:
         """Where it reads its files back, T(q) is that of the robot, by code that the pipeline does not share."""
@@ -208,7 +212,7 @@ class EmitterContract(StageContract):
             files = self._emit(robot)
             for file in files:
                 (tmp_path / file.name).write_bytes(file.content)
-            inspection = self.stage.check(tmp_path / files[0].name, *self._expansion)
+            inspection = self.stage.check(tmp_path / files[0].name, *self._checked_with)
             errors = [finding for finding in inspection.findings if finding.severity == "error"]
             refusing = {effect.consumer for each in errors for effect in each.effects if effect.severity == "error"}
             if not all(each.effects for each in errors) or (errors and not set(inspection.consumers) - refusing):

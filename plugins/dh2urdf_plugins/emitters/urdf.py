@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dh2urdf.columns import RobotColumns
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf.stages import Inspection, Repair
+    from dh2urdf.stages import Expansion, Inspection, Repair
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,15 +86,15 @@ def notices(robot: Robot, options: UrdfOptions) -> list[Problem]:
     return notices_of(robot, options.profile)
 
 
-def check(path: Path) -> Inspection:
-    """What there is to say of a URDF of any origin.
+def check(path: Path, expansion: Expansion | None = None) -> Inspection:
+    """What there is to say of a URDF of any origin, whose meshes may be in the ROS packages that are named.
 
     Raises:
-        InputError: the file cannot be read.
+        InputError: the file cannot be read, or a folder of packages is none.
     """
     from dh2urdf_plugins.lint.inspection import inspect_urdf
 
-    return inspect_urdf(path)
+    return inspect_urdf(path, expansion)
 
 
 def fix(path: Path) -> Repair:
@@ -125,6 +125,7 @@ EMITTER = Emitter(
     emit_columns=emit_columns,
     read_columns=scan_columns,
     check=check,
+    finds_packages=True,
     fix=fix,
     descriptions=descriptions,
     notices=notices,

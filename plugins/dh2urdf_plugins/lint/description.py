@@ -10,7 +10,7 @@ from dh2urdf.source import shown
 from dh2urdf_plugins.lint.tree import Element
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable
+    from collections.abc import Callable, Collection, Iterable, Mapping
     from pathlib import Path
 
 MOVING = ("revolute", "continuous", "prismatic", "floating", "planar")
@@ -86,13 +86,20 @@ class Description:
         links: the links that have a name, in the order of the file; of two with one name, both.
         joints: the joints.
         link: the first link of each name.
+        packages: the folders of the ROS packages that are known by their names, its own one among them.
         place: where an element stands, as a message says it.
     """
 
     def __init__(
-        self, root: Element, path: Path, content: bytes, place: Callable[[Element], str] = lambda at: f"line {at.line}"
+        self,
+        root: Element,
+        path: Path,
+        content: bytes,
+        place: Callable[[Element], str] = lambda at: f"line {at.line}",
+        packages: Mapping[str, Path] | None = None,
     ) -> None:
         self.root, self.path, self.content, self.place = root, path, content, place
+        self.packages = packages or {}
         self.links = [LinkNode(name, element) for element in root.all("link") if (name := element.get("name"))]
         self.joints = [_joint(element) for element in root.all("joint")]
         self.link = {node.name: node for node in reversed(self.links)}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.source import Mark
-from dh2urdf.stages import Finding, Inspection
+from dh2urdf.stages import Expansion, Finding, Inspection
 from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.lint import bodies, joints, plausibility, references, shapes, structure, text
 from dh2urdf_plugins.lint.description import Description, Hit
@@ -15,13 +15,13 @@ from dh2urdf_plugins.lint.reading import robot_of
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 from dh2urdf_plugins.lint.tree import Element, NotXmlError, parse
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
+from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from dh2urdf.robot import Robot
-    from dh2urdf.stages import Expansion
     from dh2urdf_plugins.xacro_fence.places import Place
 
 LONGEST = 2**26
@@ -33,13 +33,17 @@ _Origin = tuple[Mark, tuple[Mark, ...]]
 """Where something stands, and where the macros are called that it comes from."""
 
 
-def inspect_urdf(path: Path) -> Inspection:
+def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
     """What there is to say of a URDF.
 
+    Args:
+        path: the file.
+        expansion: the packages where the meshes of its ``package://`` addresses are looked for.
+
     Raises:
-        InputError: the file cannot be read.
+        InputError: the file cannot be read, or a folder of packages is none.
     """
-    return _inspection(path, read_bytes(path, InputError, limit=LONGEST))
+    return _inspection(path, read_bytes(path, InputError, limit=LONGEST), expansion)
 
 
 def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
@@ -50,7 +54,7 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
         expansion: the values of its arguments, and the packages that it may read; defaults where it is None.
 
     Raises:
-        InputError: the file cannot be read.
+        InputError: the file cannot be read, or a folder of packages is none.
     """
     read_bytes(path, InputError, limit=LONGEST)
     try:
@@ -59,11 +63,14 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
         (problem,) = error.problems
         mark = problem.mark or Mark(file=str(path))
         return _only(Hit("xacro-fails", 1, problem.message), lambda _: (replace(mark, line=mark.line or 1), ()))
-    return _inspection(path, _PROLOGUE + expanded.content, expanded.places)
+    return _inspection(path, _PROLOGUE + expanded.content, expansion, expanded.places)
 
 
-def _inspection(path: Path, content: bytes, places: list[Place | None] | None = None) -> Inspection:
+def _inspection(
+    path: Path, content: bytes, expansion: Expansion | None, places: list[Place | None] | None = None
+) -> Inspection:
     """What there is to say of a text; `places` are those of its elements, where it was expanded."""
+    packages = with_its_own(path, packages_in((expansion or Expansion()).package_paths))
     try:
         parsed = parse(content)
     except NotXmlError as error:
@@ -78,7 +85,7 @@ def _inspection(path: Path, content: bytes, places: list[Place | None] | None = 
     if parsed.root.tag != "robot":
         hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
     elif not parsed.entities:
-        description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path))
+        description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path), packages)
         for finder in (text, structure, joints, bodies, shapes, plausibility, references):
             hits.extend(finder.hits(description))
         robot = robot_of(description)

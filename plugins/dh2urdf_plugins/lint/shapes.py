@@ -42,6 +42,18 @@ class _Use(NamedTuple):
     address: str
 
 
+class _Found(NamedTuple):
+    """The file that an address means, whether there is one or not.
+
+    Attributes:
+        path: the file.
+        is_above: whether its package is in a folder above the description: PyBullet looks nowhere else.
+    """
+
+    path: Path
+    is_above: bool = True
+
+
 def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of every shape."""
     meshes: list[_Use] = []
@@ -150,18 +162,19 @@ def _meshes(description: Description, uses: list[_Use]) -> Iterator[Hit]:
     compiler = description.root.first("mujoco", "compiler")
     draws = compiler is not None and compiler.get("discardvisual") == "false"
     formats: dict[tuple[str, tuple[str, ...]], list[_Use]] = {}
-    forms: dict[str, list[_Use]] = {}
+    found: list[tuple[_Use, _Found]] = []
     for use in uses:
         read_by_mujoco = use.is_collision or draws
         rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"}
         rest |= {"mujoco"} if read_by_mujoco else set()
-        path = _resolved(use.address, description.path)
-        if path is None:
+        file = _resolved(use.address, description)
+        if file is None:
             # Of an address without a package, PyBullet looks for the path alone, in the folders above.
             of = rest if not use.address.startswith(f"{_PACKAGE}/") else rest - {"pybullet"}
             yield Hit("unresolved-package", use.element, f"the package of {shown(use.address)} is not found", of)
             continue
-        forms.setdefault(_form(use.address), []).append(use)
+        path = file.path
+        found.append((use, file))
         if not _is_there(path, is_file=True):
             yield Hit("missing-mesh", use.element, f"there is no mesh file {shown(use.address)}", rest)
             continue
@@ -169,14 +182,24 @@ def _meshes(description: Description, uses: list[_Use]) -> Iterator[Hit]:
             yield Hit("text-stl", use.element, f"the mesh {shown(use.address)} is an STL of text", rest)
         if of := _strangers(path, use, read_by_mujoco=read_by_mujoco):
             formats.setdefault((path.suffix.lower(), tuple(sorted(of))), []).append(use)
-    for (name, of_names), found in formats.items():
-        yield Hit("mesh-format", found[0].element, f"{_count_of(found, 'is', 'are')} {shown(name)}", of_names)
-    for form, found in forms.items():
+    for (name, of_names), strange in formats.items():
+        yield Hit("mesh-format", strange[0].element, f"{_count_of(strange, 'is', 'are')} {shown(name)}", of_names)
+    yield from _addresses(found, draws=draws)
+
+
+def _addresses(found: list[tuple[_Use, _Found]], *, draws: bool) -> Iterator[Hit]:
+    forms: dict[str, list[tuple[_Use, _Found]]] = {}
+    for use, file in found:
+        forms.setdefault(_form(use.address), []).append((use, file))
+    for form, of_form in forms.items():
         of = set() if form in {"", "file-address"} else {"drake", "pinocchio", "coppeliasim"}
-        if form and (draws or any(use.is_collision for use in found)):
+        if form and (draws or any(use.is_collision for use, _ in of_form)):
             of.add("mujoco")
+        if any(not file.is_above for _, file in of_form):
+            of.add("pybullet")
         if of:
-            yield Hit(form, found[0].element, f"{_count_of(found, 'has', 'have')} such an address", of)
+            uses = [use for use, _ in of_form]
+            yield Hit(form, uses[0].element, f"{_count_of(uses, 'has', 'have')} such an address", of)
 
 
 def _count_of(uses: list[_Use], one: str, many: str) -> str:
@@ -193,23 +216,28 @@ def _form(address: str) -> str:
     return "" if os.path.isabs(address) else "relative-mesh"  # noqa: PTH117 - a text that may be no path
 
 
-def _resolved(address: str, description: Path) -> Path | None:
-    """The file that an address means, whether there is one or not; None where its package is not found."""
-    folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
+def _resolved(address: str, description: Description) -> _Found | None:
+    """The file that an address means; None where its package is not found."""
+    folder = Path(os.path.abspath(description.path)).parent  # noqa: PTH100 - links in the path stay
     if not address.startswith(_PACKAGE):
-        return folder / Path(unquote(address.removeprefix(_FILE)) if address.startswith(_FILE) else address)
+        return _Found(folder / Path(unquote(address.removeprefix(_FILE)) if address.startswith(_FILE) else address))
     package, _, rest = address.removeprefix(_PACKAGE).partition("/")
     if not package:
         return None
-    searched = [
-        *(place for above in (folder, *folder.parents) for place in (above, above.parent / package)),
+    above = [place for inner in (folder, *folder.parents) for place in (inner, inner.parent / package)]
+    elsewhere = [
         *(Path(entry) / package for entry in _entries("ROS_PACKAGE_PATH")),
         *(Path(entry) / "share" / package for entry in _entries("AMENT_PREFIX_PATH")),
     ]
-    found = [place for place in searched if place.name == package and _is_there(place, is_file=False)]
-    return next(
-        (place / rest for place in found if _is_there(place / rest, is_file=True)), found[0] / rest if found else None
-    )
+    searched = [(place, is_above) for is_above in (True, False) for place in (above if is_above else elsewhere)]
+    found = [
+        _Found(place / rest, is_above)
+        for place, is_above in searched
+        if place.name == package and _is_there(place, is_file=False)
+    ]
+    if package in description.packages:
+        found.append(_Found(description.packages[package] / rest, is_above=False))
+    return next((file for file in found if _is_there(file.path, is_file=True)), found[0] if found else None)
 
 
 def _is_there(path: Path, *, is_file: bool) -> bool:

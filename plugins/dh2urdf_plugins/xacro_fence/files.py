@@ -11,6 +11,7 @@ import stat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dh2urdf.described_files import PACKAGE_FILE
 from dh2urdf.errors import InputError
 from dh2urdf.source import Problem
 from dh2urdf_plugins.xacro_fence.expressions import ExpressionError
@@ -18,8 +19,6 @@ from dh2urdf_plugins.xacro_fence.expressions import ExpressionError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-PACKAGE_FILE = "package.xml"
-"""What the folder of a ROS package holds."""
 DEEPEST = 4
 """How many folders below the one that a user names a package may be."""
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
@@ -76,6 +75,12 @@ def _packages(folder: Path, depth: int) -> Iterator[tuple[str, Path]]:
                 yield from _packages(inner, depth - 1)
 
 
+def with_its_own(path: Path, packages: Mapping[str, Path]) -> dict[str, Path]:
+    """Some packages by name, and the one that a file is in."""
+    own = own_folder(path)
+    return {**packages, **(dict(_packages(own, 0)) if (own / PACKAGE_FILE).is_file() else {})}
+
+
 class Files:
     """Opens files below some folders, and nothing else.
 
@@ -87,9 +92,7 @@ class Files:
     def __init__(self, path: Path, packages: Mapping[str, Path]) -> None:
         """Takes the file that is expanded, and the folders of packages that the user names."""
         own = own_folder(path)
-        self.packages = {name: folder.resolve() for name, folder in packages.items()}
-        if (own / PACKAGE_FILE).is_file():
-            self.packages.update(_packages(own, 0))
+        self.packages = {name: folder.resolve() for name, folder in with_its_own(path, packages).items()}
         self.roots = tuple(dict.fromkeys((own, path.absolute().parent.resolve(), *self.packages.values())))
         self._read = self._bytes = 0
 

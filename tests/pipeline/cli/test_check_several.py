@@ -132,3 +132,21 @@ def test_arguments_reach_the_xacros_of_a_folder(cli: Cli, folder: Path) -> None:
     )
     assert "'two' has the name" in cli("check", "robots", "n:=two", status=1).stdout
     assert "'two' has the name" not in cli("check", "robots", status=1).stdout
+
+
+def test_the_packages_of_a_folder_are_known_to_its_files(cli: Cli, folder: Path) -> None:
+    """By the names that they give themselves, to a URDF and a xacro of another package; alone, a file is told of them."""
+    mesh = '<visual><geometry><mesh filename="package://parts/part.obj"/></geometry></visual>'
+    (folder / "parts_of_all").mkdir()
+    (folder / "parts_of_all" / "package.xml").write_text("<package><name>parts</name></package>")
+    (folder / "parts_of_all" / "part.obj").touch()
+    (folder / "parts_of_all" / "hand.xacro").write_text(XACRO.format("", f'<link name="hand">{mesh}</link>'))
+    (folder / "two.urdf").write_text(f'<robot name="two"><link name="a">{mesh}</link></robot>')
+    (folder / "arm.xacro").write_text(
+        XACRO.format('name="arm"', '<xacro:include filename="$(find parts)/hand.xacro"/>')
+    )
+    for words in (["robots"], ["robots/two.urdf", "--package-path", "robots/parts_of_all"]):
+        told = json.loads(cli("check", *words, "--format", "json", status=1).stdout)
+        assert not {finding["rule"] for finding in told["findings"]} & {"unresolved-package", "xacro-fails"}
+    alone = json.loads(cli("check", "robots/two.urdf", "--format", "json", status=1).stdout)
+    assert "unresolved-package" in {finding["rule"] for finding in alone["findings"]}

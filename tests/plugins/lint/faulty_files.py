@@ -285,7 +285,12 @@ FAULTS: dict[str, Fault] = {
     "undefined-material": Fault('<material name="grey"/>', '<material name="gray"/>', "gray"),
     "missing-mesh": Fault(BOX, '<mesh filename="nowhere.stl"/>', "<mesh", besides=("relative-mesh",)),
     "unresolved-package": Fault(BOX, '<mesh filename="package://nowhere/part.stl"/>', "<mesh"),
-    "package-address": Fault(BOX, '<mesh filename="package://robots/part.obj"/>', "<mesh"),
+    "package-address": Fault(
+        BOX,
+        '<mesh filename="package://robots/part.obj"/>',
+        "<mesh",
+        of=("mujoco", "pinocchio", "drake", "coppeliasim"),
+    ),
     "file-address": Fault(BOX, '<mesh filename="file://FOLDER/part.obj"/>', "<mesh"),
     "relative-mesh": Fault(BOX, '<mesh filename="part.obj"/>', "<mesh"),
     "mesh-format": Fault(

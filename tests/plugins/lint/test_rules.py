@@ -15,6 +15,7 @@ import pytest
 from consumers import CHECK_URDF, Behaviour, behaviours
 from faulty_files import FAULTS, SOUND, write_all
 
+from dh2urdf.stages import Expansion
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.rules import CONSUMERS, Outcome, plausibility_rules, rules
 
@@ -333,3 +334,26 @@ def test_a_package_is_found_by_its_folder(tmp_path: Path, monkeypatch: pytest.Mo
     inside.parent.mkdir()
     inside.write_text(text)
     assert "unresolved-package" not in by_rule(inside)
+
+
+@pytest.mark.parametrize(("folder", "is_above"), [("src/my_robot", True), ("src/somewhere", False)])
+def test_a_package_has_the_name_that_it_gives_itself(tmp_path: Path, folder: str, *, is_above: bool) -> None:
+    """A file's own, and one that the user names; PyBullet finds it by a folder of its name above the file alone."""
+    text = SOUND.replace('<box size="0.1 0.05 0.05"/>', '<mesh filename="package://my_robot/part.obj"/>')
+    package = tmp_path / folder
+    for path in (package / "urdf" / "arm.urdf", tmp_path / "apart" / "arm.urdf"):
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
+    (package / "package.xml").write_text("<package><name>my_robot</name></package>")
+    shutil.copy(write_all(tmp_path)["sound"].parent / "part.obj", package)
+    inside, apart = package / "urdf" / "arm.urdf", tmp_path / "apart" / "arm.urdf"
+    assert "unresolved-package" in by_rule(apart)
+    named = inspect_urdf(apart, Expansion(package_paths=(tmp_path / "src",))).findings
+    assert not {finding.rule for finding in named} & {"unresolved-package", "missing-mesh"}
+    assert not {*by_rule(inside)} & {"unresolved-package", "missing-mesh"}
+    if find_spec("pybullet") is None:
+        pytest.skip("pybullet is not installed")
+    for path, findings, loads in ((inside, by_rule(inside).values(), is_above), (apart, named, False)):
+        (finding,) = [finding for finding in findings if finding.rule == "package-address"]
+        assert ("pybullet" not in {effect.consumer for effect in finding.effects}) == loads
+        assert (behaviours("pybullet", [path])[0].end == "loads") == loads

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.tree import Element
 
 _NO_INERTIA = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
-_ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"})
+_ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
 
 
 def hits(description: Description) -> Iterator[Hit]:

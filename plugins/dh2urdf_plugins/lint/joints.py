@@ -48,6 +48,8 @@ def _axis(joint: JointNode) -> Iterator[Hit]:
             yield Hit("axis-zero", axis, f"the axis of joint {shown(joint.name)} has the length 0")
         elif abs(length - 1.0) > UNIT:
             yield Hit("axis-not-unit", axis, f"the axis of joint {shown(joint.name)} has the length {length:.6g}")
+        if z < 0.0 and not (x or y):
+            yield Hit("axis-along-minus-z", axis, f"the axis of joint {shown(joint.name)} is exactly -z")
 
 
 def _limits(joint: JointNode) -> Iterator[Hit]:

@@ -153,7 +153,8 @@ def _meshes(description: Description, uses: list[_Use]) -> Iterator[Hit]:
     forms: dict[str, list[_Use]] = {}
     for use in uses:
         read_by_mujoco = use.is_collision or draws
-        rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo"} | ({"mujoco"} if read_by_mujoco else set())
+        rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"}
+        rest |= {"mujoco"} if read_by_mujoco else set()
         path = _resolved(use.address, description.path)
         if path is None:
             # Of an address without a package, PyBullet looks for the path alone, in the folders above.
@@ -171,7 +172,7 @@ def _meshes(description: Description, uses: list[_Use]) -> Iterator[Hit]:
     for (name, of_names), found in formats.items():
         yield Hit("mesh-format", found[0].element, f"{_count_of(found, 'is', 'are')} {shown(name)}", of_names)
     for form, found in forms.items():
-        of = set() if form in {"", "file-address"} else {"drake", "pinocchio"}
+        of = set() if form in {"", "file-address"} else {"drake", "pinocchio", "coppeliasim"}
         if form and (draws or any(use.is_collision for use in found)):
             of.add("mujoco")
         if of:

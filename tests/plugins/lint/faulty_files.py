@@ -240,6 +240,7 @@ FAULTS: dict[str, Fault] = {
     "mimic-of-fixed": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <mimic joint="link_2-tool0"/>', "<mimic"),
     "axis-not-unit": Fault(ELBOW_AXIS, '<axis xyz="0 2 0"/>', "0 2 0"),
     "axis-zero": Fault(ELBOW_AXIS, '<axis xyz="0 0 0"/>', '<axis xyz="0 0 0"/>'),
+    "axis-along-minus-z": Fault(ELBOW_AXIS, '<axis xyz="0 0 -1"/>', '<axis xyz="0 0 -1"/>'),
     "missing-axis": Fault(f"    {ELBOW_AXIS}\n", "", '<joint name="elbow"'),
     "missing-limit": Fault(f"    {ELBOW_LIMIT}\n", "", '<joint name="elbow"'),
     "missing-range": Fault('<limit lower="-2" upper="2" effort="20"', '<limit effort="20"', '<limit effort="20"'),

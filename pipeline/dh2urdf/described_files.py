@@ -12,6 +12,7 @@ from dh2urdf.attribution import Call, depending_on
 from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_answers import items_of
+from dh2urdf.stages import PACKAGE_FILE
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
 
 BEGINNING = 2**16
 """As much of a file as is read to know whether it is a description [B]."""
-
-PACKAGE_FILE = "package.xml"
-"""What the folder of a ROS package holds."""
 
 
 class Described(NamedTuple):

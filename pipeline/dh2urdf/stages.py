@@ -199,6 +199,10 @@ class Repair:
     changes: tuple[Problem, ...]
 
 
+PACKAGE_FILE = "package.xml"
+"""What the folder of a ROS package holds."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expansion:
     """How a description that holds macros is expanded.

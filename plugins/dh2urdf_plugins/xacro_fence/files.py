@@ -11,9 +11,9 @@ import stat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.described_files import PACKAGE_FILE
 from dh2urdf.errors import InputError
 from dh2urdf.source import Problem
+from dh2urdf.stages import PACKAGE_FILE
 from dh2urdf_plugins.xacro_fence.expressions import ExpressionError
 
 if TYPE_CHECKING:

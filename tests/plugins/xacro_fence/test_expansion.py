@@ -342,7 +342,7 @@ def test_check_and_view_take_arguments_and_package_paths(cli: Callable[..., Answ
     assert inspection.robot is not None
     assert inspection.robot.links[0].name == "hand_up"
     for words, message in (
-        (["side=right"], "'side=right' is no argument"),
+        ([":=right"], "':=right' is no argument"),
         (["side:=a", "side:=b"], "'side:=b' is given twice"),
         (["--package-path", workspace / "nowhere"], "there is no such folder of packages"),
     ):

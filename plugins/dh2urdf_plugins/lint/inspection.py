@@ -9,7 +9,7 @@ from dh2urdf.errors import InputError, ProofError
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf.textfiles import read_bytes
-from dh2urdf_plugins.lint import bodies, joints, plausibility, references, shapes, structure, text
+from dh2urdf_plugins.lint import bodies, coppeliasim, joints, plausibility, references, shapes, structure, text
 from dh2urdf_plugins.lint.description import Description, Hit
 from dh2urdf_plugins.lint.reading import robot_of
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
@@ -79,7 +79,7 @@ def _inspection(path: Path, content: bytes, places: list[Place | None] | None = 
         hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
     elif not parsed.entities:
         description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path))
-        for finder in (text, structure, joints, bodies, shapes, plausibility, references):
+        for finder in (text, structure, joints, bodies, shapes, plausibility, references, coppeliasim):
             hits.extend(finder.hits(description))
         robot = robot_of(description)
     findings = [finding for hit in sorted(hits, key=_order) if (finding := _finding(hit, origin)).effects]

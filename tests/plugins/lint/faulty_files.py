@@ -125,6 +125,14 @@ BASE_BODY = """    <inertial>
     </inertial>
 """
 BOX = '<box size="0.1 0.05 0.05"/>'
+VISUAL = f"""    <visual>
+      <origin xyz="0.1 0 0" rpy="0 0 0"/>
+      <geometry>
+        {BOX}
+      </geometry>
+      <material name="grey"/>
+    </visual>
+"""
 CYLINDER = '<cylinder radius="0.02" length="0.05"/>'
 LINK_1_BODY = """    <inertial>
       <origin xyz="0.1 0 0.05" rpy="0 0 0"/>
@@ -287,6 +295,8 @@ FAULTS: dict[str, Fault] = {
     "unresolved-package": Fault(BOX, '<mesh filename="package://nowhere/part.stl"/>', "<mesh"),
     "package-address": Fault(BOX, '<mesh filename="package://robots/part.obj"/>', "<mesh"),
     "file-address": Fault(BOX, '<mesh filename="file://FOLDER/part.obj"/>', "<mesh"),
+    "mesh-scale": Fault(BOX, '<mesh filename="part.obj" scale="2 2 2"/>', "<mesh", besides=("relative-mesh",)),
+    "collision-without-visual": Fault(VISUAL, "", "<collision"),
     "relative-mesh": Fault(BOX, '<mesh filename="part.obj"/>', "<mesh"),
     "mesh-format": Fault(
         BOX, '<mesh filename="part.glb"/>', "<mesh", besides=("relative-mesh",), of=("pybullet", "mujoco")
@@ -298,6 +308,27 @@ FAULTS: dict[str, Fault] = {
         '<link name="base_link_inertia"',
     ),
 }
+
+
+ELBOW = '<joint name="elbow" type="revolute">'
+OTHER = """<link name="more">
+    <inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+  </link>
+  <joint name="other" type="revolute">
+    <parent link="link_2"/><child link="more"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="elbow"/>"""
+IMPLAUSIBLE = {
+    "limits-in-degrees": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-180" upper="180"')),
+    "angles-in-degrees": ('rpy="0 1.5707963267948966 0"', 'rpy="0 90 0"'),
+    "length-in-millimetres": (BOX, '<box size="100 50 50"/>'),
+    "inertia-of-a-larger-body": (LINK_1_BODY, LINK_1_BODY.replace("0.01", "10")),
+    "centre-of-mass-far-off": (LINK_1_BODY, LINK_1_BODY.replace("0.1 0 0.05", "100 0 50")),
+    "zero-velocity": (ELBOW_LIMIT, ELBOW_LIMIT.replace('velocity="3"', 'velocity="0"')),
+    "mimic-circle": (ELBOW_LIMIT, f'{ELBOW_LIMIT}<mimic joint="other"/></joint>{OTHER}'),
+    "unknown-attribute": (ELBOW_AXIS, '<axis xyz="0 1 0"/><dynamics damping="0.1" frictoin="0.2"/>'),
+    "reference-to-nothing": (END, f'<gazebo reference="elbows"/>{END}'),
+}
+"""By rule of plausibility.yaml: a text of the sound description, and what is hardly meant in its place."""
 
 
 def write_all(folder: Path) -> dict[str, Path]:

@@ -26,7 +26,14 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.emitters.profiles import ProfileName
 
-EXPECTED = {"root-without-inertial", "fixed-link", "continuous-joint", "zero-outside-limits", "axis-along-minus-z"}
+EXPECTED = {
+    "root-without-inertial",
+    "fixed-link",
+    "named-colour",
+    "continuous-joint",
+    "zero-outside-limits",
+    "axis-along-minus-z",
+}
 """What may be found in a file that is right: nothing but CoppeliaSim misreads it."""
 EXPECTED_BY = {
     "portable": EXPECTED,

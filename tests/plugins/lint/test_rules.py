@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     from dh2urdf.stages import Finding
 
-OF_ANY_FILE = {"root-without-inertial", "fixed-link"}
+OF_ANY_FILE = {"root-without-inertial", "fixed-link", "named-colour"}
 """Notes of every file that a person would call right."""
-WITHOUT_A_FAULT = {"root-without-inertial", "xacro-fails"}
+WITHOUT_A_FAULT = {"root-without-inertial", "named-colour", "xacro-fails"}
 """Rules that the sound file has, or that no URDF can break."""
 INSTALLED = {
     "pybullet": "pybullet",
@@ -52,8 +52,8 @@ def test_every_rule_has_a_file_that_breaks_it() -> None:
     assert set(rules()) - set(plausibility_rules()) == set(FAULTS) | WITHOUT_A_FAULT
 
 
-def test_a_sound_file_has_nothing_but_two_notes(files: dict[str, Path]) -> None:
-    """The root frame that KDL wants, and the frames that some readers merge."""
+def test_a_sound_file_has_nothing_but_three_notes(files: dict[str, Path]) -> None:
+    """The root frame that KDL wants, the frames that some readers merge, and the colours that CoppeliaSim loses."""
     findings = inspect_urdf(files["sound"]).findings
     assert {finding.rule for finding in findings} == OF_ANY_FILE
     assert {finding.severity for finding in findings} == {"note"}

@@ -35,7 +35,7 @@ def _scales(description: Description) -> Iterator[Hit]:
         and set(scale) != {1.0}
     ]
     if scaled:
-        scale = shown(scaled[0].get("scale") or "")
+        first = shown(scaled[0].get("scale") or "")
         message = (
             f"the scale of a mesh is {scale}" if len(scaled) == 1 else f"{len(scaled)} meshes have one, first {scale}"
         )

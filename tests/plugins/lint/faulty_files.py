@@ -299,10 +299,8 @@ FAULTS: dict[str, Fault] = {
 }
 
 
-def write_all(folder: Path) -> dict[str, Path]:
-    """The sound file, as ``sound``, and every faulty one, by its rule, with the meshes beside them."""
-    folder = folder / "robots"
-    folder.mkdir()
+def write_meshes(folder: Path) -> None:
+    """A part in the formats that the faults name, and a folder that is empty of it."""
     corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
     faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
     obj = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
@@ -317,6 +315,13 @@ def write_all(folder: Path) -> dict[str, Path]:
     )
     (folder / "text.stl").write_text(f"solid part\n{text}endsolid part\n")
     (folder / "part.glb").write_bytes(b"glTF")
+
+
+def write_all(folder: Path) -> dict[str, Path]:
+    """The sound file, as ``sound``, and every faulty one, by its rule, with the meshes beside them."""
+    folder = folder / "robots"
+    folder.mkdir()
+    write_meshes(folder)
     texts = {"sound": SOUND} | {rule: fault.text.replace("FOLDER", str(folder)) for rule, fault in FAULTS.items()}
     paths = {name: folder / f"{name}.urdf" for name in texts}
     for name, path in paths.items():

@@ -6,13 +6,12 @@ import importlib.metadata
 import math
 import os
 import re
-import shutil
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from consumers import CHECK_URDF, Behaviour, behaviours
+from consumers import CHECK_URDF, SDFORMAT, Behaviour, behaviours
 from faulty_files import FAULTS, SOUND, write_all
 
 from dh2urdf_plugins.lint.inspection import inspect_urdf
@@ -127,7 +126,7 @@ def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[st
         pytest.skip(f"{consumer} is not installed")
     if consumer == "ros" and not CHECK_URDF:
         pytest.skip("check_urdf is not installed")
-    if consumer == "gazebo" and not (shutil.which("gz") or shutil.which("ign")):
+    if consumer == "gazebo" and not SDFORMAT:
         pytest.skip("sdformat is not installed")
     return consumer, dict(zip(files, behaviours(consumer, list(files.values())), strict=True))
 
@@ -281,7 +280,7 @@ def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.
 
 def test_what_is_said_of_real_robots_is_true_of_gazebo() -> None:
     """The same, of a few: sdformat starts slowly."""
-    if not (shutil.which("gz") or shutil.which("ign")):
+    if not SDFORMAT:
         pytest.skip("sdformat is not installed")
     names = {
         "ur5_robot",

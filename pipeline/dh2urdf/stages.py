@@ -154,7 +154,8 @@ class Finding:
         message: what stands there, as one plain sentence without its place and without a full stop.
         mend: what to do about it.
         effects: what the consumers do that do not just take it; empty where the finding is not about them.
-        mark: where it stands.
+        mark: where it stands; of a file that holds macros, in the file where the element is written.
+        calls: where the macros are called that it comes from, the innermost first.
     """
 
     rule: str
@@ -162,6 +163,7 @@ class Finding:
     mend: str
     effects: tuple[Effect, ...] = ()
     mark: Mark | None = None
+    calls: tuple[Mark, ...] = ()
 
     @property
     def severity(self) -> Severity:

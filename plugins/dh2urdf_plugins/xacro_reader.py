@@ -47,7 +47,7 @@ def read_foreign_xacro(path: Path, expansion: Expansion | None = None) -> Robot:
     Raises:
         ProofError: xacro cannot expand the file, something in it is refused, or what comes out is no robot's URDF.
     """
-    return parse_urdf(expand_foreign(path, expansion), f"{path} (expanded)")
+    return parse_urdf(expand_foreign(path, expansion).content, f"{path} (expanded)")
 
 
 def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:

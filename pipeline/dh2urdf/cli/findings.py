@@ -54,6 +54,8 @@ def said(finding: Finding) -> Iterator[str]:
 def _lines(finding: Finding) -> Iterator[str]:
     place = f"{finding.mark}: " if finding.mark else ""
     yield f"{place}{finding.severity}: {finding.message} [{finding.rule}]"
+    for call in finding.calls:
+        yield f"    by the macro called at {call}"
     for line in said(finding):
         yield f"    {line}"
     yield f"    mend: {finding.mend}"
@@ -72,10 +74,10 @@ def _print_table(findings: Sequence[Finding]) -> None:
     table.add_column("what is done with it", ratio=4, overflow="fold")
     for finding in findings:
         mark = finding.mark
-        place = str(replace(mark, file="")).removeprefix(":") if mark else ""
+        place = str(mark if len(files) > 1 and mark else replace(mark, file="") if mark else "").removeprefix(":")
         colour = COLOURS[finding.severity]
         table.add_row(
-            place,
+            escape(printable("\n".join([place, *(f"by {call}" for call in finding.calls)]))),
             f"[{colour}]{finding.severity}[/]\n{escape(finding.rule)}",
             escape(printable(finding.message)) + f"\n[dim]{escape(printable(finding.mend))}[/]",
             escape("\n".join(map(printable, said(finding)))),

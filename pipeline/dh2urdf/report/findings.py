@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from dh2urdf import __version__
 from dh2urdf.agreement import changes, number_text
 from dh2urdf.manipulator import JointType
+from dh2urdf.source import Mark
 from dh2urdf.stages import SEVERITIES, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
     from dh2urdf.agreement import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
@@ -71,18 +72,24 @@ def as_json(
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
-    mark = finding.mark
     return {
         "rule": finding.rule,
         "severity": finding.severity,
-        "file": mark.file if mark else None,
-        "line": mark.line if mark else None,
-        "column": mark.column if mark else None,
+        **_place(finding.mark),
+        "calls": [_place(call) for call in finding.calls],
         "message": finding.message,
         "mend": finding.mend,
         "consumers": {
             effect.consumer: {"severity": effect.severity, "does": effect.text} for effect in finding.effects
         },
+    }
+
+
+def _place(mark: Mark | None) -> dict[str, Any]:
+    return {
+        "file": mark.file if mark else None,
+        "line": mark.line if mark else None,
+        "column": mark.column if mark else None,
     }
 
 
@@ -145,22 +152,29 @@ def as_sarif(file: Path, findings: Sequence[Finding]) -> str:
 
 
 def _result(file: Path, finding: Finding, rule_index: int) -> dict[str, Any]:
-    mark = finding.mark
-    place: dict[str, Any] = {"artifactLocation": {"uri": _uri(file)}}
-    text = finding.message
-    if mark and mark.file != str(file):
-        text += f" ({mark})"  # A place in what the file was expanded to is none in the file.
-    elif mark and mark.line:
-        place["region"] = {"startLine": mark.line, **({"startColumn": mark.column} if mark.column else {})}
+    mark = finding.mark or Mark(file=str(file))
+    text = f"{finding.message} ({mark.place})" if mark.place else finding.message
     said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"mend: {finding.mend}"]
-    return {
+    result = {
         "ruleId": finding.rule,
         "ruleIndex": rule_index,
         "level": finding.severity,
         "message": {"text": "\n".join(said)},
-        "locations": [{"physicalLocation": place}],
+        "locations": [_location(mark)],
         "properties": {"consumers": [effect.consumer for effect in finding.effects]},
     }
+    if finding.calls:
+        result["relatedLocations"] = [
+            {**_location(call), "message": {"text": "the macro is called here"}} for call in finding.calls
+        ]
+    return result
+
+
+def _location(mark: Mark) -> dict[str, Any]:
+    place: dict[str, Any] = {"artifactLocation": {"uri": _uri(Path(mark.file))}}
+    if mark.line:
+        place["region"] = {"startLine": mark.line, **({"startColumn": mark.column} if mark.column else {})}
+    return {"physicalLocation": place}
 
 
 def _uri(file: Path) -> str:

@@ -10,7 +10,7 @@ from dh2urdf.source import shown
 from dh2urdf_plugins.lint.tree import Element
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Callable, Collection, Iterable
     from pathlib import Path
 
 MOVING = ("revolute", "continuous", "prismatic", "floating", "planar")
@@ -86,10 +86,13 @@ class Description:
         links: the links that have a name, in the order of the file; of two with one name, both.
         joints: the joints.
         link: the first link of each name.
+        place: where an element stands, as a message says it.
     """
 
-    def __init__(self, root: Element, path: Path, content: bytes) -> None:
-        self.root, self.path, self.content = root, path, content
+    def __init__(
+        self, root: Element, path: Path, content: bytes, place: Callable[[Element], str] = lambda at: f"line {at.line}"
+    ) -> None:
+        self.root, self.path, self.content, self.place = root, path, content, place
         self.links = [LinkNode(name, element) for element in root.all("link") if (name := element.get("name"))]
         self.joints = [_joint(element) for element in root.all("joint")]
         self.link = {node.name: node for node in reversed(self.links)}

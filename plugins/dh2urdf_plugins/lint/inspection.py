@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError, ProofError
@@ -13,18 +14,23 @@ from dh2urdf_plugins.lint.description import Description, Hit
 from dh2urdf_plugins.lint.reading import robot_of
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 from dh2urdf_plugins.lint.tree import Element, NotXmlError, parse
-from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Expansion
+    from dh2urdf_plugins.xacro_fence.places import Place
 
 LONGEST = 2**26
 """Size of a description that is inspected [B]."""
 _PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
-"""As many lines as the command `xacro` writes before the robot: lines of findings are those of its output."""
+"""As many lines as the command `xacro` writes before the robot: a line without an element is one of its output."""
+
+_Origin = tuple[Mark, tuple[Mark, ...]]
+"""Where something stands, and where the macros are called that it comes from."""
 
 
 def inspect_urdf(path: Path) -> Inspection:
@@ -33,7 +39,7 @@ def inspect_urdf(path: Path) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    return _inspection(path, read_bytes(path, InputError, limit=LONGEST), str(path))
+    return _inspection(path, read_bytes(path, InputError, limit=LONGEST))
 
 
 def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
@@ -48,18 +54,22 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
     """
     read_bytes(path, InputError, limit=LONGEST)
     try:
-        content = expand_foreign(path, expansion)
+        expanded = expand_foreign(path, expansion)
     except ProofError as error:
-        return _only(Hit("xacro-fails", 1, error.problems[0].message), str(path))
-    return _inspection(path, _PROLOGUE + content, f"{path} (expanded)")
+        (problem,) = error.problems
+        mark = problem.mark or Mark(file=str(path))
+        return _only(Hit("xacro-fails", 1, problem.message), lambda _: (replace(mark, line=mark.line or 1), ()))
+    return _inspection(path, _PROLOGUE + expanded.content, expanded.places)
 
 
-def _inspection(path: Path, content: bytes, file: str) -> Inspection:
+def _inspection(path: Path, content: bytes, places: list[Place | None] | None = None) -> Inspection:
+    """What there is to say of a text; `places` are those of its elements, where it was expanded."""
     try:
         parsed = parse(content)
     except NotXmlError as error:
         at = Element("", {}, error.line, error.column)
-        return _only(Hit("not-xml", at, f"this is not XML: {error.reason}"), file)
+        return _only(Hit("not-xml", at, f"this is not XML: {error.reason}"), _origins(path))
+    origin = _origins(path) if places is None else _origins_in_sources(path, parsed.root, places)
     hits: list[Hit] = []
     if parsed.declarations is not None:
         what = "declares entities; nothing below could be checked" if parsed.entities else "has declarations of its own"
@@ -68,30 +78,57 @@ def _inspection(path: Path, content: bytes, file: str) -> Inspection:
     if parsed.root.tag != "robot":
         hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
     elif not parsed.entities:
-        description = Description(parsed.root, path, content)
+        description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path))
         for finder in (text, structure, joints, bodies, shapes):
             hits.extend(finder.hits(description))
         robot = robot_of(description)
-    findings = [finding for hit in hits if (finding := _finding(hit, file)).effects]
-    return Inspection(consumers=CONSUMERS, findings=tuple(sorted(findings, key=_place)), robot=robot)
+    findings = [finding for hit in sorted(hits, key=_order) if (finding := _finding(hit, origin)).effects]
+    return Inspection(consumers=CONSUMERS, findings=tuple(findings), robot=robot)
 
 
-def _only(hit: Hit, file: str) -> Inspection:
-    return Inspection(consumers=CONSUMERS, findings=(_finding(hit, file),))
+def _only(hit: Hit, origin: Callable[[Element | int], _Origin]) -> Inspection:
+    return Inspection(consumers=CONSUMERS, findings=(_finding(hit, origin),))
 
 
-def _finding(hit: Hit, file: str) -> Finding:
+def _finding(hit: Hit, origin: Callable[[Element | int], _Origin]) -> Finding:
     rule = rules()[hit.rule]
-    line, column = (hit.at, None) if isinstance(hit.at, int) else (hit.at.line, hit.at.column)
+    mark, calls = origin(hit.at)
     return Finding(
         rule=rule.name,
         message=hit.message,
         mend=rule.mend,
         effects=tuple(effect for effect in rule.effects if hit.of is None or effect.consumer in hit.of),
-        mark=Mark(file=file, line=line, column=column),
+        mark=mark,
+        calls=calls,
     )
 
 
-def _place(finding: Finding) -> tuple[int, int]:
-    mark = finding.mark
-    return (mark.line or 0, mark.column or 0) if mark else (0, 0)
+def _origins(path: Path) -> Callable[[Element | int], _Origin]:
+    """Where things stand in a file that is as it is."""
+
+    def origin(at: Element | int) -> _Origin:
+        line, column = (at, None) if isinstance(at, int) else (at.line, at.column)
+        return Mark(file=str(path), line=line, column=column), ()
+
+    return origin
+
+
+def _origins_in_sources(path: Path, root: Element, places: list[Place | None]) -> Callable[[Element | int], _Origin]:
+    """Where the elements of an expanded text come from; what is no element has a place in the text alone."""
+    place = dict(zip(map(id, root.walk()), places, strict=True))
+
+    def origin(at: Element | int) -> _Origin:
+        if isinstance(at, Element) and (found := place.get(id(at))):
+            return mark_of(found), tuple(map(mark_of, found.calls))
+        line = at if isinstance(at, int) else at.line
+        return Mark(file=str(path), place=f"line {line} of what it expands to"), ()
+
+    return origin
+
+
+def _said(mark: Mark, path: Path) -> str:
+    return mark.in_file if mark.file == str(path) else f"{mark.in_file} of {mark.file}"
+
+
+def _order(hit: Hit) -> tuple[int, int]:
+    return (hit.at, 0) if isinstance(hit.at, int) else (hit.at.line, hit.at.column)

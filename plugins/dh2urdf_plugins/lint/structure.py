@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf_plugins.lint.description import Description
+    from dh2urdf_plugins.lint.tree import Element
 
 LONGEST_NAME = 1000
 """Characters of a name [1]."""
@@ -35,7 +36,7 @@ def _names(description: Description) -> Iterator[Hit]:
     root = description.root
     if not root.get("name"):
         yield Hit("robot-without-name", root, "the robot has no name")
-    owners: dict[tuple[str, str], int] = {}
+    owners: dict[tuple[str, str], Element] = {}
     for element in root.children:
         kind, name = element.tag, element.get("name")
         if kind not in {"link", "joint"}:
@@ -44,9 +45,9 @@ def _names(description: Description) -> Iterator[Hit]:
             yield Hit("missing-name", element, f"a {kind} has no name")
             continue
         if (kind, name) in owners:
-            message = f"{kind} {shown(name)} has the name of the {kind} in line {owners[kind, name]}"
+            message = f"{kind} {shown(name)} has the name of the {kind} in {description.place(owners[kind, name])}"
             yield Hit(f"duplicate-{kind}", element, message)
-        owners.setdefault((kind, name), element.line)
+        owners.setdefault((kind, name), element)
         if len(name) > LONGEST_NAME:
             message = f"the name of {kind} {shown(name)} has {len(name):,} characters"
             yield Hit("name-too-long", element, message)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import os
 import types
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.fence import enter
@@ -14,10 +15,10 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
 from dh2urdf_plugins.xacro_fence.files import Files, packages_in
+from dh2urdf_plugins.xacro_fence.places import Place, keep_places, place_of_failure, places
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
-    from pathlib import Path
     from xml.dom.minidom import Document
 
 EXPANSION = 30.0
@@ -28,12 +29,26 @@ MAX_MACROS = 50_000
 """How often macros are expanded in all."""
 
 
+class Expanded(NamedTuple):
+    """What xacro made of a file.
+
+    Attributes:
+        content: the text.
+        places: where each element of it comes from, in the order of the text; None where xacro has made it. The first
+            file is named as it was given; others are relative to the current folder where they are in it and the first
+            is, and absolute otherwise.
+    """
+
+    content: bytes
+    places: list[Place | None]
+
+
 def expand_foreign(
     path: Path,
     expansion: Expansion | None = None,
     *,
     timeout: float | None = None,
-) -> bytes:
+) -> Expanded:
     """The text that xacro makes of a file of unknown origin, which can do nothing but be read.
 
     It is expanded in a child process behind `dh2urdf.fence`. Expressions are checked before they are evaluated, and
@@ -46,44 +61,66 @@ def expand_foreign(
         timeout: how long it may take [s]; `EXPANSION` by default.
 
     Raises:
-        ProofError: xacro cannot expand the file, or something in it is refused.
+        ProofError: xacro cannot expand the file, or something in it is refused; with the place where that is.
     """
     limit = EXPANSION if timeout is None else timeout
     given = expansion or Expansion()
     packages = packages_in(given.package_paths)
     try:
-        return run_in_child(_expanded, path, dict(given.arguments), packages, limit, timeout=limit, who="xacro").value
+        text, found, failure = run_in_child(
+            _expanded, path, dict(given.arguments), packages, limit, timeout=limit, who="xacro"
+        ).value
     except TimeLimitError:
         raise _failure(path, f"it did not finish within {limit:g} s") from None
     except CrashError as error:
         raise _failure(path, f"it ended without a result: {error.problems[0].message}") from error
+    if failure is not None:
+        raise _failure(path, failure, *found)
+    return Expanded(text, [place and _named(path, place) for place in found])
 
 
-def _failure(path: Path, reason: str) -> ProofError:
-    return ProofError(Problem(message=f"xacro cannot expand it: {reason}", mark=Mark(file=str(path))))
+def _failure(path: Path, reason: str, place: Place | None = None) -> ProofError:
+    mark = mark_of(_named(path, place)) if place else Mark(file=str(path))
+    return ProofError(Problem(message=f"xacro cannot expand it: {reason}", mark=mark))
 
 
-def _expanded(path: Path, arguments: dict[str, str], packages: dict[str, Path], seconds: float) -> bytes:
+def mark_of(place: Place) -> Mark:
+    """A place as findings and problems have it."""
+    return Mark(file=place.file, line=place.line, column=place.column)
+
+
+def _named(path: Path, place: Place) -> Place:
+    """A place whose file is named as the user named the first one."""
+    file = str(path) if place.file == path.name else os.path.normpath(path.absolute().parent / place.file)
+    if not path.is_absolute() and Path(file).is_absolute() and Path(file).is_relative_to(Path.cwd()):
+        file = str(Path(file).relative_to(Path.cwd()))
+    return place._replace(file=file, calls=tuple(_named(path, call) for call in place.calls))
+
+
+def _expanded(
+    path: Path, arguments: dict[str, str], packages: dict[str, Path], seconds: float
+) -> tuple[bytes, list[Place | None], str | None]:
     """Expands a file in the child; its process is good for nothing else afterwards.
 
-    Raises:
-        ProofError: xacro cannot expand it.
+    Returns:
+        The text, the places of its elements, and None; or what was wrong, with one place at most.
     """
     import xacro
 
     files = Files(path, packages)
     _close(files)
     _warm_up()
+    keep_places(xacro)
     os.chdir(path.absolute().parent)  # where names relative to the file are looked for, those of YAML too
     enter(files.roots, seconds)
     try:
         document: Document = xacro.process_file(path.name, mappings=arguments)
         text: bytes = document.documentElement.toprettyxml(indent="  ", encoding="utf-8")  # type: ignore[union-attr]
+        if len(text) > MAX_OUTPUT:
+            return b"", [], f"it becomes a text of {len(text)} bytes, more than {MAX_OUTPUT}"
+        return text, places(document), None
     except Exception as error:  # noqa: BLE001 - it evaluates what a stranger wrote: anything may come out
-        raise _failure(path, _reason(error)) from None
-    if len(text) > MAX_OUTPUT:
-        raise _failure(path, f"it becomes a text of {len(text)} bytes, more than {MAX_OUTPUT}")
-    return text
+        return b"", [place_of_failure(error)], _reason(error)
 
 
 def _reason(error: Exception) -> str:

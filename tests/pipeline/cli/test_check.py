@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 import pytest
 
@@ -74,10 +76,12 @@ def test_one_simulator_is_asked_for(cli: Cli, arm: Path) -> None:
 
 
 def test_a_xacro_is_expanded(cli: Cli, arm: Path) -> None:
-    """With a name for the text that lines are counted in."""
+    """With places in its own files, and where macros are called."""
     cli("convert", "arm.csv", "-o", "arm.urdf.xacro")
     assert arm.is_file()
-    assert "arm.urdf.xacro (expanded):" in cli("check", "arm.urdf.xacro").stdout
+    lines = cli("check", "arm.urdf.xacro").stdout.splitlines()
+    assert lines[0].startswith("arm_macro.xacro:")
+    assert re.fullmatch(r"    by the macro called at arm\.urdf\.xacro:\d+:\d+", lines[1])
 
 
 @pytest.mark.parametrize(
@@ -170,7 +174,17 @@ def test_the_same_as_json(cli: Cli, arm: Path) -> None:
     assert told["schema"] == "dh2urdf-check/1"
     assert told["counts"] == {"error": 1, "warning": 0, "note": 2}
     (finding,) = [finding for finding in told["findings"] if finding["severity"] == "error"]
-    assert set(finding) == {"rule", "severity", "file", "line", "column", "message", "mend", "consumers"}
+    assert set(finding) == {
+        "rule",
+        "severity",
+        "file",
+        "line",
+        "column",
+        "calls",
+        "message",
+        "mend",
+        "consumers",
+    }
     assert finding["consumers"]["drake"] == {"severity": "error", "does": "ends the interpreter with SystemExit"}
 
 
@@ -195,14 +209,30 @@ def test_the_same_as_sarif(cli: Cli, arm: Path) -> None:
         assert set(place["region"]) <= {"startLine", "startColumn"}
 
 
-def test_sarif_has_no_place_in_what_was_expanded(cli: Cli, arm: Path) -> None:
-    """A line of the expanded text is none of the file; the message names it."""
+def test_sarif_has_the_places_of_a_xacro(cli: Cli, arm: Path) -> None:
+    """The file where the element is written, and the call of the macro as a related place."""
     cli("convert", "arm.csv", "-o", "my arm.urdf.xacro")
     (run,) = json.loads(cli("check", "my arm.urdf.xacro", "--format", "sarif").stdout)["runs"]
     assert arm.is_file()
+    assert run["results"]
     for result in run["results"]:
-        assert result["locations"] == [{"physicalLocation": {"artifactLocation": {"uri": "my%20arm.urdf.xacro"}}}]
-        assert "(my arm.urdf.xacro (expanded):" in result["message"]["text"]
+        ((place,), (call,)) = result["locations"], result["relatedLocations"]
+        for location, file in ((place, "my arm_macro.xacro"), (call, "my arm.urdf.xacro")):
+            physical = location["physicalLocation"]
+            assert physical["artifactLocation"] == {"uri": quote(file)}
+            line = Path(file).read_text().splitlines()[physical["region"]["startLine"] - 1]
+            assert line[physical["region"]["startColumn"] - 1] == "<"
+        assert call["message"] == {"text": "the macro is called here"}
+
+
+def test_a_line_of_the_expanded_text_is_none_of_the_file(cli: Cli, arm: Path) -> None:
+    """The message names it, and SARIF has the file alone."""
+    text = '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><link name="${9000 * \'x\'}"/></robot>'
+    arm.with_name("r.xacro").write_text(text)
+    (run,) = json.loads(cli("check", "r.xacro", "--format", "sarif", status=1).stdout)["runs"]
+    (result,) = [result for result in run["results"] if result["ruleId"] == "long-line"]
+    assert result["locations"] == [{"physicalLocation": {"artifactLocation": {"uri": "r.xacro"}}}]
+    assert "(line 7 of what it expands to)" in result["message"]["text"]
 
 
 def test_names_of_strangers_do_not_reach_the_terminal(cli: Cli, arm: Path) -> None:

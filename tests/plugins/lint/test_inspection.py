@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,6 +12,7 @@ from hypothesis import strategies as st
 
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics import KinematicChain, angle_error, position_error
+from dh2urdf.source import Mark
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.lint.inspection import inspect_urdf, inspect_xacro
 from dh2urdf_plugins.lint.tree import DEEPEST, NotXmlError, numbers_of, parse
@@ -143,20 +142,28 @@ XACRO = '<?xml version="1.0"?>\n<robot name="arm" xmlns:xacro="http://www.ros.or
 
 
 def test_a_xacro_is_inspected_as_it_expands(tmp_path: Path) -> None:
-    """Faults are found behind properties and macros; their lines are those of the expanded text, and are called so."""
-    path = tmp_path / "arm.urdf.xacro"
-    text = SOUND.split("?>", 1)[1].replace(
-        '<robot name="arm">', '<robot name="arm" xmlns:xacro="http://ros.org/xacro">'
+    """Faults are found behind properties and macros; their lines are those of the sources, with the macro's call."""
+    text = SOUND.split("?>", 1)[1].split('<robot name="arm">')[1].removesuffix("</robot>\n")
+    text = text.replace('lower="-2"', 'lower="${bottom}"')
+    (tmp_path / "macro.xacro").write_text(
+        XACRO.format(f'<xacro:macro name="arm" params="bottom">{text}</xacro:macro>\n<link name="base_link"/>')
     )
-    text = text.replace('lower="-2"', 'lower="${3 + 1}"')
-    path.write_text('<?xml version="1.0"?>' + text)
-    (finding,) = [finding for finding in inspect_xacro(path).findings if finding.rule not in EXPECTED]
-    assert finding.rule == "swapped-limits"
-    assert finding.mark is not None
-    assert finding.mark.file == f"{path} (expanded)"
-    command = [sys.executable, "-c", "import xacro; xacro.main()", path]
-    written = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
-    assert 'lower="4"' in written[(finding.mark.line or 0) - 1]
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(XACRO.format('<xacro:include filename="macro.xacro"/>\n  <xacro:arm bottom="${3 + 1}"/>'))
+    found = {finding.rule: finding for finding in inspect_xacro(path).findings if finding.rule not in EXPECTED}
+    assert set(found) == {"swapped-limits", "duplicate-link"}
+    limit, link = found["swapped-limits"], found["duplicate-link"]
+    assert limit.mark is not None
+    assert limit.mark.file == str(tmp_path / "macro.xacro")
+    assert 'lower="${bottom}"' in (tmp_path / "macro.xacro").read_text().splitlines()[(limit.mark.line or 0) - 1]
+    assert limit.calls == (Mark(file=str(path), line=4, column=3),)
+    lines = (tmp_path / "macro.xacro").read_text().splitlines()
+    first = next(
+        number
+        for number, line in enumerate(lines, start=1)
+        if line == '<link name="base_link"/>' or "</xacro:macro>" in line
+    )
+    assert link.message.endswith(f"has the name of the link in line {first + 1} of {tmp_path / 'macro.xacro'}")
 
 
 @pytest.mark.parametrize(

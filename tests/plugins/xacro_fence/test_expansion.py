@@ -283,7 +283,7 @@ def test_what_makers_write_expands_as_in_the_real_xacro(tmp_path: Path) -> None:
         (folder / name).write_text(text)
     path = folder / "urdf" / "arm.urdf.xacro"
     real = subprocess.run([sys.executable, "-c", REAL, path, folder], capture_output=True, check=True).stdout
-    assert expand_foreign(path) == real
+    assert expand_foreign(path).content == real
     assert b"2.96705972839" in real
 
 
@@ -297,7 +297,7 @@ def test_a_package_is_read_where_it_is_named(tmp_path: Path) -> None:
     path.parent.mkdir()
     path.write_text(ROBOT.format('<xacro:include filename="$(find grippers)/hand.xacro"/>'))
     for folder in (other, other.parent, tmp_path / "elsewhere"):
-        assert b'name="hand"' in expand_foreign(path, Expansion(package_paths=(folder,)))
+        assert b'name="hand"' in expand_foreign(path, Expansion(package_paths=(folder,))).content
     for folder, message in ((path.parent, "no folder in it holds a package.xml"), (path, "there is no such folder")):
         with pytest.raises(InputError, match=message):
             expand_foreign(path, Expansion(package_paths=(folder,)))
@@ -308,7 +308,7 @@ def test_a_package_is_read_where_it_is_named(tmp_path: Path) -> None:
 def test_arguments_have_the_values_that_are_given(tmp_path: Path) -> None:
     path = tmp_path / "r.xacro"
     path.write_text(ROBOT.format('<xacro:arg name="side" default="left"/><link name="$(arg side)"/>'))
-    assert b'"right"' in expand_foreign(path, Expansion(arguments={"side": "right"}))
+    assert b'"right"' in expand_foreign(path, Expansion(arguments={"side": "right"})).content
     path.write_text(ROBOT.format('<xacro:arg name="side"/><link name="$(arg side)"/>'))
     with pytest.raises(ProofError, match=r"missing attribute 'default'"):
         expand_foreign(path)

@@ -581,7 +581,7 @@ def extension(rng: Random, robot: Node) -> bool:
     robot.children.append(rng.choice([
         Node("gazebo", [("reference", "nowhere")], [Node("material", text="Gazebo/Red")]), Node("gazebo", [], [Node("plugin", [("name", "p"), ("filename", "p.so")])]),
         Node("ros2_control", [("name", "c"), ("type", "system")]), Node("mujoco", [], [Node("compiler", [("fusestatic", "false"), ("discardvisual", "false")])]),
-        Node("mujoco", [], [Node("compiler", [("balanceinertia", "true")])]), Node("mujoco", [], [Node("compiler", [("strippath", "false")])]), Node("mujoco", [], [Node("option", [("timestep", "x")])]),
+        Node("mujoco", [], [Node("compiler", [("balanceinertia", "true")])]), Node("mujoco", [], [Node("compiler", [("strippath", "false")])]),
         Node("xacro:property", [("name", "a"), ("value", "1")]), Node("drake:joint", [("name", "x"), ("type", "ball")]), Node("sensor", [("name", "s")]),
         Node("gazebo", [("reference", rng.choice([n.get("name") or "" for n in robot.all("link", "joint")] or [""]))], [Node(rng.choice(["preserveFixedJoint", "disableFixedJointLumping"]), text="true")]),
     ]))  # fmt: skip

@@ -22,7 +22,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import description_faults as faults
 from description_sources import sources, write_meshes
@@ -189,19 +189,17 @@ def _without(tree: Node, step: int) -> Node | None:
     return None
 
 
-def examine(seed: int, indices: Sequence[int], folders: Sequence[Path]) -> Figures:
+def examine(bench: Bench, robots: Sequence[Node], seed: int, indices: Sequence[int]) -> Figures:
     """Try descriptions by their numbers."""
-    figures, robots = Figures(), sources(folders)
-    with ExitStack() as stack:
-        bench = Bench(stack)
-        for index in indices:
-            figures.files += 1
-            for wrong, consumer, told, refused in bench.wrong(case(seed, index, robots)):
-                figures.predictions += 1
-                figures.predicted[consumer] += told
-                figures.refused[consumer] += refused
-                if wrong:
-                    figures.wrong.setdefault(wrong, []).append(index)
+    figures = Figures()
+    for index in indices:
+        figures.files += 1
+        for wrong, consumer, told, refused in bench.wrong(case(seed, index, robots)):
+            figures.predictions += 1
+            figures.predicted[consumer] += told
+            figures.refused[consumer] += refused
+            if wrong:
+                figures.wrong.setdefault(wrong, []).append(index)
     return figures
 
 
@@ -245,27 +243,37 @@ def _row(name: str, files: int, row: dict[str, int]) -> str:
     )
 
 
-def _examine(task: tuple[int, Sequence[int], Sequence[Path]]) -> Figures:
-    return examine(*task)
+_WORKER: dict[str, Any] = {}
+
+
+def _start(folders: Sequence[Path]) -> None:
+    """Start the readers of a worker; they end with it."""
+    _WORKER["stack"] = stack = ExitStack()
+    _WORKER["bench"], _WORKER["robots"] = Bench(stack), sources(folders)
+
+
+def _examine(task: tuple[int, Sequence[int]]) -> Figures:
+    return examine(_WORKER["bench"], _WORKER["robots"], *task)
 
 
 def main() -> int:
     """Try many, and print the figures; the exit status is 1 where more than `--allowed` % are mispredicted."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", type=int, default=500)
+    parser.add_argument("--seconds", type=float, help="end after this time, whatever --files says")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--descriptions", type=Path, action="append", default=[], help="a folder of URDFs to spoil too")
     parser.add_argument("--found", type=Path, help="a folder for the smallest file of every group of mispredictions")
     parser.add_argument("--allowed", type=float, default=1.0, help="mispredicted refusals that are no failure [%%]")
     given = parser.parse_args()
-    start, figures, chunk = time.monotonic(), Figures(), 50
-    tasks = [
-        (given.seed, range(i, min(i + chunk, given.files)), given.descriptions) for i in range(0, given.files, chunk)
-    ]
-    with multiprocessing.get_context("spawn").Pool(given.workers) as pool:
+    start, figures, chunk = time.monotonic(), Figures(), 20
+    tasks = [(given.seed, range(i, min(i + chunk, given.files))) for i in range(0, given.files, chunk)]
+    with multiprocessing.get_context("spawn").Pool(given.workers, _start, (given.descriptions,)) as pool:
         for done in pool.imap_unordered(_examine, tasks):
             figures.add(done)
+            if given.seconds and time.monotonic() - start > given.seconds:
+                break
             if figures.files % 1000 == 0:
                 print(f"{figures.files} files", file=sys.stderr, flush=True)
     print(*lines(figures), f"seconds {time.monotonic() - start:.0f}", sep="\n", flush=True)

@@ -105,7 +105,6 @@ def behaviours(consumer: str, paths: Sequence[Path]) -> list[Behaviour]:
 def pybullet(path: str) -> Behaviour:
     import pybullet as p
 
-    p.connect(p.DIRECT)
     robot = p.loadURDF(path, useFixedBase=True, flags=p.URDF_USE_INERTIA_FROM_FILE)
     found = Behaviour("loads")
     found.masses[p.getBodyInfo(robot)[0].decode()] = p.getDynamicsInfo(robot, -1)[0]
@@ -211,6 +210,7 @@ def drake(path: str) -> Behaviour:
             found.joints[joint.name()] = None
     numbers = [x for body in bodies for x in plant.EvalBodyPoseInWorld(context, body).translation()]
     found.finite = all(map(math.isfinite, numbers))
+    found.extra["actuators"] = plant.num_actuators()
     found.extra["constraints"] = plant.num_constraints()
     found.extra["inertias"] = {
         body.name(): body.default_rotational_inertia().get_moments().tolist() for body in bodies if body.default_mass()
@@ -276,7 +276,7 @@ MODULES = {
     "pybullet": ["pybullet"],
     "mujoco": ["mujoco"],
     "pinocchio": ["pinocchio"],
-    "drake": ["pydrake.multibody.plant", "pydrake.multibody.parsing"],
+    "drake": ["pydrake.multibody.plant", "pydrake.multibody.parsing", "pydrake.multibody.tree"],
 }
 """What a consumer imports, once for all files."""
 
@@ -285,6 +285,10 @@ def _serve(consumer: str) -> None:
     """Everything that it prints goes to a file, through C too; the answer to standard output."""
     for module in MODULES.get(consumer, ()):
         __import__(module)
+    if consumer == "pybullet":
+        sys.modules["pybullet"].connect(sys.modules["pybullet"].DIRECT)
+    if consumer == "gazebo":
+        ctypes.CDLL(SDFORMAT)
     printed, answer = Path("printed"), Path("answer")
     for line in sys.stdin:
         answer.unlink(missing_ok=True)

@@ -7,6 +7,7 @@ import importlib
 import json
 import pkgutil
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -106,6 +107,16 @@ class TestImportDirection:
         inner = re.compile(r"dh2urdf\.(cli|report|(.*\.)?_)")
         theirs = [path for example in EXAMPLES for path in modules(example / "src")]
         assert importing([*modules(PLUGINS), *theirs], inner.match) == []
+
+    def test_the_contract(self) -> None:
+        """What pyproject.toml says of imports holds: layers, no circles, kinds of stages apart, independent proofs."""
+        linter = shutil.which("lint-imports", path=Path(sys.executable).parent)
+        if linter is None:
+            pytest.skip("import-linter is not installed")
+        checked = subprocess.run(
+            [linter, "--no-cache", "--no-logo"], cwd=ROOT, capture_output=True, text=True, check=False
+        )
+        assert checked.returncode == 0, checked.stdout
 
     def test_every_import_is_of_something_that_is_installed_with_it(self) -> None:
         """What the project imports is in the standard library, among its dependencies, or in an extra that a stage asks for."""

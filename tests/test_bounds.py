@@ -22,12 +22,12 @@ from dh2urdf.stages import Rejected
 from dh2urdf.textfiles import MAX_BYTES
 from dh2urdf.yaml_composer import MAX_ALIASED, MAX_DEPTH
 from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT
 from dh2urdf_plugins.readers.csv_header import MAX_HEADER
 from dh2urdf_plugins.readers.names import MAX_NAME
 from dh2urdf_plugins.readers.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.statements import TableOptions
-from dh2urdf_plugins.readers.tables import MAX_JOINTS
 from dh2urdf_plugins.readers.text import MAX_LINE
 
 if TYPE_CHECKING:

@@ -12,23 +12,28 @@ import pytest
 from dh2urdf import agreement
 from dh2urdf.cli.check import command
 from dh2urdf_plugins.lint.inspection import inspect_urdf
+from dh2urdf_plugins.lint.models import CONSUMERS as MODEL_CONSUMERS
+from dh2urdf_plugins.lint.models import model_rules
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from dh2urdf_plugins.lint.rules import Rule
 
 PAGE = Path(__file__).parents[1] / "docs" / "check.md"
-RULES = re.compile(r"(?<=<!-- rules: )(?P<remark>[^>]*-->\n)(?P<rules>.*?)(?=<!-- /rules -->)", re.DOTALL)
+PATTERN = r"(?<=<!-- {0}: )(?P<remark>[^>]*-->\n)(?P<rules>.*?)(?=<!-- /{0} -->)"
 
 
-def lines() -> Iterator[str]:
+def lines(rules: Mapping[str, Rule], readers: Iterable[str]) -> Iterator[str]:
     """The matrix of all rules, then a paragraph for each."""
-    yield f"\n| rule | {' | '.join(CONSUMERS)} |"
-    yield f"|---|{'---|' * len(CONSUMERS)}"
-    for rule in rules().values():
-        cells = " | ".join(rule.outcomes.get(consumer, "") for consumer in CONSUMERS)
+    names = list(readers)
+    yield f"\n| rule | {' | '.join(names)} |"
+    yield f"|---|{'---|' * len(names)}"
+    for rule in rules.values():
+        cells = " | ".join(rule.outcomes.get(consumer, "") for consumer in names)
         yield f"| [{rule.name}](#{rule.name}) | {cells} |".replace("|  ", "| ")
-    for rule in rules().values():
+    for rule in rules.values():
         yield f"\n### {rule.name}\n\n{rule.fault[0].upper()}{rule.fault[1:]}.\n"
         together: dict[str, list[str]] = {}
         for effect in rule.effects:
@@ -38,12 +43,20 @@ def lines() -> Iterator[str]:
         yield f"\nMend: {rule.mend}."
 
 
-def test_every_rule_is_in_the_page(*, renew: bool) -> None:
+TABLES = {
+    "rules": (rules(), CONSUMERS),
+    **{f"{name} rules": (model_rules(name), MODEL_CONSUMERS[name]) for name in MODEL_CONSUMERS},
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_every_rule_is_in_the_page(name: str, *, renew: bool) -> None:
     """With what every consumer does, and how to mend it."""
-    page, generated = PAGE.read_text("utf-8"), "\n".join(lines()) + "\n\n"
+    page, generated = PAGE.read_text("utf-8"), "\n".join(lines(*TABLES[name])) + "\n\n"
+    pattern = re.compile(PATTERN.format(name), re.DOTALL)
     if renew:
-        PAGE.write_text(RULES.sub(lambda match: match["remark"] + generated, page), "utf-8")
-    match = RULES.search(PAGE.read_text("utf-8"))
+        PAGE.write_text(pattern.sub(lambda match: match["remark"] + generated, page), "utf-8")
+    match = pattern.search(PAGE.read_text("utf-8"))
     assert match is not None
     assert match["rules"] == generated
 

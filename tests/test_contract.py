@@ -17,7 +17,7 @@ from dh2urdf_plugins.emitters.xacro import XacroOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
 from dh2urdf_plugins.loaders.coppeliasim import CoppeliaSimOptions
-from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

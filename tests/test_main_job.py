@@ -85,7 +85,15 @@ def test_the_summary_tells_the_errors(checkout: Path) -> None:
 def test_the_report_has_its_full_form(output: Path) -> None:
     """Schema, version, exit status, and per manipulator all that the interface promises."""
     report = json.loads((output / "report.json").read_bytes())
-    assert set(report) == {"schema", "version", "exit_status", "manipulators", "left_out"}
+    assert set(report) == {
+        "schema",
+        "version",
+        "exit_status",
+        "coverage",
+        "simulator_notices",
+        "manipulators",
+        "left_out",
+    }
     assert (report["exit_status"], report["left_out"]) == (0, 0)
     (entry,) = report["manipulators"]
     assert {"name", "status", "source", "files", "proof", "loaders", "notices", "errors"} <= set(entry)

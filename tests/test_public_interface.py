@@ -47,6 +47,7 @@ PUBLIC = {
     "dh2urdf.kinematics": "the DH product and forward kinematics",
     "dh2urdf.manipulator": "what a table says: readers make it, transforms take it",
     "dh2urdf.mass_properties": "mass, centre and inertia of shapes and of compounds",
+    "dh2urdf.mesh_triangles": "the triangles of mesh files, and the body that they enclose",
     "dh2urdf.meshes": "mesh files, and where descriptions name them",
     "dh2urdf.number_text": "the shortest text of a number",
     "dh2urdf.options": "options of a stage, checked and described",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.stores import open_store
+from dh2urdf.open_store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -5,6 +5,8 @@ What this module names is imported when it is asked for: `import dh2urdf` costs 
 
 from __future__ import annotations
 
+from dh2urdf._version import __version__
+
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
 if TYPE_CHECKING:
     from dh2urdf import errors, kinematics, results
@@ -15,8 +17,6 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.single_table import Conversion
     from dh2urdf.stages import Rejected
-
-__version__ = "0.1.0"
 
 __all__ = [
     "Convention",

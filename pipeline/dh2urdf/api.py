@@ -149,6 +149,7 @@ def convert(
     formats: str | Iterable[str] = (),
     robot: str | None = None,
     meshes: str | None = None,
+    convert_meshes: str | None = None,
     reader: str | None = None,
     transform: str = DEFAULT_TRANSFORM,
     without: Iterable[str] = (),
@@ -169,6 +170,8 @@ def convert(
         formats: the name of an emitter, or several; URDF without any.
         robot: which manipulator is meant, where the table holds several.
         meshes: ``relative`` (copies beside the file), ``file`` (file:// paths) or ``package://NAME``.
+        convert_meshes: ``auto`` (OBJ files, which all simulators take), ``hull`` or ``decomposition`` (besides, what
+            touches is convex); ``never`` by default.
         reader: name of the reader; without it the table's suffix says it.
         transform: name of the transform.
         without: plugins or distributions to leave out.
@@ -205,6 +208,7 @@ def convert(
             robot=robot,
             settings=_settings(options),
             meshes=meshes,
+            convert_meshes=convert_meshes,
         )
         return planned.carry_out()
 
@@ -332,6 +336,7 @@ def asker_of(function: str) -> Asker:
         robot="robot=",
         out="out=",
         meshes="meshes=",
+        convert_meshes="convert_meshes=",
         setting="",
         nowhere="none is written",
         every="`dh2urdf.read_all` gives all of them, one by one",

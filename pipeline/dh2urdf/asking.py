@@ -24,7 +24,8 @@ class Asker(NamedTuple):
         format: what stands before the name of an emitter.
         robot: what stands before the name of a manipulator.
         out: what stands before the name of a file.
-        meshes: what stands before the word for meshes.
+        meshes: what stands before the word for how meshes are named.
+        convert_meshes: what stands before the word for what becomes of meshes.
         setting: what stands before any other option of a stage.
         nowhere: where a conversion goes that writes no file.
         every: how to get all manipulators of a table.
@@ -37,6 +38,7 @@ class Asker(NamedTuple):
     robot: str
     out: str
     meshes: str
+    convert_meshes: str
     setting: str
     nowhere: str
     every: str

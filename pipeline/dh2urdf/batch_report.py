@@ -87,8 +87,10 @@ class Tally:
         self.statuses[outcome.status] += 1
         if outcome.kind:
             self._kinds[outcome.kind] += 1
-        findings = [finding for load in outcome.loads.values() for finding in load.findings]
-        problems = (*outcome.notices, *findings, *outcome.errors)
+        # What simulators notice is alike for many manipulators: it is told at the end, grouped.
+        findings = [finding for load in outcome.loads.values() for finding in load.report.findings]
+        graver = [finding for finding in findings if finding.severity == "error"]
+        problems = (*outcome.notices, *graver, *outcome.errors)
         for problem in problems if outcome.was_read else in_file_order(problems):
             self._severities[problem.severity] += 1
             if self._severities[problem.severity] <= SCREENFUL and is_new(problem, self._said):

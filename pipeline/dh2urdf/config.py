@@ -22,6 +22,7 @@ from dh2urdf.documents import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.errors import ConfigError
 from dh2urdf.file_patterns import matching
 from dh2urdf.layouts import Layout
+from dh2urdf.mesh_forms import MeshConversion
 from dh2urdf.mesh_section import MeshCall, MeshesReader
 from dh2urdf.meshes import RELATIVE, prefix_of
 from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, SettingsReader
@@ -66,11 +67,13 @@ class StageCall:
         stage: its name.
         options: its options as they are written; `dh2urdf.options.make_options` checks them.
         mark: where the stage is named.
+        optional: of a loader, whether what it refuses is a notice and fails nothing.
     """
 
     stage: str
     options: Node | None = None
     mark: Mark | None = None
+    optional: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,6 +115,7 @@ class RunConfig:
         variations: manipulators whose tables are drawn, that are made besides.
         meshes: mesh files that links are drawn and touched as.
         mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
+        mesh_conversion: what becomes of meshes.
         poses: random joint vectors at which each written file is compared with its table.
         proved: whose files are compared.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
@@ -131,6 +135,7 @@ class RunConfig:
     variations: tuple[VariationCall, ...] = ()
     meshes: tuple[MeshCall, ...] = ()
     mesh_prefix: str | None = prefix_of(RELATIVE)
+    mesh_conversion: MeshConversion = MeshConversion.NEVER
     poses: int = DEFAULT_POSES
     proved: Sample = Sample()
     sample: Sample = DEFAULT_SAMPLE
@@ -211,7 +216,7 @@ def _written_out(root: Node) -> Node:
         "emitters": _list_of(given.get("emitters", _text(DEFAULT_EMITTER, root)), "stage", root),
         "loaders": _list_of(given.get("loaders"), "stage", root),
         "execution": _mapping_of(given.get("execution", _text(DEFAULT_EXECUTOR, root)), "stage"),
-        "output": _mapping_of(given.get("output", _mapping({}, root)), "directory"),
+        "output": _output_of(_mapping_of(given.get("output", _mapping({}, root)), "directory")),
         "proof": given.get("proof", _mapping({}, root)),
         "sample": given.get("sample", _mapping({}, root)),
         "report": given.get("report", _mapping({}, root)),
@@ -235,6 +240,14 @@ def _list_of(node: Node | None, key: str, root: Node) -> Node:
 
 def _mapping_of(node: Node, key: str) -> Node:
     return node if isinstance(node.value, (dict, list)) or node.value is None else _mapping({key: node}, node)
+
+
+def _output_of(output: Node) -> Node:
+    """The section `output`, in which `meshes: relative` is `meshes: {names: relative}`."""
+    if not isinstance(output.value, dict) or "meshes" not in output.value:
+        return output
+    meshes = _mapping_of(output.value["meshes"], "names")
+    return _mapping({**output.value, "meshes": meshes}, output)
 
 
 def _tidy(path: Path) -> Path:
@@ -263,12 +276,13 @@ class _Sections(SettingsReader):
         sample = self.entries(sections["sample"], ("first", "every"), "sample")
         report = self.entries(sections["report"], ("html",), "report")
         layout = self.layout(output)
+        mesh_prefix, mesh_conversion = self.mesh_copies(output.get("meshes"), layout)
         return RunConfig(
             inputs=tuple(self._inputs(sections["inputs"])),
             transform=self._call(sections["transform"], "transform", DEFAULT_TRANSFORM)
             or StageCall(stage=DEFAULT_TRANSFORM),
             emitters=tuple(self._calls(sections["emitters"], "emitters", needed="something must be written")),
-            loaders=tuple(self._calls(sections["loaders"], "loaders")),
+            loaders=tuple(self._calls(sections["loaders"], "loaders", ("optional",))),
             execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR, ("time_limit",))
             or StageCall(stage=DEFAULT_EXECUTOR),
             output=self._output(output.get("directory")),
@@ -276,7 +290,8 @@ class _Sections(SettingsReader):
             cells=CellsReader(self.problems).read(sections["cells"]),
             variations=VariationsReader(self.problems).read(sections["variations"]),
             meshes=MeshesReader(self.problems, self._folder(sections["meshes"])).read(sections["meshes"]),
-            mesh_prefix=self.mesh_prefix(output.get("meshes"), layout),
+            mesh_prefix=mesh_prefix,
+            mesh_conversion=mesh_conversion,
             poses=self.whole(proof.get("poses"), "proof.poses", 1, MAX_POSES, DEFAULT_POSES),
             proved=self.sample(proof, "proof", Sample()),
             sample=self.sample(sample, "sample", DEFAULT_SAMPLE),
@@ -311,13 +326,15 @@ class _Sections(SettingsReader):
                 notices=tuple(notices),
             )
 
-    def _calls(self, section: Node, field: str, needed: str = "") -> Iterator[StageCall]:
+    def _calls(
+        self, section: Node, field: str, others: tuple[str, ...] = (), *, needed: str = ""
+    ) -> Iterator[StageCall]:
         entries = section.value if isinstance(section.value, list) else []
         if needed and not entries:
             self.say(f"the list is empty, and {needed}", section, field, accepted="at least one stage")
         seen: dict[str, Mark | None] = {}
         for index, node in enumerate(entries):
-            call = self._call(node, f"{field}.{index}")
+            call = self._call(node, f"{field}.{index}", others=others)
             if call is None:
                 continue
             if call.stage in seen:
@@ -342,7 +359,9 @@ class _Sections(SettingsReader):
             self.say("it is not said which stage is meant", node, field, accepted="`stage: NAME`")
         name = self.name(given.get("stage"), f"{field}.stage") or default
         options = self._options(given.get("options"), f"{field}.options")
-        return StageCall(stage=name, options=options, mark=given.get("stage", node).mark) if name else None
+        optional = self.switch(given.get("optional"), f"{field}.optional", default=False)
+        mark = given.get("stage", node).mark
+        return StageCall(stage=name, options=options, mark=mark, optional=optional) if name else None
 
     def _options(self, node: Node | None, field: str) -> Node | None:
         if node is None or node.value is None:

@@ -5,7 +5,8 @@ The command `convert` and every worker of a run go through here, so one table an
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -13,6 +14,8 @@ from dh2urdf.attribution import Call, blaming, depending_on
 from dh2urdf.cells import Cell, cannot_be, compose, truth_of
 from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.mesh_conversion import converted
+from dh2urdf.mesh_forms import MeshConversion
 from dh2urdf.meshes import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.output import put_in_place, refuse_inputs, staging, write_files, write_whole
 from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
@@ -56,21 +59,27 @@ class Recipe:
         transform: makes the robot.
         emitters: make the files.
         loaders: load the files into simulators.
+        optional: the names of the loaders whose failures are notices.
+        missing: of these, what is not installed that they need, by their names.
         poses: random joint vectors of a proof, besides zero and both ends of the limits.
         proved: whose files are compared with the table.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
         time_limit: how long one manipulator may take, simulators aside [s].
         mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
+        mesh_conversion: what becomes of meshes.
     """
 
     transform: Call[Transform[Any]]
     emitters: tuple[Call[Emitter[Any]], ...]
     loaders: tuple[Call[Loader[Any]], ...] = ()
+    optional: frozenset[str] = frozenset()
+    missing: Mapping[str, str] = field(default_factory=dict)
     poses: int = 32
     proved: Sample = Sample()
     sample: Sample = Sample()
     time_limit: float = 300.0
     mesh_prefix: str | None = prefix_of(RELATIVE)
+    mesh_conversion: MeshConversion = MeshConversion.NEVER
 
     @property
     def keeps_kinematics(self) -> bool:
@@ -171,6 +180,17 @@ def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
     return replace(robot, notices=tuple(notices))
 
 
+def with_copies(robot: Robot, recipe: Recipe) -> Robot:
+    """A robot whose meshes are those that its descriptions shall name: converted, and named by their copies.
+
+    Raises:
+        ManipulatorError: a mesh cannot be converted.
+        MissingDependencyError: a package that converts is not installed.
+        OutputError: a mesh cannot be read any more.
+    """
+    return located(converted(robot, recipe.mesh_conversion), recipe.mesh_prefix)
+
+
 def write_robot(
     truth: Truth,
     robot: Robot,
@@ -196,14 +216,14 @@ def write_robot(
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
         OutputError: the files cannot be written, or one of them is an input.
     """
-    robot = located(robot, recipe.mesh_prefix)
-    meshes = mesh_files(robot)
-    copies = meshes if recipe.mesh_prefix is not None else ()
+    originals = [Path(mesh.path) for mesh in mesh_files(robot)]
+    robot = with_copies(robot, recipe)
+    copies = mesh_files(robot) if recipe.mesh_prefix is not None else ()
     with staging(directory) as folder:
         written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
         names = [file.name for emitted in written for file in emitted.files]
         targets = [directory / name for name in (*names, *map(copy_path, copies))]
-        refuse_inputs(targets, [*inputs, *(Path(mesh.path) for mesh in meshes)])
+        refuse_inputs(targets, [*inputs, *originals])
         for file in copies:
             write_whole(directory / copy_path(file), read_mesh(file))
         put_in_place(folder, names, directory)

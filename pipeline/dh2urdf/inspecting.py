@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.attribution import Call, depending_on
-from dh2urdf.errors import ConfigError
+from dh2urdf.described_files import described_files
+from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_answers import a_whole_record
-from dh2urdf.stages import Expansion, Inspection
+from dh2urdf.stages import Expansion, Finding, Inspection
+from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -34,9 +37,7 @@ def inspect(
         ConfigError: files of the format cannot be checked, or hold no macros that could be expanded.
         BrokenPluginError: the emitter is at fault.
     """
-    emitter: Emitter[Any] = (
-        catalog.get("emitter", format_name) if format_name else catalog.emitter_for(file, f"{choice} says what it is")
-    )
+    emitter = _emitter(catalog, file, format_name, choice)
     if emitter.check is None:
         able = [item.stage.name for item in catalog.provided("emitter") if getattr(item.stage, "check", None)]
         raise ConfigError(
@@ -49,6 +50,84 @@ def inspect(
         )
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
         return a_whole_record(emitter.check(file, *expanded_with(emitter, expansion, file)), Inspection)
+
+
+_UNREADABLE = Finding(rule="unreadable-file", message="", mend="make it a file that can be read, or remove it")
+
+
+class Inspections(NamedTuple):
+    """What is to be said of several files.
+
+    Attributes:
+        files: the descriptions that were inspected.
+        looked_at: how many files were looked at to find them.
+        consumers: the consumers of their formats.
+        findings: what was found, in the order of the files; of a file that several include, once.
+    """
+
+    files: tuple[Path, ...]
+    looked_at: int
+    consumers: dict[str, str]
+    findings: tuple[Finding, ...]
+
+
+def inspect_several(
+    catalog: Catalog, paths: Iterable[Path], format_name: str | None, choice: str, expansion: Expansion
+) -> Inspections:
+    """What the emitters say of files, and of the descriptions in folders.
+
+    Args:
+        catalog: the emitters that there are.
+        paths: files and folders.
+        format_name: the format of the files that are named; by their suffix where it is None.
+        choice: how a format is named, for messages.
+        expansion: how those are expanded that hold macros.
+
+    Raises:
+        InputError: a file that is named cannot be read, or there is nothing to inspect in a folder.
+        ConfigError: the format of a file that is named cannot be checked, or no file takes the arguments.
+        BrokenPluginError: an emitter is at fault.
+    """
+    waiting: list[tuple[Path, str | None]] = []
+    unreadable: list[Problem] = []
+    looked_at = 0
+    for path in paths:
+        if path.is_dir():
+            found = described_files(catalog, [path])
+            waiting.extend(found.files)
+            unreadable.extend(found.unreadable)
+            looked_at += found.looked_at
+        else:
+            check_file(path, InputError)
+            waiting.append((path, format_name))
+            looked_at += 1
+    consumers: dict[str, str] = {}
+    findings = [replace(_UNREADABLE, message=problem.message, mark=problem.mark) for problem in unreadable]
+    waiting = list(dict.fromkeys(waiting))
+    is_used = expansion == Expansion()
+    for path, name in waiting:
+        emitter = _emitter(catalog, path, name, choice)
+        is_used = is_used or emitter.expandable
+        try:
+            inspection = inspect(catalog, path, emitter.name, choice, expansion if emitter.expandable else None)
+        except InputError as error:
+            if isinstance(error, ConfigError):
+                raise
+            findings += [replace(_UNREADABLE, message=problem.message, mark=problem.mark) for problem in error.problems]
+            continue
+        consumers.update(inspection.consumers)
+        findings.extend(inspection.findings)
+    if not is_used:
+        message = "none of these files has macros: they take no arguments and no package paths"
+        raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
+    different = {(finding.rule, finding.mark, finding.message): finding for finding in reversed(findings)}
+    return Inspections(tuple(path for path, _ in waiting), looked_at, consumers, tuple(reversed(different.values())))
+
+
+def _emitter(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:
+    return (
+        catalog.get("emitter", format_name) if format_name else catalog.emitter_for(file, f"{choice} says what it is")
+    )
 
 
 def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path) -> tuple[Expansion, ...]:

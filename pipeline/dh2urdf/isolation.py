@@ -141,8 +141,10 @@ def load_in_child(loader: Loader[O], request: LoadRequest, options: O, who: str 
     # The folder of a file in the making has another name in every run.
     folder = f"{request.path.parent}{os.sep}"
 
-    def plain(problems: Iterable[Problem]) -> tuple[Problem, ...]:
-        return tuple(replace(problem, message=problem.message.replace(folder, "")) for problem in problems)
+    def plain(problems: Iterable[Problem], simulator: str = "") -> tuple[Problem, ...]:
+        """The problems without the folder, each with a name of whoever found it in its message."""
+        told = (replace(problem, message=problem.message.replace(folder, "")) for problem in problems)
+        return tuple(_named(problem, simulator or loader.name, loader.name) for problem in told)
 
     try:
         limit = a_record(loader.time_limit(options), int, float, NoneType)
@@ -152,8 +154,16 @@ def load_in_child(loader: Loader[O], request: LoadRequest, options: O, who: str 
         said = whole_records(loader.read_output(request, output), Problem)
         raise type(error)(plain((*error.problems, *said))) from error
     report = a_whole_record(child.value, LoadReport)
-    findings = plain((*report.findings, *whole_records(loader.read_output(request, child.output), Problem)))
+    said = whole_records(loader.read_output(request, child.output), Problem)
+    findings = plain((*report.findings, *said), report.simulator)
     return replace(report, findings=findings, output=child.output.replace(folder, ""))
+
+
+def _named(problem: Problem, *names: str) -> Problem:
+    """A problem whose message has one of these names; where it has none, the first is put before it."""
+    if any(name.casefold() in problem.message.casefold() for name in names if name):
+        return problem
+    return replace(problem, message=f"{names[0]}: {problem.message}")
 
 
 def _pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) -> bytes:

@@ -12,7 +12,7 @@ from hashlib import sha256
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +33,8 @@ def recipe_key(recipe: Recipe) -> str:
         for call in calls
     ]
     python = sys.version_info[:2]
-    return key_of((python, stages, recipe.poses, recipe.mesh_prefix), __version__)
+    told = (sorted(recipe.optional), sorted(recipe.missing.items()))
+    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told), __version__)
 
 
 def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:

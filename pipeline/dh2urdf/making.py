@@ -21,17 +21,16 @@ from dh2urdf.batch_report import BatchReport, Tally
 from dh2urdf.batches import Batch, Doomed, Single
 from dh2urdf.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.columns import ManipulatorColumns, in_columns
-from dh2urdf.conversion import Recipe, Written, emit_robot, make_item, with_notices
+from dh2urdf.conversion import Recipe, Written, emit_robot, make_item, with_copies, with_notices
 from dh2urdf.earlier_files import EarlierFiles
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.journal import Journal
 from dh2urdf.keys import column_keys, key_of
 from dh2urdf.layouts import Layout, Place
-from dh2urdf.loading import load_written
+from dh2urdf.loading import load_with_all, not_loaded
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.memory import collected_at_the_end
 from dh2urdf.mesh_copies import MeshCopies
-from dh2urdf.meshes import located
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
 from dh2urdf.printed import collected_lines
 from dh2urdf.proof import Proof
@@ -182,7 +181,9 @@ class _Work:
     def _is_kept(self, place: int, row: Row) -> bool:
         try:
             key = self._key(place, noticed=bool(row["notices"]), mark=self._mark(place))
-            return bool(row["status"] == "ok" and row["key"] == key and self.earlier.has(self.batch.first + place, row))
+            missing = {name for name, load in row["loaders"].items() if load["verdict"] == "missing"}
+            is_same = row["status"] == "ok" and row["key"] == key and missing <= self.recipe.missing.keys()
+            return bool(is_same and self.earlier.has(self.batch.first + place, row))
         except (KeyError, TypeError):
             return False  # It is the manifest of something else.
 
@@ -214,6 +215,9 @@ class _Work:
                         row = to_line(self.earlier.moved(self.batch.first + place, orjson.loads(row), target))
                 else:
                     outcome = ready.get(place) or self._one(place)
+                    if self.recipe.loaders and makes:
+                        sampled = self.batch.first + place in self.recipe.sample
+                        outcome = replace(outcome, not_loaded=not_loaded(self.recipe, outcome, is_sampled=sampled))
                     row = to_line(outcome.row(*self._put(place, outcome, target)))
                     report.note(outcome)
                 rows.append(row)
@@ -275,7 +279,7 @@ class _Work:
             with _timed(self.seconds, "transform"):
                 groups = transform_columns(self.recipe.transform, columns)
             for members, made in groups:
-                robots = replace(made, robot=located(made.robot, self.recipe.mesh_prefix))
+                robots = replace(made, robot=with_copies(made.robot, self.recipe))
                 some = columns if len(members) == len(columns) else columns.take(members)
                 outcomes.update(self._alike([places[member] for member in members], some, robots))
         except StageError as error:
@@ -362,7 +366,6 @@ class _Work:
             notices=(*own, *batch.notices.get(place, ()), *self.faults.get(place, ())),
             seconds=seconds,
         )
-        mark = self._mark(place)
         try:
             if isinstance(what, Rejected):
                 raise TableError(what.problems)
@@ -373,7 +376,7 @@ class _Work:
             with watched(self.maker.home, self.recipe.time_limit, loaders):
                 with _timed(seconds, "transform"):
                     robot, truth = make_item(what, self.recipe.transform)
-                    robot = with_notices(located(robot, self.recipe.mesh_prefix), self.recipe.emitters)
+                    robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.maker.effect is Effect.LOOK:
                     return outcome
@@ -390,43 +393,39 @@ class _Work:
                             sampled=index in self.recipe.sample,
                         )
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
-                    for number, call in enumerate(loaders):
-                        name = call.stage.name
-                        picture = batch.stems[place] + (".png" if number == 0 else f".{name}.png")
-                        with _timed(seconds, f"load {name}"):
-                            report = load_written(
-                                truth,
-                                robot,
-                                call,
-                                written,
-                                keeps_kinematics=self.recipe.keeps_kinematics,
-                                picture=folder / picture,
-                            )
-                        outcome = replace(outcome, loads={**outcome.loads, name: report})
-                        if report.picture:
-                            pictures = {**outcome.pictures, report.picture: (folder / report.picture).read_bytes()}
-                            outcome = replace(outcome, pictures=pictures)
+                    if loaders:
+                        stem = batch.stems[place]
+                        loaded = load_with_all(truth, robot, self.recipe, written, folder, stem, seconds)
+                        outcome = replace(outcome, loads=loaded.verdicts, pictures=loaded.pictures)
+                        if loaded.failures:
+                            outcome = self._failed(outcome, place, loaded.failures)
         except OutputError:
             raise
         except (ManipulatorError, InputError) as error:
-            was_read = not isinstance(what, Rejected)
-            # Who rejected it has said whom each problem is about: it may be a file, or a section of the run file.
-            robot_name = what.name if was_read else None
-            problems = [problem.about(robot=robot_name, mark=mark) for problem in error.problems]
-            if place in self.drawn:  # Its table says nothing of it, and many variants have the same joints.
-                problems = [replace(problem, message=f"{what.name}: {problem.message}") for problem in problems]
-            outcome = replace(
-                outcome,
-                status="failed",
-                kind=kind_of(error),
-                was_read=was_read,
-                errors=tuple(problems),
-                traceback=getattr(error, "traceback", "") or batch.tracebacks.get(place, ""),
-            )
+            outcome = self._failed(outcome, place, (error,))
         finally:
             for step, time_taken in seconds.items():
                 self.seconds[step] += time_taken
         return outcome
+
+    def _failed(self, outcome: Outcome, place: int, errors: Sequence[ManipulatorError | InputError]) -> Outcome:
+        """The outcome of a manipulator that failed, of the kind of the first error."""
+        what = self._what(place)
+        was_read = not isinstance(what, Rejected)
+        # Who rejected it has said whom each problem is about: it may be a file, or a section of the run file.
+        name = what.name if was_read else None
+        problems = [problem.about(robot=name, mark=self._mark(place)) for error in errors for problem in error.problems]
+        if place in self.drawn:  # Its table says nothing of it, and many variants have the same joints.
+            problems = [replace(problem, message=f"{what.name}: {problem.message}") for problem in problems]
+        tracebacks = [text for error in errors if (text := getattr(error, "traceback", ""))]
+        return replace(
+            outcome,
+            status="failed",
+            kind=kind_of(errors[0]),
+            was_read=was_read,
+            errors=tuple(problems),
+            traceback=tracebacks[0] if tracebacks else self.batch.tracebacks.get(place, ""),
+        )
 
     def _what(self, place: int) -> Single:
         """What is to be made at a place."""

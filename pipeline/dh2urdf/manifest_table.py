@@ -41,8 +41,9 @@ class ManifestTable:
     error                            message of the first error
     errors, notices                  lists of messages
     drawn.<field>                    what was drawn for it [SI]: numbers, or text for types of joints
+    loaders.<loader>.verdict         passed, failed, missing, not in the sample, or no file
     loaders.<loader>.<field>         what a simulator reported, `hold.stayed` and the like included: numbers, truth
-                                     values and text; of its findings the messages; other lists are left out
+                                     values and text; of its findings and errors the messages; other lists are left out
     ===============================  ===================================================================================
 
     A column `drawn` or `loaders` that no manipulator fills is left out. The same rows give the same bytes with the same
@@ -129,8 +130,8 @@ class _Columns:
     def see(self, row: Row) -> None:
         """Learns from one row."""
         self._drawn.see(row["drawn"])
-        if row["loaders"]:
-            self._loaders.see(dict(_leaves(row["loaders"])))
+        if loads := _loads(row):
+            self._loaders.see(loads)
         self._stages |= dict.fromkeys(row["proof"])
 
     def schema(self) -> pa.Schema:
@@ -171,7 +172,7 @@ class _Columns:
         if self._drawn.mixed or self._loaders.kinds:
             rows = [loads(line) for line in lines]
             by_hand = self._drawn.columns("drawn", self._drawn.mixed, [row["drawn"] for row in rows])
-            reports = [dict(_leaves(row["loaders"])) for row in rows]
+            reports = [_loads(row) for row in rows]
             by_hand |= self._loaders.columns("loaders", self._loaders.kinds, reports)
             columns |= {name: pa.array(values, schema.field(name).type) for name, values in by_hand.items()}
         return pa.record_batch([columns[name] for name in schema.names], schema=schema)
@@ -298,6 +299,12 @@ def _messages(problems: Iterable[Mapping[str, Any]]) -> list[str]:
     return [problem["message"] for problem in problems]
 
 
+def _loads(row: Row) -> dict[str, Any]:
+    """What is known of the loaders of a run, of those too that a manipulator did not go through."""
+    unasked = {f"{name}.verdict": why for name, why in row.get("not_loaded", {}).items()}
+    return {**dict(_leaves(row["loaders"])), **unasked}
+
+
 def _leaves(facts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """The facts in mappings inside each other, by the names that lead to them; of lists only those of problems."""
     waiting = list(facts.items())[::-1]
@@ -307,5 +314,5 @@ def _leaves(facts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             waiting += [(f"{name}.{key}", entry) for key, entry in value.items()][::-1]
         elif not isinstance(value, list):
             yield name, value
-        elif name.endswith(".findings"):
+        elif name.endswith((".findings", ".errors")):
             yield name, _messages(value)

@@ -105,10 +105,12 @@ class MeshFile:
     Attributes:
         path: its absolute path.
         sha256: the hash of what stands in it, in hexadecimal digits: what is made of it depends on that.
+        content: what stands in it, where it is made by the pipeline and not on disk; its path then names it alone.
     """
 
     path: str
     sha256: str
+    content: bytes | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         take_exact_fields(self)

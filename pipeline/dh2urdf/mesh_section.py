@@ -148,6 +148,11 @@ class MeshesReader(PlacementReader):
 
     def _call(self, node: Node, field: str) -> MeshCall | None:
         before = len(self.problems)
+        if isinstance(node.value, dict) and "convert" in node.value:
+            message = "this section says which meshes links have; what becomes of them is said of the output"
+            accepted = "output: {meshes: {convert: …}}"
+            self.say(message, node, f"{field}.convert", mark=node.key_mark("convert"), accepted=accepted)
+            return None
         given = self.entries(node, ("of", "base", "joints"), field)
         of = self.name(given.get("of"), f"{field}.of")
         if "of" not in given and isinstance(node.value, dict):

@@ -33,6 +33,8 @@ ACCEPTED = (
     f"{RELATIVE}: copies, named by their path from the description; {FILE}: no copies, but file:// and the path of "
     "each file; package://NAME: copies, in an output folder that is the ROS package NAME"
 )
+REMEDY = "have it converted: `output: {meshes: {convert: auto}}`"
+"""The end of a notice's suggestion, where a conversion leaves nothing to notice."""
 _DIGITS = 8
 """Hexadecimal digits of a content's hash in the name of its copy [1]."""
 _BLOCK = 1 << 20
@@ -145,6 +147,8 @@ def read_mesh(file: MeshFile) -> bytes:
     Raises:
         OutputError: it cannot be read any more, or is not what it was when its table was read.
     """
+    if file.content is not None:
+        return file.content
     try:
         content = Path(file.path).read_bytes()
     except OSError as error:

@@ -24,6 +24,33 @@ if TYPE_CHECKING:
 Row: TypeAlias = "ManipulatorEntry"
 """A row of the manifest."""
 Status: TypeAlias = Literal["ok", "failed", "skipped"]
+NotLoaded: TypeAlias = Literal["not in the sample", "no file"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What came of a loader.
+
+    Attributes:
+        report: what the simulator says; without any measurement where it failed.
+        status: passed, failed, or missing where it is not installed.
+        optional: whether a failure of it is a notice.
+        errors: why it failed.
+    """
+
+    report: LoadReport
+    status: Literal["passed", "failed", "missing"] = "passed"
+    optional: bool = False
+    errors: tuple[Problem, ...] = ()
+
+    def entry(self) -> LoadEntry:
+        """It as plain data."""
+        told = {"verdict": self.status, "optional": self.optional}
+        problems = {"errors": [error.as_json() for error in self.errors]}
+        findings = {"findings": [finding.as_json() for finding in self.report.findings]}
+        entry: Any = {**told, **problems, **asdict(self.report), **findings}
+        facts: LoadEntry = entry  # `test_a_loaders_report_is_described_as_it_is` compares the fields.
+        return facts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +66,8 @@ class Outcome:
         was_read: whether there was a manipulator at all.
         keeps_kinematics: whether its transform keeps T(q).
         written: what each emitter made.
-        loads: what each simulator said, by the loader's name.
+        loads: what came of each loader that was asked, by its name.
+        not_loaded: why others were not, by their names.
         pictures: the pictures that simulators took, by their names.
         meshes: the mesh files that its files name by their copies.
         notices: what a careful person would want to know.
@@ -56,7 +84,8 @@ class Outcome:
     was_read: bool = True
     keeps_kinematics: bool = True
     written: tuple[Written, ...] = ()
-    loads: dict[str, LoadReport] = field(default_factory=dict)
+    loads: dict[str, Verdict] = field(default_factory=dict)
+    not_loaded: dict[str, NotLoaded] = field(default_factory=dict)
     pictures: dict[str, bytes] = field(default_factory=dict)
     meshes: tuple[MeshFile, ...] = ()
     notices: tuple[Problem, ...] = ()
@@ -81,12 +110,14 @@ class Outcome:
             keeps_kinematics=self.keeps_kinematics,
             files=files,
             proofs={written.stage: written.proof for written in self.written},
-            loaders={name: _load(report) for name, report in self.loads.items()},
+            loaders={name: verdict.entry() for name, verdict in self.loads.items()},
             notices=[problem.as_json() for problem in self.notices],
             errors=[problem.as_json() for problem in self.errors],
         )
         if self.meshes:
             row["meshes"] = [{"path": copy_path(file), "sha256": file.sha256} for file in self.meshes]
+        if self.not_loaded:
+            row["not_loaded"] = self.not_loaded
         return row
 
 
@@ -166,10 +197,3 @@ def proof_facts(proof: Proof) -> ProofEntry:
     if len(proof.tips) > 1:  # a cell
         row["tip"], row["tips"] = proof.tip, dict(proof.tips)
     return row
-
-
-def _load(report: LoadReport) -> LoadEntry:
-    facts: Any = asdict(report)
-    loaded: LoadEntry = facts  # `test_a_loaders_report_is_described_as_it_is` compares the fields.
-    loaded["findings"] = [finding.as_json() for finding in report.findings]
-    return loaded

@@ -79,8 +79,14 @@ class MeshEntry(TypedDict):
 
 
 class LoadEntry(TypedDict):
-    """What a simulator reports of a file: `dh2urdf.stages.LoadReport` as plain data."""
+    """What came of a loader: its verdict, and `dh2urdf.stages.LoadReport` as plain data.
 
+    Of a loader that failed nothing is measured, and `errors` says why.
+    """
+
+    verdict: Literal["passed", "failed", "missing"]
+    optional: bool
+    errors: list[ProblemEntry]
     simulator: str
     version: str
     joints: list[dict[str, Any]]
@@ -115,6 +121,30 @@ class ManipulatorEntry(TypedDict):
     notices: list[ProblemEntry]
     errors: list[ProblemEntry]
     meshes: NotRequired[list[MeshEntry]]
+    not_loaded: NotRequired[dict[str, Literal["not in the sample", "no file"]]]
+
+
+class CoverageEntry(TypedDict):
+    """How many manipulators of a run a loader was given, and what came of it [1]."""
+
+    of: int
+    passed: int
+    failed: int
+    missing: int
+    not_in_sample: int
+    no_file: int
+    optional: bool
+
+
+class SimulatorNotice(TypedDict):
+    """What one loader has to say of several manipulators, as it says it of the first of them."""
+
+    loader: str
+    manipulators: int
+    first: str
+    place: str | None
+    joint: str | None
+    message: str
 
 
 class RunReport(TypedDict):
@@ -123,6 +153,8 @@ class RunReport(TypedDict):
     schema: Literal["dh2urdf-report/1"]
     version: str
     exit_status: Literal[0, 1]
+    coverage: dict[str, CoverageEntry]
+    simulator_notices: list[SimulatorNotice]
     manipulators: list[ManipulatorEntry]
     left_out: int
 

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.conversion import Sample
 from dh2urdf.errors import ConfigError
 from dh2urdf.layouts import DEFAULT_SIZE, LARGEST, Form, Layout
+from dh2urdf.mesh_conversion import conversion_of
+from dh2urdf.mesh_forms import MeshConversion
 from dh2urdf.meshes import RELATIVE, prefix_of
 from dh2urdf.sections import SectionReader
 from dh2urdf.source import did_you_mean
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from dh2urdf.documents import Node
 
-DEFAULT_SAMPLE = Sample(first=100, every=50)
-"""What goes through xacro expansion and simulators: of a short run everything, of a long one a sample."""
+T = TypeVar("T")
+
+DEFAULT_SAMPLE = Sample(first=1000, every=50)
+"""What goes through xacro expansion and simulators: all of a run of up to 1,000, of a longer one a sample."""
 DEFAULT_TIME_LIMIT = 300.0
 """How long one manipulator may take, simulators aside [s]."""
 MOST = 10**9
@@ -48,16 +54,30 @@ class SettingsReader(SectionReader):
             )
         return Layout(form=form, size=self.whole(size, "output.size", 1, LARGEST, DEFAULT_SIZE))
 
-    def mesh_prefix(self, node: Node | None, layout: Layout) -> str | None:
-        """What descriptions write before the name of a copied mesh; None where none is copied."""
+    def mesh_copies(self, node: Node | None, layout: Layout) -> tuple[str | None, MeshConversion]:
+        """What descriptions write before a copied mesh's name, None where none is copied; what becomes of meshes."""
+        given = {} if node is None or node.value is None else self.entries(node, ("names", "convert"), "output.meshes")
         in_folders = layout.form is Form.FOLDERS
-        if node is not None and node.value is not None and (word := self.name(node, "output.meshes")):
+        prefix = self._understood(
+            given.get("names"), "output.meshes.names", RELATIVE, lambda word: prefix_of(word, in_folders=in_folders)
+        )
+        conversion = self._understood(
+            given.get("convert"),
+            "output.meshes.convert",
+            MeshConversion.NEVER,
+            lambda word: conversion_of(word, prefix),
+        )
+        return prefix, conversion
+
+    def _understood(self, node: Node | None, field: str, default: str, understand: Callable[[str], T]) -> T:
+        """What a word means; what the default means, where there is none or it means nothing."""
+        if node is not None and node.value is not None and (word := self.name(node, field)):
             try:
-                return prefix_of(word, in_folders=in_folders)
+                return understand(word)
             except ConfigError as error:
                 why = error.problems[0]
-                self.say(why.message, node, "output.meshes", accepted=why.accepted)
-        return prefix_of(RELATIVE, in_folders=in_folders)
+                self.say(why.message, node, field, accepted=why.accepted, suggestion=why.suggestion)
+        return understand(default)
 
     def sample(self, given: dict[str, Node], field: str, default: Sample) -> Sample:
         """Which manipulators are looked at: the first of the run, and every how many-th of the rest."""

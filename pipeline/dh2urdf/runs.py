@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import NoneType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dh2urdf import sampling
@@ -30,20 +29,23 @@ from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journ
 from dh2urdf.keys import recipe_key
 from dh2urdf.layouts import Layout
 from dh2urdf.leftovers import Leftovers, clear_leftovers
+from dh2urdf.loading import missing_of, require
 from dh2urdf.making import Effect, Maker
 from dh2urdf.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.mesh_section import MeshCall
+from dh2urdf.open_store import open_store
 from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import Overview
+from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_inputs import refuse_overwriting
 from dh2urdf.settings import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.source import Mark, Problem, in_file_order, printable
 from dh2urdf.stage_answers import a_record, items_of
 from dh2urdf.stages import Executor, Lost, Reader
-from dh2urdf.stores import Store, open_store
+from dh2urdf.stores import Store
 from dh2urdf.variations import VariationCall
 from dh2urdf.watchdog import this_process
 
@@ -194,15 +196,18 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         transform=transform,
         emitters=tuple(call for call in emitters if call),
         loaders=tuple(call for call in loaders if call),
+        optional=frozenset(
+            call.stage.name for call, each in zip(loaders, config.loaders, strict=True) if call and each.optional
+        ),
         poses=config.poses,
         proved=config.proved,
         sample=config.sample,
         time_limit=config.time_limit,
         mesh_prefix=config.mesh_prefix,
+        mesh_conversion=config.mesh_conversion,
     )
-    for needed in (*recipe.loaders, executor):
-        with depending_on(needed, "require"):
-            a_record(needed.stage.require(needed.options), NoneType)
+    recipe = replace(recipe, missing=missing_of(recipe))
+    require(executor)
     for variation in config.variations:
         sampling.require(variation.sampling)
     return Plan(
@@ -253,7 +258,7 @@ def execute(
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
             ledger = Ledger(rows, tempfile.gettempdir())
             _make(plan, Effect.LOOK, "", None, ledger, result, note, Exhibits(0))
-            report = run_report(rows, result)
+            report = run_report(ledger, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
     store = plan.store
@@ -262,7 +267,8 @@ def execute(
         path = folder / "manifest"
         exhibits = Exhibits()
         with path.open("w+b") as rows:
-            ledger = Ledger(rows, f"{store}/{MANIFEST}")
+            loaders = {call.stage.name: call.stage.name in plan.recipe.optional for call in plan.recipe.loaders}
+            ledger = Ledger(rows, f"{store}/{MANIFEST}", Verdicts(loaders))
             if can_write_parquet():
                 ledger.table = ManifestTable(folder / TABLE, f"{store}/{TABLE}")
             if plan.html and can_write_html():

@@ -19,6 +19,8 @@ from dh2urdf.config import (
 from dh2urdf.conversion import Sample
 from dh2urdf.errors import ConfigError
 from dh2urdf.layouts import DEFAULT_SIZE, LARGEST, Form
+from dh2urdf.mesh_conversion import ACCEPTED
+from dh2urdf.mesh_forms import MeshConversion
 from dh2urdf.mesh_section import SHAPE_KEYS
 from dh2urdf.meshes import FILE, RELATIVE
 from dh2urdf.option_types import type_hints
@@ -55,7 +57,18 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
             _stage(catalog, "emitter", "what writes files"), f"what writes files; {DEFAULT_EMITTER} by default"
         ),
         "loaders": _one_or_more(
-            _stage(catalog, "loader", "what loads the files"), "what loads the files; none by default", least=0
+            _stage(
+                catalog,
+                "loader",
+                "what loads the files",
+                optional={
+                    "type": "boolean",
+                    "default": False,
+                    "description": "whether a refusal, or a missing program, is a notice and fails nothing",
+                },
+            ),
+            "what loads the files; none by default",
+            least=0,
         ),
         "output": _either(_text("where the output goes"), _output())
         | {"description": "where the output goes: a folder or an address, alone or with its layout"},
@@ -139,6 +152,13 @@ def _names(catalog: Catalog, kind: Kind) -> dict[str, list[str]]:
 
 
 def _output() -> dict[str, Any]:
+    names = {
+        "type": "string",
+        "pattern": f"^({RELATIVE}|{FILE}|package://.+)$",
+        "default": RELATIVE,
+        "description": "how descriptions name mesh files: relative, file or package://NAME",
+    }
+    convert = {"enum": list(MeshConversion), "default": MeshConversion.NEVER, "description": ACCEPTED}
     return _mapping(
         {
             "directory": _text("a folder, from that of the run file, or an address such as s3://bucket/prefix"),
@@ -149,12 +169,7 @@ def _output() -> dict[str, Any]:
             },
             "size": _whole(1, LARGEST)
             | {"default": DEFAULT_SIZE, "description": "manipulators in one folder or shard"},
-            "meshes": {
-                "type": "string",
-                "pattern": f"^({RELATIVE}|{FILE}|package://.+)$",
-                "default": RELATIVE,
-                "description": "how descriptions name mesh files: relative, file or package://NAME",
-            },
+            "meshes": _either(names, _mapping({"names": names, "convert": convert})),
         }
     )
 

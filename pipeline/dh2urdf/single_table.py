@@ -14,6 +14,8 @@ from dh2urdf.chosen_table import chosen_reader, read_manipulator
 from dh2urdf.conversion import Recipe, Written, make_robot, with_notices, write_robot
 from dh2urdf.errors import ConfigError, InputError, PluginError, RobotError, TableError, TransformError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.mesh_conversion import conversion_of, unsettled
+from dh2urdf.mesh_forms import MeshConversion
 from dh2urdf.meshes import FILE, RELATIVE, mesh_files, prefix_of
 from dh2urdf.output import safe_stem
 from dh2urdf.provenance import Trace
@@ -95,7 +97,7 @@ class Planned:
         robot: which manipulator of a table that holds several.
         asker: who asks.
         inputs: further files that must not be overwritten.
-        meshes: the word for how meshes are named, where one was said.
+        meshes: the words about meshes that were said, with what stands before each.
         notices: what a careful person would want to know of what was asked for.
     """
 
@@ -106,7 +108,7 @@ class Planned:
     robot: str | None
     asker: Asker
     inputs: tuple[Path, ...] = ()
-    meshes: str | None = None
+    meshes: tuple[tuple[str, str], ...] = ()
     notices: tuple[Problem, ...] = ()
 
     def carry_out(self, note: Callable[[Sequence[Problem]], None] = lambda _: None) -> Conversion:
@@ -129,7 +131,8 @@ class Planned:
             made = with_notices(make_robot(manipulator, self.recipe.transform), self.recipe.emitters)
         except (TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
             raise TableError(error.problems, manipulator.notices) from error
-        made = replace(made, notices=(*made.notices, *self.notices, *self._unused_meshes(made)))
+        notices = unsettled(made.notices, self.recipe.mesh_conversion)
+        made = replace(made, notices=(*notices, *self.notices, *self._unused_meshes(made)))
         note((*manipulator.notices, *made.notices))
         written = _write(manipulator, made, self.recipe, self.target, (*files, *self.inputs))
         return Conversion(
@@ -141,9 +144,9 @@ class Planned:
         )
 
     def _unused_meshes(self, robot: Robot) -> Iterator[Problem]:
-        """A notice where it is said how meshes are named, and there are none."""
-        if self.meshes is not None and not mesh_files(robot):
-            message = f"{self.asker.meshes}{shown(self.meshes)} has no effect: the arm has no meshes"
+        """A notice where something is said about meshes, and there are none."""
+        for before, word in self.meshes if not mesh_files(robot) else ():
+            message = f"{before}{shown(word)} has no effect: the arm has no meshes"
             yield Problem(message=message, severity="notice", mark=self.asker.mark, field="meshes")
 
     def _read(self, trace: Trace) -> tuple[Manipulator, tuple[Path, ...]]:
@@ -174,6 +177,7 @@ def plan_conversion(
     given: Mapping[str, Mapping[str, str | None]] | None = None,
     settings: Iterable[Setting] = (),
     meshes: str | None = None,
+    convert_meshes: str | None = None,
     inputs: Iterable[Path] = (),
 ) -> Planned:
     """Resolve the stages and options of a conversion.
@@ -191,6 +195,7 @@ def plan_conversion(
         given: options by kind of stage, as words.
         settings: further options.
         meshes: how the description names meshes, as `dh2urdf.meshes.prefix_of` takes it.
+        convert_meshes: what becomes of meshes, as `dh2urdf.mesh_conversion.conversion_of` takes it.
         inputs: further files that must not be overwritten: the other tables of the same command.
 
     Raises:
@@ -223,12 +228,15 @@ def plan_conversion(
     calls = stage_calls(catalog, stages, asker, given or {}, settings)
     if target is None:
         calls["emitter"] = [_in_one_file(call) for call in calls["emitter"]]
+    prefix = _mesh_prefix(meshes, target, asker)
     recipe = Recipe(
         transform=calls["transform"][0],
         emitters=tuple(calls["emitter"]),
         poses=POSES,
-        mesh_prefix=_mesh_prefix(meshes, target, asker),
+        mesh_prefix=prefix,
+        mesh_conversion=_mesh_conversion(convert_meshes, prefix, target, asker),
     )
+    said = ((asker.meshes, meshes), (asker.convert_meshes, convert_meshes))
     return Planned(
         table=table,
         target=target,
@@ -237,7 +245,7 @@ def plan_conversion(
         robot=robot,
         asker=asker,
         inputs=tuple(inputs),
-        meshes=meshes,
+        meshes=tuple((before, word) for before, word in said if word is not None),
         notices=tuple(_other_suffix(target, stages["emitter"], catalog, asker)),
     )
 
@@ -305,6 +313,27 @@ def _mesh_prefix(word: str | None, target: Path | None, asker: Asker) -> str | N
         accepted = f"{asker.out}FILE, or {asker.meshes}file"
         raise ConfigError(Problem(message=message, mark=asker.mark, found=word, accepted=accepted))
     return prefix
+
+
+def _mesh_conversion(word: str | None, prefix: str | None, target: Path | None, asker: Asker) -> MeshConversion:
+    """What becomes of the meshes.
+
+    Raises:
+        ConfigError: the word means nothing, or what is converted would lie nowhere.
+    """
+    try:
+        return conversion_of(word or MeshConversion.NEVER, prefix)
+    except ConfigError as error:
+        where = f"{asker.out}FILE" if target is None else f"{asker.meshes}{RELATIVE}"
+        raise ConfigError(
+            replace(
+                problem,
+                message=f"{asker.convert_meshes}{word}: {problem.message}",
+                mark=asker.mark,
+                accepted=where if prefix is None and word in list(MeshConversion) else problem.accepted,
+            )
+            for problem in error.problems
+        ) from None
 
 
 def _refuse_choice(asker: Asker, choices: Mapping[str, str | None]) -> None:

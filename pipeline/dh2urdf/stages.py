@@ -225,10 +225,14 @@ class Emitter(Generic[O]):
             with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
             nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
         notices: what a person should know of the files of a robot before using them, as notices; called before they are
-            made. Of robots that differ in numbers only, it is called for one, and its notices hold for all: it may
-            depend on which links, joints, shapes and masses there are, not on their numbers.
+            made. Of robots that differ in numbers only, and whose files `emit_columns` makes, it is called for one, and
+            its notices hold for all: then it may depend on which links, joints, shapes and masses there are, not on
+            their numbers.
         check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
             findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
+        descriptions: of the files of a folder, each with the name of its outermost element of XML (empty where it has
+            none), those that are whole descriptions of the format: `dh2urdf check FOLDER`. Files that are only a part
+            of others are left out.
     """
 
     name: str
@@ -244,6 +248,7 @@ class Emitter(Generic[O]):
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
     check: Callable[..., Inspection] | None = None
+    descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
     notices: Callable[[Robot, O], Sequence[Problem]] | None = None
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import io
 from abc import ABC, abstractmethod
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from dh2urdf.errors import OutputError
@@ -19,6 +18,7 @@ from dh2urdf.source import Problem, shown
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
+    from pathlib import Path
 
 WORKING = ".dh2urdf"
 """The folder of a store for what only the run itself needs: its journal, its lock, temporary files."""
@@ -27,29 +27,6 @@ NOT_THERE = (FileNotFoundError, NotADirectoryError)
 _NO_NAMES = frozenset(("", ".", ".."))
 _READ_AHEAD = 1 << 20
 """How much a stream takes from a store at once [byte]."""
-
-
-def open_store(address: str | Path) -> Store:
-    """The store at an address: a path, or anything that fsspec knows, such as ``s3://bucket/prefix``.
-
-    Nothing is read or written yet.
-
-    Raises:
-        OutputError: there is no such kind of address.
-        MissingDependencyError: a package that reaches such addresses is not installed.
-    """
-    scheme, separator, path = str(address).partition("://")
-    if not separator or isinstance(address, Path):
-        directory = Path(address)
-    elif scheme.casefold() in ("file", "local"):
-        directory = Path(path)
-    else:
-        from dh2urdf.remote_store import RemoteStore
-
-        return RemoteStore(str(address))
-    from dh2urdf.local_store import LocalStore
-
-    return LocalStore(directory)
 
 
 class Store(ABC):

@@ -9,10 +9,11 @@ from __future__ import annotations
 import faulthandler
 import os
 import platform
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.attribution import Call, blaming
+from dh2urdf.errors import ManipulatorError
 from dh2urdf.stage_answers import a_record
 
 if TYPE_CHECKING:
@@ -38,8 +39,6 @@ def watched(home: str, seconds: float, loaders: Sequence[Call[Loader[Any]]] = ()
         seconds: what a manipulator may take, simulators aside [s].
         loaders: the simulators that it goes through.
 
-    Raises:
-        StageError: a loader does not say how long it may take.
     """
     limits = [_limit_of(call) for call in loaders]
     if home == this_process() or None in limits:
@@ -53,6 +52,8 @@ def watched(home: str, seconds: float, loaders: Sequence[Call[Loader[Any]]] = ()
 
 
 def _limit_of(call: Call[Loader[Any]]) -> float | None:
-    with blaming(call, "time_limit"):
+    """How long a loader may take [s]; 0 where it cannot say, and then fails when it is called."""
+    with suppress(ManipulatorError), blaming(call, "time_limit"):
         limit = call.stage.time_limit(call.options)
         return None if limit is None else a_record(limit, int, float)
+    return 0.0

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from dh2urdf.open_store import open_store
 from dh2urdf.remote_store import RemoteStore
-from dh2urdf.stores import Store, open_store
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from dh2urdf.stores import Store
 
 
 @pytest.fixture(params=["local", "memory", "s3", "folders"])

@@ -26,7 +26,8 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
-from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 from dh2urdf_plugins.urdf_reader import parse_urdf
 from dh2urdf_plugins.xacro_reader import expand
 

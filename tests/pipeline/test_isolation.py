@@ -264,14 +264,15 @@ def test_report_is_completed_with_the_output(functions: ModuleType, request_for:
     """A loader's report gets what was printed, and the findings in it after the loader's own."""
     report = load_in_child(functions.LOADER, request_for("good.urdf"), NoOptions())
     assert report.output == "WARNING: a screw is loose\n"
-    assert [finding.message for finding in report.findings] == ["measured", "WARNING: a screw is loose"]
+    assert [finding.message for finding in report.findings] == ["toy: measured", "toy: WARNING: a screw is loose"]
 
 
 def test_refusal_is_completed_with_the_output(functions: ModuleType, request_for: Any) -> None:
     """What a simulator printed before the loader refused the file follows the loader's own problems."""
     with pytest.raises(LoaderError) as caught:
         load_in_child(functions.LOADER, request_for("refused.urdf"), NoOptions())
-    assert [problem.message for problem in caught.value.problems] == ["I do not like it", "WARNING: a screw is loose"]
+    told = [problem.message for problem in caught.value.problems]
+    assert told == ["toy: I do not like it", "toy: WARNING: a screw is loose"]
 
 
 def test_a_crash_names_the_loader(functions: ModuleType, request_for: Any) -> None:
@@ -280,7 +281,7 @@ def test_a_crash_names_the_loader(functions: ModuleType, request_for: Any) -> No
         load_in_child(functions.LOADER, request_for("crash.urdf"), NoOptions())
     crash, finding = (problem.message for problem in caught.value.problems)
     assert crash.startswith("the loader 'toy' crashed (segmentation fault)")
-    assert finding == "WARNING: a screw is loose"
+    assert finding == "toy: WARNING: a screw is loose"
     assert not isinstance(caught.value, TimeLimitError)
 
 
@@ -296,8 +297,8 @@ def test_the_folder_of_the_file_is_not_told(functions: ModuleType, request_for: 
     try:
         report = load_in_child(functions.LOADER, request_for(name), NoOptions())
         told = [report.output, *(finding.message for finding in report.findings)]
-        assert f"WARNING: {name} is odd" in told
+        assert f"toy: WARNING: {name} is odd" in told
     except LoaderError as error:
         told = [problem.message for problem in error.problems]
-        assert told == [f"cannot load {name}", "WARNING: a screw is loose", f"WARNING: {name} is bad"]
+        assert told == [f"toy: cannot load {name}", "toy: WARNING: a screw is loose", f"toy: WARNING: {name} is bad"]
     assert not any(str(request_for(name).path.parent) in text for text in told)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from dh2urdf.errors import OutputError
 from dh2urdf.journal import JOURNAL, MANIFEST, Journal, earlier_rows, next_journal
 from dh2urdf.local_store import LocalStore
-from dh2urdf.stores import open_store
+from dh2urdf.open_store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.layouts import Form, Layout
-from dh2urdf.stores import open_store
+from dh2urdf.open_store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -21,7 +21,7 @@ from dh2urdf.errors import (
     TimeLimitError,
     TransformError,
 )
-from dh2urdf.outcome import Outcome, kind_of, to_line, to_text
+from dh2urdf.outcome import Outcome, Verdict, kind_of, to_line, to_text
 from dh2urdf.proof import Proof
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, LoadReport
@@ -37,11 +37,13 @@ ARM = Outcome(
         Written(stage="text", files=(EmittedFile(name="arm.txt", content=b"arm"),), proof=None),
     ),
     loads={
-        "paper": LoadReport(
-            simulator="Paper",
-            version="1",
-            mass=2.5,
-            findings=(Problem(message="it is flat", severity="notice", joint="turn"),),
+        "paper": Verdict(
+            report=LoadReport(
+                simulator="Paper",
+                version="1",
+                mass=2.5,
+                findings=(Problem(message="it is flat", severity="notice", joint="turn"),),
+            )
         )
     },
     notices=(Problem(message="an ignored column", severity="notice", mark=Mark(file="arm.csv", line=1, column=9)),),

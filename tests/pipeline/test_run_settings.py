@@ -28,11 +28,11 @@ def config(folder: Path, text: str, *settings: str) -> RunConfig:
 
 
 def test_defaults(folder: Path) -> None:
-    """One folder; all files proved; what is slow for a hundred and a sample of the rest; five minutes for each."""
+    """One folder; all files proved; what is slow for a thousand and a sample of the rest; five minutes for each."""
     found = config(folder, "")
     assert found.layout == Layout(form=Form.FILES, size=DEFAULT_SIZE)
     assert found.proved == Sample(first=0, every=1)
-    assert found.sample == DEFAULT_SAMPLE == Sample(first=100, every=50)
+    assert found.sample == DEFAULT_SAMPLE == Sample(first=1000, every=50)
     assert found.time_limit == DEFAULT_TIME_LIMIT == 300.0
 
 

@@ -18,6 +18,7 @@ from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.outcome import Row, to_text
 from dh2urdf.registry import KINDS, Catalog, Plugin, load
+from dh2urdf.report.verdicts import coverage_line
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.runs import execute, make_plan
 from dh2urdf.source import Mark, Problem
@@ -90,6 +91,9 @@ def read_back(path: Path) -> Robot:
 LOADER = """
 from dh2urdf.errors import LoaderError
 from dh2urdf.stages import LoadReport
+
+def load_light(request, options):
+    return LoadReport(simulator="ink", version="1")
 
 def load(request, options):
     print("loading", request.path.name)
@@ -189,22 +193,28 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Lab:
     def missing(_options: NoOptions) -> None:
         raise MissingDependencyError("loader 'absent'", "absent", "lab[absent]")
 
+    def no_time(_options: NoOptions) -> float:
+        raise ZeroDivisionError("no time")
+
     loaders = [
         Loader(
             name=name,
             summary="loads",
-            load=paper_simulator.load,
+            load=paper_simulator.load_light if name == "ink" else paper_simulator.load,
             options=NoOptions,
             formats=formats,
             poses=lambda _: 3,
             picture=lambda _: True,
             require=require,
+            time_limit=no_time if name == "timeless" else lambda _: 120.0,
         )
         for name, formats, require in (
             ("paper", ("pickle",), lambda _: None),
             ("cardboard", ("sdf", "pickle"), lambda _: None),
             ("glass", ("sdf",), lambda _: None),
             ("absent", ("pickle",), missing),
+            ("ink", ("pickle",), lambda _: None),
+            ("timeless", ("pickle",), lambda _: None),
         )
     ]
     return Lab(tmp_path, tuple(loaders))
@@ -435,14 +445,78 @@ class TestLoaders:
         """The files stay for a person to look at; other manipulators go on."""
         heavy, arm = lab.run("heavy arm", "loaders: paper")
         assert (heavy["status"], arm["status"]) == ("failed", "ok")
-        assert messages(heavy["errors"]) == ["too heavy to hold"]
+        assert messages(heavy["errors"]) == ["paper: too heavy to hold"]
         assert lab.written() == {"heavy.pickle", "arm.pickle", "arm.png"}
+
+    def test_one_that_refuses_does_not_silence_the_next(self, lab: Lab) -> None:
+        """All loaders are asked; each has its verdict, and the manipulator has the errors of all that failed."""
+        result, report = execute(lab.plan("inputs: names.list\nloaders: [paper, cardboard, ink]", names="heavy\narm"))
+        heavy, arm = report["manipulators"]
+        assert {name: load["verdict"] for name, load in heavy["loaders"].items()} == {
+            "paper": "failed",
+            "cardboard": "failed",
+            "ink": "passed",
+        }
+        assert messages(heavy["errors"]) == ["paper: too heavy to hold", "cardboard: too heavy to hold"]
+        assert messages(heavy["loaders"]["cardboard"]["errors"]) == ["cardboard: too heavy to hold"]
+        assert {load["verdict"] for load in arm["loaders"].values()} == {"passed"}
+        assert {
+            name: (entry["passed"], entry["failed"], entry["of"]) for name, entry in report["coverage"].items()
+        } == {
+            "paper": (1, 1, 2),
+            "cardboard": (1, 1, 2),
+            "ink": (2, 0, 2),
+        }
+        assert result.exit_status == 1
+
+    def test_one_that_cannot_say_how_long_it_may_take_fails_alone(self, lab: Lab) -> None:
+        """The files are written, and the other loaders are asked."""
+        (arm,) = lab.run("arm", "loaders: [timeless, paper]")
+        assert {name: load["verdict"] for name, load in arm["loaders"].items()} == {
+            "timeless": "failed",
+            "paper": "passed",
+        }
+        assert "arm.pickle" in lab.written()
+
+    def test_an_optional_one_fails_nothing(self, lab: Lab) -> None:
+        """What it refuses is a notice, told once for all manipulators, and so is that it is not installed."""
+        config = "inputs: names.list\nloaders: [{stage: paper, optional: true}, ink, {stage: absent, optional: true}]"
+        result, report = execute(lab.plan(config, names="heavy\nheavy2\narm"))
+        assert result.exit_status == 0
+        heavy = report["manipulators"][0]
+        assert heavy["errors"] == []
+        assert {name: load["verdict"] for name, load in heavy["loaders"].items()} == {
+            "paper": "failed",
+            "ink": "passed",
+            "absent": "missing",
+        }
+        told = {(notice["loader"], notice["manipulators"], notice["message"]) for notice in report["simulator_notices"]}
+        assert told == {
+            ("paper", 2, "paper: too heavy to hold"),
+            ("absent", 3, "loader 'absent' needs absent: pip install 'lab[absent]'"),
+        }
+        assert coverage_line(report["coverage"]) == (
+            "paper 3 of 3 (2 refused), ink 3 of 3, absent 0 of 3 (not installed)"
+        )
+
+    @pytest.mark.parametrize("resume", [False, True])
+    def test_the_coverage_counts_all_manipulators(self, *, lab: Lab, resume: bool) -> None:
+        """Those outside the sample, and those that failed before there was a file, also when a run is resumed."""
+        config = "inputs: names.list\nloaders: paper\nsample: {first: 3, every: 5}"
+        names = "\n".join(["arm0", "bad", "arm2", *(f"arm{number}" for number in range(3, 12))])
+        if resume:
+            execute(lab.plan(config, names=names))
+        _, report = execute(lab.plan(config, names=names), resume=resume)
+        assert coverage_line(report["coverage"]) == "paper 4 of 12 (sample; 1 without a file)"
+        why = [row.get("not_loaded", {}).get("paper") for row in report["manipulators"]]
+        outside = "not in the sample"
+        assert why == [None, "no file", None, outside, outside, None, *[outside] * 4, None, outside]
 
 
 class TestLongRuns:
     def test_what_is_slow_is_a_sample(self, lab: Lab) -> None:
-        """Beyond the first hundred, a slow proof is made, and a simulator asked, for every fiftieth manipulator."""
-        assert lab.plan("inputs: a.list", a="arm").recipe.sample == Sample(first=100, every=50)
+        """Beyond the first thousand, a slow proof is made, and a simulator asked, for every fiftieth manipulator."""
+        assert lab.plan("inputs: a.list", a="arm").recipe.sample == Sample(first=1000, every=50)
         names = " ".join(f"arm{number}" for number in range(12))
         outcomes = lab.run(names, "loaders: paper\nsample: {first: 3, every: 5}")
         proved = [number for number, outcome in enumerate(outcomes) if outcome["proof"]["pickle"]]

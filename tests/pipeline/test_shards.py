@@ -15,12 +15,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dh2urdf.errors import OutputError
+from dh2urdf.open_store import open_store
 from dh2urdf.output import Stems
 from dh2urdf.shards import Member, ShardWriter, members, shard_stem
-from dh2urdf.stores import Store, open_store
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from dh2urdf.stores import Store
 
 SAMPLE = [
     ("arm_1.urdf", b"<robot/>\n" * 700),
@@ -181,7 +183,7 @@ class TestWhole:
 import resource, sys
 from dh2urdf.errors import OutputError
 from dh2urdf.shards import ShardWriter
-from dh2urdf.stores import open_store
+from dh2urdf.open_store import open_store
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), int(sys.argv[2])))
 try:
     with ShardWriter(open_store(sys.argv[1]), "000001.tar") as shard:

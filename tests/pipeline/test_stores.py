@@ -12,8 +12,9 @@ import pytest
 
 from dh2urdf.errors import OutputError
 from dh2urdf.local_store import LocalStore
+from dh2urdf.open_store import open_store
 from dh2urdf.remote_store import RemoteStore
-from dh2urdf.stores import WORKING, Store, open_store
+from dh2urdf.stores import WORKING, Store
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.at_work import at_work_here
 from dh2urdf.cli.leaving_out import without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError

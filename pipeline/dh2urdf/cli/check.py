@@ -16,16 +16,17 @@ from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, package_paths_option, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
-from dh2urdf.inspecting import given_arguments, inspect
+from dh2urdf.inspecting import given_arguments, inspect, inspect_several
 from dh2urdf.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Expansion
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf.agreement import Agreement
+    from dh2urdf.inspecting import Inspections
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.registry import Catalog
     from dh2urdf.robot import Robot
@@ -38,8 +39,7 @@ EXIT_STATUS = (
 
 
 @click.command(name="check", epilog=EXIT_STATUS)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.argument("arguments", nargs=-1, metavar="[NAME:=VALUE]…")
+@click.argument("words", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
 @click.option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
 @click.option(
@@ -58,8 +58,7 @@ EXIT_STATUS = (
 )
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
-    file: Path,
-    arguments: tuple[str, ...],
+    words: tuple[str, ...],
     package_paths: tuple[Path, ...],
     simulators: tuple[str, ...],
     table: Path | None,
@@ -69,7 +68,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     form: str,
     **flags: str | None,
 ) -> int:
-    """Say what each simulator will do with FILE, a URDF or a xacro of any origin.
+    """Say what each simulator will do with FILE, a URDF, xacro, SDF or MJCF of any origin.
+
+    FILE may also be a folder: all descriptions in it are checked. The findings of several files are grouped by rule.
 
     With --against, the description is also compared with a DH table, joint by joint: where they differ, it says by
     which base, tool, signs and offsets they would agree, in a form that can be put into the table. FILE or TABLE may
@@ -83,21 +84,23 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf check robot.urdf.xacro --for pybullet --for mujoco
     dh2urdf check ur.urdf.xacro ur_type:=ur10 --package-path ~/ws/src
     dh2urdf check ur5.urdf --against ur5.csv --tip-link ee_link
-    dh2urdf check robot.urdf --format sarif > robot.sarif
+    dh2urdf check my_robots/ --format sarif > robots.sarif
     """
     installed = catalog()
+    arguments = [word for word in words if ":=" in word and not Path(word).exists()]
+    files = [Path(word) for word in words if word not in arguments]
+    expansion = Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths)
+    if len(files) != 1 or files[0].is_dir():
+        _refuse_for_several(files, table)
+        several = inspect_several(installed, files, format_name, "`--as NAME`", expansion)
+        return _print_several(several, _chosen(simulators, several.consumers), form)
+    file = files[0]
     if DASH == str(file) == str(table):
         raise ConfigError(Problem(message="FILE and TABLE cannot both be standard input", mark=COMMAND_LINE))
     file = given_description(file, format_name, installed)
     check_file(file, InputError)
     manipulator = _manipulator(installed, table, flags) if table else None
-    inspection = inspect(
-        installed,
-        file,
-        format_name,
-        "`--as NAME`",
-        Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths),
-    )
+    inspection = inspect(installed, file, format_name, "`--as NAME`", expansion)
     consumers = _chosen(simulators, inspection.consumers)
     findings = [found for finding in inspection.findings if (found := _only(finding, consumers))]
     comparison = None
@@ -108,16 +111,53 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
     if comparison and (apart := comparison_finding(comparison[0], comparison[1])):
         findings.append(replace(apart, mark=Mark(file=str(file))))
-    status = int(any(finding.severity == "error" for finding in findings))
-    click.get_current_context().meta[SETTLED] = status
+    status = _settled(findings)
     if form == "json":
         answer(as_json(file, findings, consumers, comparison))
     elif form == "sarif":
-        answer(as_sarif(file, findings))
+        answer(as_sarif(findings))
     else:
         from dh2urdf.cli.findings import print_findings
 
         print_findings(findings, consumers, comparison)
+    return status
+
+
+def _settled(findings: Iterable[Finding]) -> int:
+    """The exit status, which nothing can change any more."""
+    status = int(any(finding.severity == "error" for finding in findings))
+    click.get_current_context().meta[SETTLED] = status
+    return status
+
+
+def _refuse_for_several(files: Sequence[Path], table: Path | None) -> None:
+    problem = None
+    if not files:
+        problem = Problem(message="no FILE is given", mark=COMMAND_LINE, accepted="a robot description, or a folder")
+    elif table is not None:
+        message = "--against compares one description with a table, and there are several"
+        problem = Problem(message=message, mark=COMMAND_LINE, accepted="one FILE")
+    elif DASH in map(str, files):
+        problem = Problem(message="standard input is one FILE alone", mark=COMMAND_LINE, accepted="one FILE")
+    if problem:
+        raise ConfigError(problem)
+
+
+def _print_several(several: Inspections, consumers: Mapping[str, str], form: str) -> int:
+    findings = [found for finding in several.findings if (found := _only(finding, consumers))]
+    status = _settled(findings)
+    if form == "sarif":
+        from dh2urdf.report.findings import as_sarif
+
+        answer(as_sarif(findings))
+    elif form == "json":
+        from dh2urdf.report.several_findings import as_json
+
+        answer(as_json(several, findings, consumers))
+    else:
+        from dh2urdf.cli.several_findings import print_grouped
+
+        print_grouped(several, findings, consumers)
     return status
 
 

@@ -39,6 +39,9 @@ STANDARD_OUTPUT = "standard output"
 @click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
 @click.option("--profile", metavar="P", help="Reader that a URDF or xacro is written for, such as gazebo; portable.")
 @click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
+@click.option(
+    "--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex)."
+)
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
 @click.option(
     "--json",
@@ -98,6 +101,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             },
             settings=settings_of(settings),
             meshes=flags["meshes"],
+            convert_meshes=flags["convert_meshes"],
             inputs=files_behind(tables),
         )
 

@@ -33,12 +33,15 @@ def print_findings(
     else:
         for finding in of_the_file:
             answer("\n".join(map(printable, _lines(finding))))
-    numbers = [
-        f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts(of_the_file).items() if count
-    ]
-    answer(f"{', '.join(numbers) or 'nothing found'} for {', '.join(consumers)}")
+    answer(f"{numbers_of(of_the_file)} for {', '.join(consumers)}")
     if comparison:
         answer("\n".join(map(printable, _comparison(*comparison))))
+
+
+def numbers_of(findings: Sequence[Finding]) -> str:
+    """How many findings there are of each severity, as a sentence says it."""
+    numbers = [f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts(findings).items() if count]
+    return ", ".join(numbers) or "nothing found"
 
 
 def said(finding: Finding) -> Iterator[str]:

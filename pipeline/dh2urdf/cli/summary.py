@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.cli.answers import answers
+from dh2urdf.report.verdicts import coverage_line, notice_line
+from dh2urdf.source import printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 40
 """Rows that a summary shows [1]; of a longer run it shows the failures first and counts the rest."""
+
+MOST_NOTICES = 20
+"""Notices of simulators that a summary shows [1], each with the number of manipulators that it is about."""
 
 MANY = 100
 """Manipulators of a run that is told how many it made per second [1]."""
@@ -54,6 +59,13 @@ def print_summary(result: Result, report: RunReport, where: str, *, dry_run: boo
     console.print(f"{what}{' (dry run: nothing was written)' if dry_run else ''}", markup=False)
     if not result.keeps_kinematics:
         console.print("the transform does not keep the kinematics: differences are reported and fail nothing")
+    if not dry_run and report["coverage"]:
+        console.print(f"simulators: {coverage_line(report['coverage'])}", markup=False)
+        notices = report["simulator_notices"]
+        for notice in notices[:MOST_NOTICES]:
+            console.print(f"- {printable(notice_line(notice))}", markup=False, soft_wrap=True)
+        if (more := len(notices) - MOST_NOTICES) > 0:
+            console.print(f"and {more:,} more notices of simulators: report.json has all of them")
     if told := result.leftovers.told:
         console.print(told)
     if not dry_run:
@@ -75,7 +87,7 @@ def _table(rows: Sequence[ManipulatorEntry]) -> Table:
     table.add_column("files", overflow="fold")
     for row in sorted(rows, key=lambda row: row["status"] != "failed")[:MOST_ROWS]:
         asked = {**row["proof"], **row["loaders"]}
-        cells = [_metres(asked.get(name)) for name in (*emitters, *loaders)]
+        cells = [_asked(asked.get(name)) for name in (*emitters, *loaders)]
         if loaders:
             cells.append(_holds(row))
         files = [file["path"] for file in row["files"]]
@@ -85,7 +97,10 @@ def _table(rows: Sequence[ManipulatorEntry]) -> Table:
     return table
 
 
-def _metres(facts: ProofEntry | LoadEntry | None) -> str:
+def _asked(facts: ProofEntry | LoadEntry | None) -> str:
+    verdict = facts.get("verdict", "passed") if facts else None
+    if verdict in {"failed", "missing"}:
+        return str(verdict)
     error = facts["position_error"] if facts else None
     if error is None:
         return "–"

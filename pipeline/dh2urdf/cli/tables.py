@@ -33,6 +33,7 @@ ASKER = Asker(
     robot="--robot ",
     out="-o ",
     meshes="--meshes ",
+    convert_meshes="--convert-meshes ",
     setting="--set ",
     nowhere="this goes to standard output",
     every="`dh2urdf run` with a run file makes all of them",

@@ -6,7 +6,7 @@ from collections import Counter
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, Final
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem, printable

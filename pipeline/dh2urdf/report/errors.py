@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:

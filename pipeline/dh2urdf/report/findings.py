@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.agreement import changes, number_text
 from dh2urdf.manipulator import JointType
-from dh2urdf.source import Mark
 from dh2urdf.stages import SEVERITIES, Finding
 
 if TYPE_CHECKING:
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.agreement import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.source import Mark
 
 SCHEMA = "dh2urdf-check/1"
 """Name and version of the form of the JSON."""
@@ -64,14 +64,15 @@ def as_json(
         "file": str(file),
         "consumers": dict(consumers),
         "counts": counts(findings),
-        "findings": [_finding(finding) for finding in findings],
+        "findings": [finding_entry(finding) for finding in findings],
     }
     if comparison:
         document["comparison"] = _comparison(*comparison)
     return json.dumps(document, indent=2, ensure_ascii=False)
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def finding_entry(finding: Finding) -> dict[str, Any]:
+    """A finding as the JSON has it."""
     return {
         "rule": finding.rule,
         "severity": finding.severity,
@@ -137,7 +138,7 @@ def _pose(pose: Any) -> dict[str, list[float]]:  # noqa: ANN401 - a rigid transf
     return {"xyz": list(pose.translation), "rpy": list(pose.rpy)}
 
 
-def as_sarif(file: Path, findings: Sequence[Finding]) -> str:
+def as_sarif(findings: Sequence[Finding]) -> str:
     """What was found, as a SARIF text."""
     names = list(dict.fromkeys(finding.rule for finding in findings))
     first = {name: next(finding for finding in findings if finding.rule == name) for name in names}
@@ -146,21 +147,21 @@ def as_sarif(file: Path, findings: Sequence[Finding]) -> str:
         "semanticVersion": __version__,
         "rules": [{"id": name, "help": {"text": first[name].mend}} for name in names],
     }
-    results = [_result(file, finding, names.index(finding.rule)) for finding in findings]
+    results = [_result(finding, names.index(finding.rule)) for finding in findings]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
     return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2, ensure_ascii=False)
 
 
-def _result(file: Path, finding: Finding, rule_index: int) -> dict[str, Any]:
-    mark = finding.mark or Mark(file=str(file))
-    text = f"{finding.message} ({mark.place})" if mark.place else finding.message
+def _result(finding: Finding, rule_index: int) -> dict[str, Any]:
+    mark = finding.mark
+    text = f"{finding.message} ({mark.place})" if mark and mark.place else finding.message
     said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"mend: {finding.mend}"]
     result = {
         "ruleId": finding.rule,
         "ruleIndex": rule_index,
         "level": finding.severity,
         "message": {"text": "\n".join(said)},
-        "locations": [_location(mark)],
+        "locations": [_location(mark)] if mark else [],
         "properties": {"consumers": [effect.consumer for effect in finding.effects]},
     }
     if finding.calls:

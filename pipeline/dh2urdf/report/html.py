@@ -18,7 +18,7 @@ from hashlib import sha256
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.layouts import Form
 from dh2urdf.number_text import format_number
 from dh2urdf.report.exhibits import Exhibit

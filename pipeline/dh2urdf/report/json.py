@@ -7,11 +7,11 @@ All that a run found stands in its manifest, and no duration: a repeated run wri
 from __future__ import annotations
 
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import orjson
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.outcome import to_text
 from dh2urdf.output import reporting_os_errors
 
@@ -30,15 +30,17 @@ REPORTED = 1000
 """Manipulators that the report repeats from the manifest [1]: the first ones; `timing.json` tells of as many."""
 
 
-def run_report(rows: BinaryIO, result: Result) -> RunReport:
+def run_report(ledger: Ledger, result: Result) -> RunReport:
     """The report of a run as plain data."""
-    rows.seek(0)
+    ledger.rows.seek(0)
     count = sum(result.statuses.values())
     return {
         "schema": SCHEMA,
         "version": __version__,
         "exit_status": result.exit_status,
-        "manipulators": [orjson.loads(row) for row in islice(rows, REPORTED)],
+        "coverage": ledger.verdicts.coverage(),
+        "simulator_notices": ledger.verdicts.notices(),
+        "manipulators": [orjson.loads(row) for row in islice(ledger.rows, REPORTED)],
         "left_out": max(0, count - REPORTED),
     }
 
@@ -61,7 +63,7 @@ def write_reports(store: Store, ledger: Ledger, result: Result) -> RunReport:
         OutputError: they cannot be written.
     """
     store.write(INDEX, to_text(ledger.index.as_json()))
-    report = run_report(ledger.rows, result)
+    report = run_report(ledger, result)
     store.write(REPORT, to_text(report))
     if ledger.table:
         with reporting_os_errors(ledger.table.place):

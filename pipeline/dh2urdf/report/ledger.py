@@ -8,6 +8,7 @@ from orjson import loads
 
 from dh2urdf.failure_index import FailureIndex
 from dh2urdf.output import reporting_os_errors, write_all
+from dh2urdf.report.verdicts import Verdicts
 
 if TYPE_CHECKING:
     from dh2urdf.manifest_table import ManifestTable
@@ -21,19 +22,22 @@ class Ledger:
 
     Attributes:
         rows: the manifest, open to write and to read.
+        verdicts: what simulators say.
         index: what failed, and why.
         table: the manifest as a table, where there will be one.
         overview: what the page for people says, where there will be one.
     """
 
-    def __init__(self, rows: BinaryIO, place: str) -> None:
+    def __init__(self, rows: BinaryIO, place: str, verdicts: Verdicts | None = None) -> None:
         """Begin a manifest.
 
         Args:
             rows: an empty file.
             place: where the manifest will be, which errors tell of.
+            verdicts: gathers what simulators say; None where none is asked.
         """
         self.rows = rows
+        self.verdicts = verdicts or Verdicts({})
         self.index = FailureIndex()
         self.table: ManifestTable | None = None
         self.overview: Overview | None = None
@@ -51,6 +55,7 @@ class Ledger:
         rows = [loads(line) for line in lines]
         for row in rows:
             self.index.add(row)
+            self.verdicts.add(row)
             if self.overview:
                 self.overview.add(row)
         if self.table:

@@ -18,6 +18,12 @@ def report_schema() -> dict[str, Any]:
             "schema": {"const": SCHEMA, "description": "name and version of this form"},
             "version": text("version of dh2urdf that wrote it"),
             "exit_status": {"enum": [0, 1], "description": "0 where all is done, 1 where a manipulator failed"},
+            "coverage": {
+                "type": "object",
+                "additionalProperties": _coverage(),
+                "description": "by loader, how many manipulators of the run it was given, and what came of it",
+            },
+            "simulator_notices": list_of(_simulator_notice(), "what loaders noticed, alike notices counted together"),
             "manipulators": list_of({"$ref": "#/$defs/row"}, f"the first rows of the manifest, {REPORTED} at most"),
             "left_out": count("how many more rows the manifest has"),
         }
@@ -120,7 +126,41 @@ def _row() -> dict[str, Any]:
             "notices": list_of({"$ref": "#/$defs/problem"}, "what a careful person would want to know"),
             "errors": list_of({"$ref": "#/$defs/problem"}, "why it failed"),
         },
-        {"meshes": list_of({"$ref": "#/$defs/mesh"}, "the copies of meshes that its files name")},
+        {
+            "meshes": list_of({"$ref": "#/$defs/mesh"}, "the copies of meshes that its files name"),
+            "not_loaded": {
+                "type": "object",
+                "additionalProperties": {"enum": ["not in the sample", "no file"]},
+                "description": "the loaders of the run that it did not go through, and why",
+            },
+        },
+    )
+
+
+def _coverage() -> dict[str, Any]:
+    return object_of(
+        {
+            "of": count("manipulators of the run"),
+            "passed": count("whose file the simulator loaded as the arm that was written"),
+            "failed": count("whose file it refused, or holds as another arm, or that ended it"),
+            "missing": count("for which it was not installed"),
+            "not_in_sample": count("which the sample of the run left out"),
+            "no_file": count("which failed before there was a file"),
+            "optional": {"type": "boolean", "description": "whether its failures are notices"},
+        }
+    )
+
+
+def _simulator_notice() -> dict[str, Any]:
+    return object_of(
+        {
+            "loader": text("the loader"),
+            "manipulators": count("of how many manipulators it says so"),
+            "first": text("the first of these"),
+            "place": or_null(text("the place in a file that it is about, of the first")),
+            "joint": or_null({"type": "string", "description": "the joint that it is about, of the first"}),
+            "message": text("what it says of the first; of the others it names other joints and numbers"),
+        }
     )
 
 
@@ -178,8 +218,14 @@ def proof_schema() -> dict[str, Any]:
 def _load() -> dict[str, Any]:
     return object_of(
         {
-            "simulator": text("its name"),
-            "version": text("its version"),
+            "verdict": {
+                "enum": ["passed", "failed", "missing"],
+                "description": "failed: it refused the file, holds another arm or crashed; missing: not installed",
+            },
+            "optional": {"type": "boolean", "description": "whether a failure of the loader is a notice"},
+            "errors": list_of({"$ref": "#/$defs/problem"}, "why it failed; nothing is measured then"),
+            "simulator": text("its name; of a loader that failed the loader's"),
+            "version": {"type": "string", "description": "its version; empty where the loader failed"},
             "joints": list_of(
                 {"type": "object"}, "the moving joints it found: name, type, axis, limits, as it has them"
             ),

@@ -18,7 +18,7 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING
 
-from dh2urdf import __version__
+from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError
 from dh2urdf.output import reporting_os_errors, safe_stem
 from dh2urdf.source import Mark, Problem, shown

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import tempfile
-import threading
 import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
 
 POSES = 8
 """Random joint vectors of the proof, as `dh2urdf convert` takes them [1]."""
-_MAKING = threading.Lock()
-"""The real xacro, which proves xacro files, keeps its state in globals: one conversion at a time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,7 +129,7 @@ def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str
     """The files of some emitters, made as `dh2urdf convert` makes them of the saved table."""
     reader = default_call(catalog, catalog.get("reader", READER))
     recipe = Recipe(transform=transform_call(catalog, variant), emitters=tuple(emitters), poses=POSES)
-    with _MAKING, tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
+    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         saved = table_file(table, READER, catalog)
         path = Path(folder) / saved.name
         path.write_bytes(saved.content)

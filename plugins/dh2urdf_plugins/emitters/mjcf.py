@@ -23,9 +23,11 @@ from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
 from dh2urdf_plugins.mjcf_reader import read_mjcf
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
 
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
+    from dh2urdf.stages import Inspection
 
 WORLD = "world"
 DEEPEST = 490
@@ -264,6 +266,24 @@ def _append_classes(root: etree._Element) -> None:
         etree.SubElement(etree.SubElement(default, "default", {"class": name}), "geom", attributes)
 
 
+def check(path: Path) -> Inspection:
+    """What there is to say of a file of any origin.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    from dh2urdf_plugins.lint.mjcf import inspect_mjcf
+
+    return inspect_mjcf(path)
+
+
+def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
+    """The MJCFs that no other includes among the files of a folder."""
+    from dh2urdf_plugins.lint.whole_files import mjcfs
+
+    return mjcfs(roots)
+
+
 EMITTER = Emitter(
     name="mjcf",
     summary="an MJCF model for MuJoCo, with actuators, sites for flange and tool0, and no contacts of neighbours",
@@ -271,4 +291,6 @@ EMITTER = Emitter(
     options=MjcfOptions,
     emit=emit,
     read_back=read_mjcf,
+    check=check,
+    descriptions=descriptions,
 )

@@ -16,6 +16,12 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Arm, Collision, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Problem
 from dh2urdf_plugins.base_bodies import links_at_rest, notices_for_gazebo, notices_of_riders, with_base_bodies
+from dh2urdf_plugins.coppeliasim_import import (
+    check_aliases,
+    importable_axis,
+    importable_limits,
+    notices_for_coppeliasim,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
@@ -85,6 +91,28 @@ class Profile:
         why="CoppeliaSim makes a link without a collision shape static, and the arm stands still in a simulation; "
         "elsewhere such shapes overlap with the neighbours'",
     )
+    exact_axes: bool = _decision(
+        default=True,
+        portable="joint axes as they are",
+        otherwise="`1e-30 0 -1` for an axis `0 0 -1`, which is the same axis in double precision",
+        why="CoppeliaSim's importer takes `0 0 -1` for `0 0 1`, and the joint turns the wrong way; to a person the "
+        "portable axis is plainer",
+    )
+    exact_limits: bool = _decision(
+        default=True,
+        portable="the limits of the table",
+        otherwise="limits widened to include 0; a notice names each such joint, and the loader sets the limits of the "
+        "table after the import",
+        why="CoppeliaSim's importer puts a joint that cannot be at 0 at its nearest limit before it places its link, "
+        "which is wrong from then on; nobody else needs other limits than the arm's",
+    )
+    shared_materials: bool = _decision(
+        default=True,
+        portable="each material once, and its name in the visuals",
+        otherwise="its colour in every visual",
+        why="CoppeliaSim's importer reads the colour inside a visual only, and the arm is white without it; elsewhere "
+        "colours in one place are easier to change",
+    )
     transmissions: bool = _decision(
         default=False,
         portable="no transmissions",
@@ -106,7 +134,9 @@ PROFILES: dict[ProfileName, Profile] = {
     "pybullet": Profile(root_inertial=True),
     "mujoco": Profile(base_collision=False),
     "gazebo": Profile(held=True, base_body=True),
-    "coppeliasim": Profile(frame_inertials=False, solid_links=True),
+    "coppeliasim": Profile(
+        frame_inertials=False, solid_links=True, exact_axes=False, exact_limits=False, shared_materials=False
+    ),
     "drake": Profile(transmissions=True, joint_friction=False),
 }
 FOR_GAZEBO_TOO: tuple[ProfileName, ...] = ("portable", "ros")
@@ -117,10 +147,12 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
     """The robot that a profile's file describes.
 
     Raises:
-        EmitterError: the profile's name for something is taken.
+        EmitterError: the profile's name for something is taken, or two names become one there.
     """
     if profile == PROFILES["portable"]:
         return robot
+    if profile == PROFILES["coppeliasim"]:
+        check_aliases(robot)
     if not robot.arms:
         robot = _adapted_arm(robot, profile)
     else:
@@ -133,7 +165,9 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
 
 
 def notices_of(robot: Robot, name: ProfileName) -> list[Problem]:
-    """What a person should know of the file of a profile, unless it is for one reader other than Gazebo."""
+    """What a person should know of the file of a profile."""
+    if name == "coppeliasim":
+        return notices_for_coppeliasim(robot)
     if PROFILES[name].base_body:
         return [*notices_for_gazebo(robot, filled=True), *notices_of_riders(robot)]
     return notices_for_gazebo(robot, filled=False) if name in FOR_GAZEBO_TOO else []
@@ -163,9 +197,17 @@ def _adapted(robot: Robot, profile: Profile, bases: AbstractSet[str]) -> Robot:
     if profile.base_body:
         robot = with_base_bodies(robot)
     links = tuple(_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links)
-    if profile.joint_friction:
-        return replace(robot, links=links)
-    return replace(robot, links=links, joints=tuple(replace(joint, friction=None) for joint in robot.joints))
+    return replace(robot, links=links, joints=tuple(_adapted_joint(joint, profile) for joint in robot.joints))
+
+
+def _adapted_joint(joint: Joint, profile: Profile) -> Joint:
+    if not profile.joint_friction and joint.friction is not None:
+        joint = replace(joint, friction=None)
+    if not profile.exact_axes and joint.type is not JointType.FIXED:
+        joint = replace(joint, axis=importable_axis(joint.axis))
+    if not profile.exact_limits and joint.type is not JointType.FIXED:
+        joint = replace(joint, limits=importable_limits(joint.limits))
+    return joint
 
 
 def _adapted_link(link: Link, profile: Profile, *, is_base: bool) -> Link:

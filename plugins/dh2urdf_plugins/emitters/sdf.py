@@ -25,7 +25,11 @@ from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
 from dh2urdf_plugins.sdf_reader import read_sdf
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
+    from dh2urdf.stages import Inspection
 
 VERSION = "1.7"
 WORLD, MODEL = "world", "__model__"
@@ -240,6 +244,24 @@ class _Model:
         )
 
 
+def check(path: Path) -> Inspection:
+    """What there is to say of a file of any origin.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    from dh2urdf_plugins.lint.sdf import inspect_sdf
+
+    return inspect_sdf(path)
+
+
+def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
+    """The SDFs among the files of a folder."""
+    from dh2urdf_plugins.lint.whole_files import sdfs
+
+    return sdfs(roots)
+
+
 EMITTER = Emitter(
     name="sdf",
     summary="an SDF model for Gazebo, which keeps flange and tool0 as frames",
@@ -248,4 +270,6 @@ EMITTER = Emitter(
     emit=emit,
     read_back=read_sdf,
     notices=notices,
+    check=check,
+    descriptions=descriptions,
 )

@@ -20,7 +20,7 @@ from dh2urdf_plugins.urdf_reader import read_urdf
 from dh2urdf_plugins.urdf_scanner import scan_columns
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.columns import RobotColumns
@@ -45,7 +45,13 @@ def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     """
     notation, profile = Notation(), PROFILES[options.profile]
     robot = adapted(robot, profile)
-    root = urdf_tree(robot, notation.text(robot.name), notation, mujoco=profile.mujoco_element)
+    root = urdf_tree(
+        robot,
+        notation.text(robot.name),
+        notation,
+        mujoco=profile.mujoco_element,
+        shared_materials=profile.shared_materials,
+    )
     if profile.transmissions:
         append_transmissions(root, robot, notation)
     content = serialise(root, robot.comment)
@@ -91,6 +97,13 @@ def check(path: Path) -> Inspection:
     return inspect_urdf(path)
 
 
+def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
+    """The URDFs among the files of a folder."""
+    from dh2urdf_plugins.lint.whole_files import urdfs
+
+    return urdfs(roots)
+
+
 EMITTER = Emitter(
     name="urdf",
     summary="URDF that every common simulator and ROS tool reads alike",
@@ -101,5 +114,6 @@ EMITTER = Emitter(
     emit_columns=emit_columns,
     read_columns=scan_columns,
     check=check,
+    descriptions=descriptions,
     notices=notices,
 )

@@ -78,7 +78,9 @@ class Notation:
         return self.numbers(angles)
 
 
-def urdf_tree(robot: Robot, name: str, notation: Notation, *, mujoco: bool = True) -> etree._Element:
+def urdf_tree(
+    robot: Robot, name: str, notation: Notation, *, mujoco: bool = True, shared_materials: bool = True
+) -> etree._Element:
     """The whole tree of a URDF, under a name that is written already; with what MuJoCo has to be told, if asked for.
 
     Raises:
@@ -87,22 +89,27 @@ def urdf_tree(robot: Robot, name: str, notation: Notation, *, mujoco: bool = Tru
     root = etree.Element("robot", name=name)
     if mujoco:
         append_mujoco_options(root, robot)
-    append_robot(root, robot, notation)
+    append_robot(root, robot, notation, shared_materials=shared_materials)
     return root
 
 
-def append_robot(parent: etree._Element, robot: Robot, notation: Notation) -> None:
+def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, shared_materials: bool = True) -> None:
     """Appends the materials, then the links from the base to the tip, each after the joint that holds it.
+
+    Materials that are not shared are written into each visual.
 
     Raises:
         EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
     """
-    _append_materials(parent, robot, notation)
+    materials = _materials(robot)
+    if shared_materials:
+        for material in materials:
+            _append_material(parent, material, notation)
     joint_to = {joint.child: joint for joint in robot.joints}
     for link in robot.links:
         if joint := joint_to.get(link.name):
             _append_joint(parent, joint, notation)
-        _append_link(parent, link, notation)
+        _append_link(parent, link, notation, shared_materials=shared_materials)
 
 
 def append_mujoco_options(parent: etree._Element, robot: Robot) -> None:
@@ -160,14 +167,18 @@ def _comment(text: str) -> etree._Comment:
     return etree.Comment(f" {plain} ")
 
 
-def _append_materials(parent: etree._Element, robot: Robot, notation: Notation) -> None:
+def _materials(robot: Robot) -> list[Material]:
+    """The materials of a robot, each once."""
     materials: dict[str, Material] = {}
     for visual in (visual for link in robot.links for visual in link.visuals):
         if (material := visual.material) and materials.setdefault(material.name, material) != material:
             raise EmitterError(Problem(message=f"material {shown(material.name)} has two colours", robot=robot.name))
-    for material in materials.values():
-        element = etree.SubElement(parent, "material", {"name": notation.name(material.name)})
-        etree.SubElement(element, "color", {"rgba": notation.numbers(material.rgba)})
+    return list(materials.values())
+
+
+def _append_material(parent: etree._Element, material: Material, notation: Notation) -> None:
+    element = etree.SubElement(parent, "material", {"name": notation.name(material.name)})
+    etree.SubElement(element, "color", {"rgba": notation.numbers(material.rgba)})
 
 
 def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> None:
@@ -206,12 +217,12 @@ def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
     return attributes
 
 
-def _append_link(parent: etree._Element, link: Link, notation: Notation) -> None:
+def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shared_materials: bool) -> None:
     element = etree.SubElement(parent, "link", {"name": notation.name(link.name)})
     if link.inertial:
         append_inertial(element, link.inertial, notation)
     for visual in link.visuals:
-        _append_visual(element, visual, notation)
+        _append_visual(element, visual, notation, shared_materials=shared_materials)
     for collision in link.collisions:
         _append_shape(etree.SubElement(element, "collision"), collision, notation)
 
@@ -221,10 +232,12 @@ def _elements(inertia: Inertia, notation: Notation) -> dict[str, str]:
     return dict(zip(names, notation.numbers(getattr(inertia, name) for name in names).split(" "), strict=True))
 
 
-def _append_visual(parent: etree._Element, visual: Visual, notation: Notation) -> None:
+def _append_visual(parent: etree._Element, visual: Visual, notation: Notation, *, shared_materials: bool) -> None:
     element = etree.SubElement(parent, "visual")
     _append_shape(element, visual, notation)
-    if visual.material:
+    if visual.material and not shared_materials:
+        _append_material(element, visual.material, notation)
+    elif visual.material:
         etree.SubElement(element, "material", {"name": notation.name(visual.material.name)})
 
 

@@ -47,7 +47,7 @@ from dh2urdf_plugins.emitters.urdf_tree import (
 from dh2urdf_plugins.xacro_reader import read_foreign_xacro, read_xacro
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Arm, Parameter, Robot
@@ -226,7 +226,7 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Prof
     macro = _append(parent, "macro", name=name, params=MACRO_PARAMETERS)
     _append_properties(macro, robot)
     _append_mounting(macro, robot, notation)
-    append_robot(macro, robot, notation)
+    append_robot(macro, robot, notation, shared_materials=profile.shared_materials)
     if profile.transmissions:
         append_transmissions(macro, robot, notation)
     if robot.links[0].inertial is None and profile.frame_inertials:
@@ -301,6 +301,13 @@ def check(path: Path, expansion: Expansion | None = None) -> Inspection:
     return inspect_xacro(path, expansion)
 
 
+def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
+    """The xacros of whole robots among the files of a folder."""
+    from dh2urdf_plugins.lint.whole_files import xacros
+
+    return xacros(roots)
+
+
 EMITTER = Emitter(
     name="xacro",
     summary="a xacro macro with the table as its properties, and a file that calls it",
@@ -313,5 +320,6 @@ EMITTER = Emitter(
     one_file=one_file,
     costly_proof=True,
     check=check,
+    descriptions=descriptions,
     notices=notices,
 )

@@ -16,6 +16,8 @@ import yaml
 from dh2urdf.stages import Effect
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from dh2urdf.stages import Severity
 
 CONSUMERS = {
@@ -73,14 +75,17 @@ class Rule:
 def rules() -> dict[str, Rule]:
     """All rules by name, in the order of the table."""
     table = yaml.load(_TABLE.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
-    return {name: _rule(name, **entry) for name, entry in table.items()}
+    return {name: rule_of(name, CONSUMERS, **entry) for name, entry in table.items()}
 
 
-def _rule(name: str, *, fault: str, mend: str, consumers: dict[str, tuple[str, str]]) -> Rule:
+def rule_of(
+    name: str, known: Mapping[str, str], *, fault: str, mend: str, consumers: Mapping[str, tuple[str, str]]
+) -> Rule:
+    """A rule as an entry of a table says it; `known` are the consumers of the table, in their order."""
     outcomes = {consumer: Outcome(word) for consumer, (word, _) in consumers.items()}
     effects = tuple(
         Effect(consumer=consumer, severity=outcomes[consumer].severity, text=consumers[consumer][1])
-        for consumer in CONSUMERS
+        for consumer in known
         if consumer in consumers
     )
     return Rule(name=name, fault=fault, mend=mend, outcomes=outcomes, effects=effects)

@@ -16,7 +16,15 @@ from dh2urdf.robot import Inertial
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, norm, subtract
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
-from dh2urdf_plugins.loaders.measures import DOUBLE_PRECISION, HOLD_SECONDS, HOLD_STAYS, pose_error, reach, tensor
+from dh2urdf_plugins.loaders.measures import (
+    DOUBLE_PRECISION,
+    HOLD_SECONDS,
+    HOLD_STAYS,
+    gravity_loads,
+    pose_error,
+    reach,
+    tensor,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -53,6 +61,7 @@ class Precision(NamedTuple):
         position: a position, as a share of the arm's reach [1].
         angle: an orientation [rad].
         name: in words.
+        com: besides, a centre of mass, where it is told in the world [m].
         inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
             link's origin, where the simulator holds the inertia about that [1].
     """
@@ -63,6 +72,7 @@ class Precision(NamedTuple):
     position: float
     angle: float
     name: str
+    com: float = 0.0
     inertia_about_origin: float = 0.0
 
 
@@ -144,7 +154,7 @@ class Comparison:
                 "mass": (abs(found.mass - body.mass), self.precision.number * body.mass, "kg"),
                 "com": (
                     norm(subtract(found.com, body.com)),
-                    self.precision.number * norm(body.com) + _WITHOUT_EXTENT,
+                    self.precision.number * norm(body.com) + self.precision.com + _WITHOUT_EXTENT,
                     "m",
                 ),
                 "inertia": (
@@ -230,6 +240,7 @@ class Comparison:
             contacts: the pairs of links that overlapped at the start.
         """
         largest = max(displacement, default=0.0)
+        loads = gravity_loads(self.robot, start)
         weakest = self.robot.moving_joints[displacement.index(largest)] if largest > 0.0 else None
         hold = {
             "seconds": HOLD_SECONDS,
@@ -238,24 +249,24 @@ class Comparison:
             "joint": weakest.name if weakest else None,
             "threshold": HOLD_STAYS,
             "stayed": largest <= HOLD_STAYS,
+            "largest_load": self._largest_share(loads),
             "contacts": list(contacts),
         }
-        return hold, tuple(self._hold_findings(weakest, largest, contacts))
+        return hold, tuple(self._hold_findings(weakest, largest, loads, contacts))
+
+    def _largest_share(self, loads: Sequence[float]) -> float | None:
+        """The largest share of an effort that gravity asks [1]; None where it loads a joint without an effort."""
+        shares = [0.0]
+        for joint, load in zip(self.robot.moving_joints, loads, strict=True):
+            effort = joint.limits.effort
+            shares.append(abs(load) / effort if effort else math.inf if load else 0.0)
+        return max(shares) if math.isfinite(max(shares)) else None
 
     def _hold_findings(
-        self, weakest: Joint | None, largest: float, contacts: Sequence[tuple[str, str]]
+        self, weakest: Joint | None, largest: float, loads: Sequence[float], contacts: Sequence[tuple[str, str]]
     ) -> Iterator[Problem]:
         if weakest and largest > HOLD_STAYS:
-            unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
-            by = f"{largest:.3g} {unit}" if math.isfinite(largest) else "without end"
-            yield self.problem(
-                message=f"the arm did not stay in place: in {HOLD_SECONDS:g} s under gravity this joint moved by {by}",
-                severity="notice",
-                joint=weakest.name,
-                field="limits.effort",
-                found=str(weakest.limits.effort),
-                suggestion="give the joint the effort that its motor has",
-            )
+            yield self._did_not_stay(weakest, largest, loads)
         if contacts:
             pairs = [f"{shown(first)} and {shown(second)}" for first, second in contacts[:_SHOWN_PAIRS]]
             pairs += [f"{more} more pairs"] if (more := len(contacts) - _SHOWN_PAIRS) > 0 else []
@@ -264,6 +275,29 @@ class Comparison:
                 severity="notice",
                 suggestion="switch the arm's contacts with itself off, or give these links a smaller radius",
             )
+
+    def _did_not_stay(self, weakest: Joint, largest: float, loads: Sequence[float]) -> Problem:
+        """Why an arm did not stay: a motor is too weak, or every motor is strong enough and the solver is not."""
+        unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
+        by = f"by {largest:.3g} {unit}" if math.isfinite(largest) else "without end"
+        moved = f"in {HOLD_SECONDS:g} s under gravity this joint moved {by}"
+        share = self._largest_share(loads)
+        if share is not None and share <= 1.0:
+            return self.problem(
+                message=f"the solver gave way: {moved}, though at the start gravity asks at most {share:.0%} "
+                "of any effort",
+                severity="notice",
+                joint=weakest.name,
+                suggestion="the efforts suffice; simulate with shorter time steps or more iterations of the solver",
+            )
+        return self.problem(
+            message=f"the arm did not stay in place: {moved}",
+            severity="notice",
+            joint=weakest.name,
+            field="limits.effort",
+            found=str(weakest.limits.effort),
+            suggestion="give the joint the effort that its motor has",
+        )
 
 
 def written_joint(joint: Joint) -> dict[str, Any]:

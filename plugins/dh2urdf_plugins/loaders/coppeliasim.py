@@ -1,7 +1,8 @@
 """The loader `coppeliasim`: has a running CoppeliaSim import the written URDF, and measures the arm there.
 
 CoppeliaSim is a program of its own. It is asked over its ZMQ remote API, by Coppelia Robotics' own Python client, and
-what it prints stays on its console. It was not at hand when this was written: see docs/simulators.md.
+what it prints stays on its console. It has one scene, which all workers of a run would use at once: each waits for its
+turn.
 """
 
 from __future__ import annotations
@@ -9,12 +10,14 @@ from __future__ import annotations
 import socket
 from contextlib import closing
 from dataclasses import dataclass, field
+from ipaddress import ip_address
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import MissingProgramError
 from dh2urdf.stages import Loader, LoadReport
 from dh2urdf_plugins.loaders.coppeliasim_arm import Arm, Connection
 from dh2urdf_plugins.loaders.packages import Packages
+from dh2urdf_plugins.loaders.turns import turn
 
 if TYPE_CHECKING:
     from dh2urdf.stages import LoadRequest
@@ -27,7 +30,7 @@ PORT = 23000
 ANSWERS_WITHIN = 5.0
 """How long a CoppeliaSim may take to answer at all [s]; its client would wait for ever."""
 REMEDY = (
-    "start one without a window, in its folder, by ./coppeliaSim.sh -h (with -GzmqRemoteApi.rpcPort=N for another "
+    "start one without a window, in its folder, by ./coppeliaSim.sh -H (with -GzmqRemoteApi.rpcPort=N for another "
     "port), or say in the loader's options `host` and `port` where it runs"
 )
 
@@ -66,19 +69,23 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
     """
     zmq, library = _PACKAGES.load("zmq"), _PACKAGES.load(_CLIENT)
     try:
-        socket.create_connection((options.host, options.port), ANSWERS_WITHIN).close()
+        with socket.create_connection((options.host, options.port), ANSWERS_WITHIN) as greeting:
+            address, own = str(greeting.getpeername()[0]), str(greeting.getsockname()[0])
     except OSError as error:
         raise _silent(options) from error
-    client = library.RemoteAPIClient(options.host, options.port)
-    client.socket.setsockopt(zmq.LINGER, 0)  # What was not delivered must not keep this process from ending.
-    client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * ANSWERS_WITHIN))
-    try:
-        client.require("sim")  # Somebody listens: CoppeliaSim, or another program?
-    except zmq.ZMQError as error:
-        raise _silent(options) from error
-    client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * _time_limit(options) / 2))
-    with closing(Arm(request, Connection(client))) as arm:
-        return arm.report()
+    same_machine = address == own or ip_address(address.partition("%")[0]).is_loopback
+    key = f"coppeliasim-{'localhost' if same_machine else address}-{options.port}"
+    with turn(key, f"CoppeliaSim at {options.host}:{options.port}", _time_limit(options) / 2):
+        client = library.RemoteAPIClient(options.host, options.port)
+        client.socket.setsockopt(zmq.LINGER, 0)  # What was not delivered must not keep this process from ending.
+        client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * ANSWERS_WITHIN))
+        try:
+            client.require("sim")  # Somebody listens: CoppeliaSim, or another program?
+        except zmq.ZMQError as error:
+            raise _silent(options) from error
+        client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * _time_limit(options) / 4))
+        with closing(Arm(request, Connection(client), same_machine=same_machine)) as arm:
+            return arm.report()
 
 
 def _silent(options: CoppeliaSimOptions) -> MissingProgramError:

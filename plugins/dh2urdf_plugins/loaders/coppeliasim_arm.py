@@ -1,8 +1,9 @@
 """The arm as CoppeliaSim holds it, measured and compared with the robot that was written.
 
-What its importer makes of a URDF follows from its source, https://github.com/CoppeliaRobotics/simURDF:
+What its importer makes of a URDF, seen in CoppeliaSim 4.10.0:
 
-- A joint becomes an object of the same name, whose z axis is the joint's axis; a fixed joint becomes a force sensor.
+- A joint becomes an object whose z axis is the joint's axis; a fixed joint becomes a force sensor. Names keep ASCII
+  letters, digits and ``_``.
 - A link becomes the shapes ``<link>_visual`` and ``<link>_respondable``; the second carries mass and inertia. A link
   with mass properties and no collision shape gets a sphere for one, 5 cm across.
 - The frame of a shape is that of its first visual or collision; of a link without shapes it is the link's.
@@ -11,39 +12,48 @@ What its importer makes of a URDF follows from its source, https://github.com/Co
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+
+from lxml import etree
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.manipulator import Inertia, JointType
 from dh2urdf.mass_properties import placed
+from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, ZERO, RigidTransform, rotate, scale, transpose
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
+from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits
 from dh2urdf_plugins.loaders.comparison import Body, Comparison, Precision
 from dh2urdf_plugins.loaders.measures import hold_start, tensor
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
-    from dh2urdf.robot import Robot
+    from dh2urdf.manipulator import Limits
+    from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import LoadRequest
 
-# The importer's options, by the bits that its manual gives them.
-VISUALS_FOR_ALL = 8  # Or a link without shapes becomes nothing, and what hangs on it has no parent.
+# The importer's options, by the bits that its manual gives them. Bit 128 stays off: with it, every other link collides
+# with the arm itself.
+VISUALS_FOR_ALL = 8  # Or a link without shapes becomes nothing, and the import breaks off where something hangs on it.
 NOT_CENTRED = 32  # Or the arm is moved until it stands on the floor in the middle: its root stays in the origin.
-MASKS_LEFT_ALONE = 128  # Or every other link collides with the arm itself, neighbours too.
-OPTIONS = VISUALS_FOR_ALL | NOT_CENTRED | MASKS_LEFT_ALONE
+OPTIONS = VISUALS_FOR_ALL | NOT_CENTRED
 
 _WORLD = -1  # The handle that stands for the world.
-_XML = '<?xml version="1.0"?>\n'  # By this beginning the importer tells a text from a path.
+_CONSOLE = "its console says more"
 _PRECISION = Precision(
     number=1e-6,
     axis=1e-6,
     inertia=1e-6,
     position=1e-6,
     angle=1e-6,
+    com=1e-9,
     name="Euler angles, by which the importer places all objects: near their singular angle half the digits are lost",
 )
 _MASSLESS = 1e-3
@@ -76,17 +86,22 @@ class Connection:
             raise LoaderError("CoppeliaSim does not answer any more: it may have crashed, see its console") from error
         except Exception as error:  # What CoppeliaSim refuses, the client raises as a bare Exception.
             said = " ".join(str(error).replace("_=NL=_", " ").replace("_=TB=_", " ").split())
-            raise LoaderError(f"CoppeliaSim refused: {said}") from error
+            raise LoaderError(f"CoppeliaSim refused: {said} ({_CONSOLE})") from error
 
 
 class Arm:
     """The arm as CoppeliaSim holds it, beside the robot that was written.
 
+    Args:
+        request: the file and the robot.
+        connection: the CoppeliaSim.
+        same_machine: whether CoppeliaSim runs where the file is.
+
     Raises:
         LoaderError: CoppeliaSim cannot import the file.
     """
 
-    def __init__(self, request: LoadRequest, connection: Connection) -> None:
+    def __init__(self, request: LoadRequest, connection: Connection, *, same_machine: bool) -> None:
         self.request, self.robot, self.connection = request, request.robot, connection
         self.comparison = Comparison("CoppeliaSim", request, _PRECISION)
         self.ask = connection.ask
@@ -95,34 +110,35 @@ class Arm:
             raise LoaderError(
                 "CoppeliaSim is running a simulation: stop it, so that joints can be put where they belong"
             )
-        self.before = set(self._scene())
+        self.imported: list[int] = []
+        self._import(same_machine=same_machine)
         try:
-            self._import()
-            self.joints, self.shapes = self._imported_objects()
+            self.joints, self.shapes = self._objects()
+            self.misread = self._misread_joints()
+            self._restore_limits()
         except LoaderError:
             self.close()
             raise
 
     def close(self) -> None:
-        """Take out of the scene what was not there before."""
-        if not self.connection.lost and (handles := self._imported()):
-            self.ask(self.sim.removeObjects, handles)
+        """Take what was imported out of the scene again."""
+        if not self.connection.lost and self.imported:
+            self.ask(self.sim.removeObjects, self.imported)
 
-    def _imported(self) -> list[int]:
-        return [handle for handle in self._scene() if handle not in self.before]
+    def _objects(self) -> tuple[dict[str, int], dict[str, int]]:
+        """The handles of the joints and of the shapes, by name; a fixed joint is neither, but a force sensor.
 
-    def _imported_objects(self) -> tuple[dict[str, int], dict[str, int]]:
-        """The handles of the joints and of the shapes, by name; a fixed joint is neither, but a force sensor."""
-        kinds: dict[int, dict[str, int]] = {
-            self._constant("object_joint_type", "sceneobject_joint"): {},
-            self._constant("object_shape_type", "sceneobject_shape"): {},
-        }
-        for handle in (handles := self._imported()):
-            named = kinds.get(self.ask(self.sim.getObjectType, handle), {})
-            named[self.ask(self.sim.getObjectAlias, handle)] = handle
-        if not handles:
-            raise LoaderError(self.comparison.problem(message="CoppeliaSim imported nothing; its console says why"))
-        joints, shapes = kinds.values()
+        A joint has its name in the file, a shape that which CoppeliaSim gives it.
+        """
+        joints: dict[str, int] = {}
+        shapes: dict[str, int] = {}
+        written = {alias(joint.name): joint.name for joint in self.robot.moving_joints}
+        for handle in self.imported:
+            kind, name = self.ask(self.sim.getObjectType, handle), self.ask(self.sim.getObjectAlias, handle)
+            if kind == self.sim.sceneobject_joint:
+                joints[written.get(name, name)] = handle
+            elif kind == self.sim.sceneobject_shape:
+                shapes[name] = handle
         return joints, shapes
 
     def report(self) -> LoadReport:
@@ -131,6 +147,18 @@ class Arm:
         Raises:
             LoaderError: CoppeliaSim holds another arm.
         """
+        try:
+            return self._report()
+        except LoaderError as error:
+            if not self.misread:
+                raise
+            advice = (
+                f"CoppeliaSim's importer misreads the joint {shown(self.misread)}: write the URDF with the profile "
+                "coppeliasim, `--profile coppeliasim`, or `options: {profile: coppeliasim}` of the emitter"
+            )
+            raise LoaderError([replace(problem, suggestion=advice) for problem in error.problems]) from error
+
+    def _report(self) -> LoadReport:
         start = hold_start(self.robot)
         frames = link_frames(self.robot, start)
         self._put(start)
@@ -145,30 +173,90 @@ class Arm:
         if problems:
             raise LoaderError(problems)
         masses["mass"] = sum(body.mass for body in bodies.values())
-        number = self.ask(self.sim.getInt32Param, self.sim.intparam_program_version)
+        number = self.ask(self.sim.getInt32Param, self.sim.intparam_program_full_version)
         return LoadReport(
             simulator="CoppeliaSim",
-            version=f"{number // 10000}.{number // 100 % 100}.{number % 100}",
+            version=f"{number // 1000000}.{number // 10000 % 100}.{number // 100 % 100}.{number % 100}",
             joints=joints,
             findings=self._findings(bodies),
             **masses,
             **poses,
         )
 
+    # The import
+
     def _scene(self) -> list[int]:
         """The handles of all objects of the scene."""
-        return list(self.ask(self.sim.getObjectsInTree, self.sim.handle_scene, self.sim.handle_all, 0))
+        return list(self.ask(self.sim.getObjectsInTree, self.sim.handle_scene))
 
-    def _import(self) -> None:
-        """Hand the text over, not the path: CoppeliaSim may run on another machine, or in a container."""
-        try:
-            text = self.request.path.read_text("utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
-            raise LoaderError(self.comparison.problem(message=f"the file cannot be read: {error}")) from error
+    def _import(self, *, same_machine: bool) -> None:
+        """Import the file by its path where CoppeliaSim can see it, else as a text.
+
+        Raises:
+            LoaderError: CoppeliaSim cannot import the file; what it made of it before is taken out of the scene.
+        """
+        text = _text_for(self.request.path, self.comparison)
         importer = self.ask(self.connection.client.require, "simURDF")
-        # Of old it was `import`, which is a keyword of Python.
-        import_text = getattr(importer, "importFile", None) or getattr(importer, "import")
-        self.ask(import_text, text if text.startswith("<?xml") else _XML + text, OPTIONS)
+        if not hasattr(importer, "importFile"):
+            raise LoaderError("this CoppeliaSim is too old: its URDF importer has no `importFile`")
+        before = set(self._scene())
+        roots: Sequence[int] = ()
+        try:
+            if same_machine:
+                _, roots = self.ask(importer.importFile, str(self.request.path.resolve()), OPTIONS)
+            if not roots:  # It runs in a container, say, and does not see the file.
+                _, roots = self.ask(importer.importFile, text, OPTIONS)
+        except LoaderError as error:
+            if not self.connection.lost:
+                self.imported = [handle for handle in self._scene() if handle not in before]
+                self.close()
+            raise self._refusal(error) from error
+        if not roots:
+            raise LoaderError(self.comparison.problem(message=f"CoppeliaSim imported nothing; {_CONSOLE}"))
+        self.imported = [handle for root in roots for handle in self.ask(self.sim.getObjectsInTree, root)]
+
+    def _refusal(self, error: LoaderError) -> LoaderError:
+        """What the importer says where a link became nothing is that an object does not exist."""
+        if "object does not exist" not in str(error) or not has_meshes(self.robot):
+            return error
+        return LoaderError(
+            self.comparison.problem(
+                message=error.problems[0].message,
+                suggestion="it says so of a mesh that it does not find: meshes have to be where CoppeliaSim can read "
+                "them by the same path, as .stl, .obj or .dae, and not as `package://`",
+            )
+        )
+
+    def _misread_joints(self) -> str | None:
+        """The first joint that the importer cannot have read right from this file, or None."""
+        for joint in self.robot.moving_joints:
+            if joint.name in self.joints and (self._is_flipped(joint) or self._is_displaced(joint)):
+                return joint.name
+        return None
+
+    def _is_flipped(self, joint: Joint) -> bool:
+        """Whether it is a joint about -z that turns about +z."""
+        if importable_axis(joint.axis) == joint.axis:
+            return False
+        r = self._frame(self.joints[joint.name]).rotation
+        child = link_frames(self.robot, [0.0] * len(self.robot.moving_joints))[joint.child].rotation
+        return math.dist(rotate(transpose(child), (r[2], r[5], r[8])), joint.axis) > 1.0
+
+    def _is_displaced(self, joint: Joint) -> bool:
+        """Whether it could not be at 0 when its link was placed."""
+        cyclic, (lower, extent) = self.ask(self.sim.getJointInterval, self.joints[joint.name])
+        return not cyclic and not lower <= 0.0 <= lower + extent
+
+    def _restore_limits(self) -> None:
+        """Give joints the limits of the table, where a file for this importer has had to widen them."""
+        for joint in self.robot.moving_joints:
+            wanted, in_file = _interval(joint.limits), _interval(importable_limits(joint.limits))
+            if wanted == in_file or joint.name not in self.joints:
+                continue
+            handle = self.joints[joint.name]
+            cyclic, held = self.ask(self.sim.getJointInterval, handle)
+            if not cyclic and held == in_file:
+                self.ask(self.sim.setJointInterval, handle, False, wanted)
 
     # Joints
 
@@ -181,10 +269,7 @@ class Arm:
     def _held_joint(self, name: str, child: RigidTransform) -> dict[str, Any]:
         """A joint as CoppeliaSim has it, given where its child link is, in whose frame an axis is told."""
         sim, handle = self.sim, self.joints[name]
-        names = {
-            self._constant("joint_revolute_subtype", "joint_revolute"): "revolute",
-            self._constant("joint_prismatic_subtype", "joint_prismatic"): "prismatic",
-        }
+        names = {sim.joint_revolute: "revolute", sim.joint_prismatic: "prismatic"}
         kind = self.ask(sim.getJointType, handle)
         cyclic, interval = self.ask(sim.getJointInterval, handle)
         lower, upper = interval[0], interval[0] + interval[1]
@@ -201,15 +286,11 @@ class Arm:
             "effort": self.ask(sim.getJointTargetForce, handle),
         }
 
-    def _constant(self, *names: str) -> Any:  # noqa: ANN401 - a number
-        """A constant that has changed its name between versions."""
-        return next((getattr(self.sim, name) for name in names if hasattr(self.sim, name)), None)
-
     # Masses
 
     def _shape(self, link: str) -> int | None:
         """The shape that carries a link: what touches, and what is seen where nothing touches."""
-        return self.shapes.get(f"{link}_respondable", self.shapes.get(f"{link}_visual"))
+        return self.shapes.get(alias(f"{link}_respondable"), self.shapes.get(alias(f"{link}_visual")))
 
     def _held_bodies(self, frames: dict[str, RigidTransform]) -> dict[str, Body]:
         """The links that have an inertial, as CoppeliaSim has them, given the frames in which to tell them."""
@@ -280,6 +361,28 @@ class Arm:
         return shape is not None and bool(self.ask(self.sim.getObjectInt32Param, shape, self.sim.shapeintparam_static))
 
 
+def _text_for(path: Path, comparison: Comparison) -> str:
+    """The text of a file as the importer takes it.
+
+    By the declaration it tells a text from a path. Meshes get absolute paths: beside a text it does not look for any.
+
+    Raises:
+        LoaderError: the file cannot be read.
+    """
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    try:
+        tree = etree.fromstring(path.read_bytes(), parser)
+    except OSError as error:
+        raise LoaderError(comparison.problem(message=f"the file cannot be read: {error}")) from error
+    except etree.XMLSyntaxError as error:
+        raise LoaderError(comparison.problem(message=f"the file is not XML: {error}")) from error
+    for mesh in tree.iter("mesh"):
+        name = mesh.get("filename", "")
+        if "://" not in name:
+            mesh.set("filename", str((path.parent / name).resolve()))
+    return '<?xml version="1.0"?>\n' + etree.tostring(tree, encoding="unicode")
+
+
 def link_frames(robot: Robot, q: Sequence[float]) -> dict[str, RigidTransform]:
     """The frames of all links in the root at a joint vector [rad or m]."""
     values = dict(zip((joint.name for joint in robot.moving_joints), q, strict=True))
@@ -292,6 +395,13 @@ def link_frames(robot: Robot, q: Sequence[float]) -> dict[str, RigidTransform]:
             motion = RigidTransform(axis_rotation(joint.axis, values[joint.name]), ZERO)
         frames[joint.child] = frames[joint.parent] @ joint.origin.transform @ motion
     return frames
+
+
+def _interval(limits: Limits) -> list[float] | None:
+    """Limits as CoppeliaSim has them: the lower one, and the range [rad or m]."""
+    if limits.lower is None or limits.upper is None:
+        return None
+    return [limits.lower, limits.upper - limits.lower]
 
 
 def _transform(matrix: Sequence[float]) -> RigidTransform:

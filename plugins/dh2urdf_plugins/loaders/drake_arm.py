@@ -22,6 +22,7 @@ from dh2urdf_plugins.loaders.measures import (
     GRAVITY,
     HOLD_SECONDS,
     HOLD_STAYS,
+    OVERLAP,
     hold_start,
     rotation,
     touching_pairs,
@@ -38,8 +39,6 @@ TIME_STEP = 1 / 240
 """Time step of the hold test [s]."""
 YIELD = HOLD_STAYS / 10
 """Displacement at which a motor of the hold test gives its full effort [rad or m]: it acts as a stiff spring."""
-OVERLAP = 1e-5
-"""How far collision shapes overlap at least to be a finding [m]: ten times the tolerance of Drake's search (FCL)."""
 
 _SHOWN_JOINTS = 8
 

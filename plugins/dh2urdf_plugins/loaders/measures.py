@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics import KinematicChain, link_poses
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import compound, placed
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, Vec3, norm
+from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, add, norm, rotate, scale, subtract
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,6 +28,13 @@ HOLD_STAYS = 0.01
 """Joint displacement up to which the arm has stayed where it was [rad or m]."""
 GRAVITY = 9.81
 """Acceleration of the hold test, along −z of the base [m/s²]."""
+
+OVERLAP = 1e-5
+"""How far collision shapes overlap at least to be a finding [m]: shapes that just touch do not.
+
+Ten times the tolerance of Drake's search (FCL). Of boxes, spheres and cylinders of 20 mm to 1 m that touch, in any
+orientation, MuJoCo finds an overlap of up to 3e-7 m, Drake of 1e-15 m, and PyBullet of 1e-15 m besides its margins.
+"""
 
 
 def clipped(joint: Joint, value: float) -> float:
@@ -125,3 +132,33 @@ def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
         and (body[first], body[second]) not in neighbours
         and (body[second], body[first]) not in neighbours
     ]
+
+
+def gravity_loads(robot: Robot, q: Sequence[float]) -> tuple[float, ...]:
+    """What gravity asks of every moving joint at a joint vector, at rest [N or N·m].
+
+    The weight of all that a joint carries acts at its common centre of mass: on a joint that turns as the moment about
+    its axis, on one that slides as the share along its axis.
+
+    Args:
+        robot: the robot; its root stands in the world's origin.
+        q: a value for each moving joint [rad or m].
+    """
+    frames = link_poses(robot, {joint.name: value for joint, value in zip(robot.moving_joints, q, strict=True)})
+    mass = dict.fromkeys(frames, 0.0)
+    moment = dict.fromkeys(frames, ZERO)
+    for link in robot.links:
+        if link.inertial and link.inertial.mass:
+            frame, mass[link.name] = frames[link.name], link.inertial.mass
+            centre = add(frame.translation, rotate(frame.rotation, link.inertial.com))
+            moment[link.name] = scale(link.inertial.mass, centre)
+    loads: dict[str, float] = {}
+    for joint in reversed(robot.joints):  # Parents come before children.
+        child, frame = joint.child, frames[joint.child]
+        mass[joint.parent] += mass[child]
+        moment[joint.parent] = add(moment[joint.parent], moment[child])
+        x, y, z = rotate(frame.rotation, joint.axis)
+        arm = subtract(moment[child], scale(mass[child], frame.translation))
+        slides = joint.type is JointType.PRISMATIC
+        loads[joint.name] = GRAVITY * (mass[child] * z if slides else x * arm[1] - y * arm[0])
+    return tuple(loads[joint.name] for joint in robot.moving_joints)

@@ -24,6 +24,7 @@ from dh2urdf_plugins.loaders.measures import (
     GRAVITY,
     HOLD_SECONDS,
     HOLD_STAYS,
+    OVERLAP,
     hold_start,
     rotation,
     touching_pairs,
@@ -47,8 +48,6 @@ WEIGHT_RISES = HOLD_SECONDS / 2
 """Time in which the weight comes on [s]; all at once, it would fall into the motors and ask for twice the effort."""
 HELD_JOINTS = 300
 """Largest number of joints of a hold test: the time of a step grows with its cube, and beyond it takes minutes."""
-OVERLAP = 1e-6
-"""How far collision shapes overlap at least to be a finding [m]: far beyond rounding, where shapes just meet."""
 
 
 class Arm:

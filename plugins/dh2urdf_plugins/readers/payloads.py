@@ -9,9 +9,9 @@ from dh2urdf.manipulator import Inertia, Payload
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.quantities import Dimension
 from dh2urdf.source import Problem
+from dh2urdf_plugins.readers.bounds import SMALLEST_LENGTH
 from dh2urdf_plugins.readers.fields import INERTIA_FIELDS
 from dh2urdf_plugins.readers.placements import TransformReader
-from dh2urdf_plugins.readers.plausibility import SMALLEST_LENGTH
 from dh2urdf_plugins.readers.shapes import ShapeReader, refuse_unknown_keys
 
 if TYPE_CHECKING:

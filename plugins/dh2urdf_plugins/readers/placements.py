@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.bounds import LONGEST_ARM, MEASURABLE_ARM, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.cells import Cell
-from dh2urdf_plugins.readers.plausibility import LONGEST_ARM, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.row_cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.table_units import refuse_doubt
-from dh2urdf_plugins.readers.tables import MEASURABLE_ARM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

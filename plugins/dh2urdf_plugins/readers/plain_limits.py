@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.quantities import Dimension
-from dh2urdf_plugins.readers.cells import SPACES, text_of
-from dh2urdf_plugins.readers.plain_numbers import REMEMBERED, PlainNumbers, names_foreign_unit, plain_quantity
-from dh2urdf_plugins.readers.plausibility import (
+from dh2urdf_plugins.readers.bounds import (
     FASTEST_SLIDE,
     FASTEST_TURN,
     LONGEST_ARM,
@@ -20,6 +18,8 @@ from dh2urdf_plugins.readers.plausibility import (
     STRONGEST,
     WIDEST_LIMIT,
 )
+from dh2urdf_plugins.readers.cells import SPACES, text_of
+from dh2urdf_plugins.readers.plain_numbers import REMEMBERED, PlainNumbers, names_foreign_unit, plain_quantity
 from dh2urdf_plugins.readers.records import make_limits
 from dh2urdf_plugins.readers.rows import NO_LIMITS, REMARKABLE_LIMIT
 

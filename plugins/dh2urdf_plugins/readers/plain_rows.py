@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf_plugins.readers.bounds import SMALL_ANGLE, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.cells import SPACES, text_of
 from dh2urdf_plugins.readers.decimal_signs import PlainPoints
 from dh2urdf_plugins.readers.fields import FIELDS, joint_type
@@ -22,7 +23,7 @@ from dh2urdf_plugins.readers.joint_rows import DECIMAL, NUMBER
 from dh2urdf_plugins.readers.names import MAX_NAME, RESERVED, are_out_of_order
 from dh2urdf_plugins.readers.plain_limits import LIMITS, PlainLimits
 from dh2urdf_plugins.readers.plain_numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
-from dh2urdf_plugins.readers.plausibility import SMALL_ANGLE, SMALLEST_LENGTH, are_radians, longest_plain
+from dh2urdf_plugins.readers.plausibility import longest_plain
 from dh2urdf_plugins.readers.records import make_rows
 from dh2urdf_plugins.readers.row_cells import FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.row_names import are_joints

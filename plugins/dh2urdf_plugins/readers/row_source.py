@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
-from dh2urdf_plugins.readers.tables import MAX_JOINTS
+from dh2urdf_plugins.readers.bounds import MAX_JOINTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -18,6 +18,7 @@ from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.seen import SeenNames
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.comment_phrases import prose_problems
 from dh2urdf_plugins.readers.csv_comments import below_header, statement, unread_values
@@ -32,7 +33,7 @@ from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
 from dh2urdf_plugins.readers.table_cells import TableCells
 from dh2urdf_plugins.readers.table_units import unit_notices, unit_problems
-from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, read_rows, stopped, too_many_joints
+from dh2urdf_plugins.readers.tables import manipulator, read_rows, stopped, too_many_joints
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

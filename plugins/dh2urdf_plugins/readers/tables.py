@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.bounds import MAX_JOINTS, MEASURABLE_ARM
 from dh2urdf_plugins.readers.joint_rows import settle, total_problem
 from dh2urdf_plugins.readers.names import name_fault, name_problems
 from dh2urdf_plugins.readers.plausibility import arm_length, plausibility
@@ -20,11 +21,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.cells import Cell
     from dh2urdf_plugins.readers.rows import RowReader
     from dh2urdf_plugins.readers.statements import Statements
-
-MAX_JOINTS = 5000
-"""Joints of one manipulator [1]: a hundred times those of the longest arms that are built, and made in seconds."""
-MEASURABLE_ARM = 1e9
-"""Length of an arm beyond which a double cannot tell micrometres apart [m]."""
 
 
 def manipulator(

@@ -12,6 +12,7 @@ from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.readers import yaml_texts
+from dh2urdf_plugins.readers.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.cell_groups import ACCEPTED, TENSOR, GroupError, are_equal, split_cell
 from dh2urdf_plugins.readers.cells import Cell
 from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, GROUPS, INERTIA_FIELDS
@@ -21,7 +22,7 @@ from dh2urdf_plugins.readers.rows import RowReader
 from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements import Statements, TableOptions
 from dh2urdf_plugins.readers.table_units import effort_notice
-from dh2urdf_plugins.readers.tables import MAX_JOINTS, manipulator, read_rows
+from dh2urdf_plugins.readers.tables import manipulator, read_rows
 from dh2urdf_plugins.readers.unheld import UNHELD
 from dh2urdf_plugins.readers.unknown_columns import ignored, meant_key, refusal, refused
 from dh2urdf_plugins.readers.yaml_forms import no_mapping, no_robots

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""

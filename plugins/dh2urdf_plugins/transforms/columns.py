@@ -22,7 +22,7 @@ from dh2urdf_plugins.transforms.unused import unused_shapes
 if TYPE_CHECKING:
     from dh2urdf.elementwise import Condition
     from dh2urdf.robot import Robot
-    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 FEWEST = 8
 """Robots that are worth being made at once when others are drawn differently [1]."""

@@ -34,7 +34,7 @@ from dh2urdf_plugins.transforms.shapes import (
 if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Limits, Manipulator
     from dh2urdf.robot import Robot, Visual
-    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
     from dh2urdf_plugins.transforms.formulas import Quantities, Symbol
     from dh2urdf_plugins.transforms.frames import Frames, LinkFrame
 

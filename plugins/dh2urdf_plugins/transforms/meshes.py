@@ -3,15 +3,10 @@
 A mesh is given in the DH frame after its row, so that it stands where it was drawn whichever frames the links get. Its
 mass properties are those of the volume that its triangles enclose; of a mesh that is not closed, and so encloses none,
 those of its convex hull. trimesh reads the files and finds hulls; it is asked where the table leaves something open.
-
-The integrals over the volume are sums over the tetrahedra between a point and the triangles, exactly as in S. Lien and
-J. Kajiya, "A symbolic method for calculating the integral properties of arbitrary nonconvex polyhedra", IEEE Computer
-Graphics and Applications 4 (1984). `math.fsum` adds them, so they are the same on every machine.
 """
 
 from __future__ import annotations
 
-import io
 import math
 import re
 from dataclasses import dataclass, replace
@@ -20,11 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import MissingDependencyError, TransformError
-from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import placed, scaled
-from dh2urdf.meshes import read_mesh
+from dh2urdf.mass_properties import scaled
+from dh2urdf.mesh_triangles import FORMATS, Asset, asset_of, enclosed, load_scene, to_metres
+from dh2urdf.meshes import REMEDY, read_mesh
 from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual
-from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
@@ -32,17 +26,12 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import DHRow, Manipulator, MeshFile, MeshShape
     from dh2urdf.robot import Material
-    from dh2urdf.rotations import Vec3
+    from dh2urdf.rotations import RigidTransform, Vec3
 
-FORMATS = (".stl", ".obj", ".dae")
 LARGE, SMALL = 10.0, 1e-3
 """Sizes of a mesh at which a careful person would look at its scale [m]."""
 
 _FLAT = 1e-12  # volume over the cube of the size: below, it is rounding
-_ROUNDING = 1e-12  # over the size of a body or the trace of its inertia
-_HEAD = 1 << 16  # of a COLLADA file: its asset element stands first
-_UNIT = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']*)[\"']")
-_UP = re.compile(rb"<up_axis>\s*([XYZ])_UP\s*</up_axis>")
 _OTHER_FILES = {".obj": re.compile(rb"^\s*mtllib\s", re.MULTILINE), ".dae": re.compile(rb"<init_from>[^<]*\.\w+\s*<")}
 
 
@@ -116,7 +105,7 @@ def mesh_body(file: MeshFile, scale: Vec3) -> MeshBody:
     mesh.vertices = mesh.vertices * scale
     size = 0.0 if mesh.extents is None else float(max(mesh.extents))
     is_closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
-    solid = _integrals(mesh.triangles, _middle(mesh.bounds)) if is_closed else None
+    solid = enclosed(mesh.triangles, _middle(mesh.bounds)) if is_closed else None
     if solid is None or not abs(solid.mass) > _FLAT * size**3:
         is_closed, solid = False, _hull(mesh, size)
     if solid is None:
@@ -133,16 +122,16 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
     """The triangles of a file as trimesh has them."""
     suffix = Path(file.path).suffix.lower()
     try:
-        import trimesh
+        import trimesh  # noqa: F401 - `load_scene` does; here it is known what is missing
     except ImportError as error:
         raise _missing("trimesh") from error
     content = read_mesh(file)
     try:
-        if b"<!ENTITY" in content:  # of a stranger: it could name any file, or become endless
-            raise ValueError("it declares entities")
-        mesh = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:]).to_mesh()
+        mesh = load_scene(content, suffix, process=True).to_mesh()
         if mesh.bounds is None:
             raise ValueError("it has no triangle whose corners are at finite places")
+        if (asset := asset_of(content, suffix)) != Asset():
+            mesh.apply_transform(to_metres(asset))
     except ImportError as error:
         raise _missing("pycollada") from error
     except (MissingDependencyError, MemoryError):
@@ -168,52 +157,12 @@ def _hull(mesh: Any, size: float) -> Inertial | None:  # noqa: ANN401 - see `_re
         hull = mesh.convex_hull
     except (QhullError, ValueError):
         return None
-    solid = _integrals(hull.triangles, _middle(hull.bounds))
+    solid = enclosed(hull.triangles, _middle(hull.bounds))
     return solid if solid and solid.mass > _FLAT * size**3 else None
 
 
 def _middle(bounds: Any) -> Any:  # noqa: ANN401 - arrays
     return 0.5 * (bounds[0] + bounds[1])
-
-
-def _integrals(triangles: Any, middle: Any) -> Inertial | None:  # noqa: ANN401 - arrays (N, 3, 3) and (3,)
-    """The body that triangles enclose, of 1 kg/m³; whether they are seen from inside or outside does not matter."""
-    x, y, z = (tuple([triangles[:, corner, axis] - middle[axis] for corner in range(3)]) for axis in range(3))
-    (ax, bx, cx), (ay, by, cy), (az, bz, cz) = x, y, z
-    six = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    volume = _sum(six) / 6.0
-    if not volume:
-        return None
-    way, mass = math.copysign(1.0, volume), abs(volume)
-    com = [_sum(six * sum(corners)) / 24.0 / volume for corners in (x, y, z)]
-
-    def moment(i: int, j: int) -> float:
-        """The integral of the product of two coordinates about the centre of mass [m⁵]."""
-        u, v = (x, y, z)[i], (x, y, z)[j]
-        products = sum(u) * sum(v) + u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-        return way * _sum(six * products) / 120.0 - mass * com[i] * com[j]
-
-    xx, yy, zz = (moment(axis, axis) for axis in range(3))
-    body = Inertial(
-        mass=mass,
-        com=(com[0], com[1], com[2]),
-        inertia=Inertia(ixx=yy + zz, iyy=xx + zz, izz=xx + yy, ixy=-moment(0, 1), ixz=-moment(0, 2), iyz=-moment(1, 2)),
-    )
-    to_mesh = RigidTransform(IDENTITY_ROTATION, tuple(map(float, middle)))  # type: ignore[arg-type]  # three of them
-    return _without_rounding(placed(body, to_mesh))
-
-
-def _without_rounding(body: Inertial) -> Inertial:
-    """A body with 0 for what is nothing but the rounding of sums: the centre of a symmetric mesh is in its plane."""
-    i, trace = body.inertia, body.inertia.ixx + body.inertia.iyy + body.inertia.izz
-    gyration = math.sqrt(max(trace, 0.0) / body.mass)
-    x, y, z = (0.0 if abs(number) <= _ROUNDING * gyration else number for number in body.com)
-    xy, xz, yz = (0.0 if abs(number) <= _ROUNDING * trace else number for number in (i.ixy, i.ixz, i.iyz))
-    return replace(body, com=(x, y, z), inertia=replace(i, ixy=xy, ixz=xz, iyz=yz))
-
-
-def _sum(column: Any) -> float:  # noqa: ANN401 - an array
-    return math.fsum(column.tolist())
 
 
 # --- What is wrong ----------------------------------------------------------------------------------------------------
@@ -301,24 +250,21 @@ def _remarks(file: MeshFile) -> tuple[tuple[str, str], ...]:
     suffix = Path(file.path).suffix.lower()
     remarks = []
     if suffix == ".dae":
-        head = content[:_HEAD]
-        unit, up = _UNIT.search(head), _UP.search(head)
-        if unit and _is_other_unit(unit[1]):
-            said = unit[1].decode(errors="replace")[:20]
-            remarks.append((f"says that its unit is {said} m", "in metres"))
-        if up is None or up[1] != b"Z":
-            axis = "y" if up is None else up[1].decode().lower()  # COLLADA 1.4, <up_axis>: Y_UP where it is not said
-            remarks.append((f"says that {axis} points up", "with z up"))
+        try:
+            asset = asset_of(content, suffix)
+        except ValueError:  # It is no COLLADA; whoever reads it says so.
+            return ()
+        if asset.unit != 1.0:
+            remarks.append((f"says that its unit is {asset.unit:.6g} m", "in metres"))
+        if asset.up != "Z_UP":
+            remarks.append((f"says that {asset.up[:1].lower()} points up", "with z up"))
     remarks = [
-        (f"{message}, which some readers follow and others do not", f"export it {how}") for message, how in remarks
+        (
+            f"{message}, which some readers follow and others do not",
+            f"export it {how}, or {REMEDY}",
+        )
+        for message, how in remarks
     ]
     if suffix in _OTHER_FILES and _OTHER_FILES[suffix].search(content):
         remarks.append(("names files of materials or textures, which are not copied with it", "give it plain colours"))
     return tuple(remarks)
-
-
-def _is_other_unit(text: bytes) -> bool:
-    try:
-        return float(text) != 1.0
-    except ValueError:
-        return True

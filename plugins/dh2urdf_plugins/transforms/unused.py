@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshShape
-    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 
 class Drawn(NamedTuple):

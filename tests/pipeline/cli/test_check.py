@@ -88,7 +88,6 @@ def test_a_xacro_is_expanded(cli: Cli, arm: Path) -> None:
     ("words", "said"),
     [
         (["nowhere.urdf"], "no such file"),
-        (["."], "this is a folder"),
         (["arm.txt"], "`--as NAME` says what it is"),
         (["arm.urdf", "--against", "nowhere.csv"], "no such file"),
         (["arm.urdf", "--against", "bare.csv"], "convention"),

@@ -197,3 +197,11 @@ class TestColours:
     def test_a_pipe_gets_none(self, cli: Callable[..., Answer]) -> None:
         """Nor does a file."""
         assert "\x1b" not in cli(*self.WORDS).stdout
+
+
+def test_python_runs_the_package_as_the_command() -> None:
+    """`python -m dh2urdf` is the command, under its own name."""
+    shown = subprocess.run(
+        [sys.executable, "-m", "dh2urdf", "--help"], capture_output=True, text=True, check=True
+    ).stdout
+    assert shown.startswith("Usage: dh2urdf [OPTIONS] COMMAND")

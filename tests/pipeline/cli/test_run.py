@@ -129,12 +129,14 @@ class TestFailures:
         assert answer.stderr.count("pi/2 was probably meant") == 1
 
     def test_findings_of_a_simulator_are_said(self, cli: Cli, folder: Path) -> None:
-        """An arm that sinks is no failure; the summary says so, and standard error which row of the table is weak."""
+        """An arm that sinks is no failure; the summary says so, and which row of the table is weak."""
         rows = "one,0,pi/2,0.1,-1,1,1,50\ntwo,0.8,0,0,-1,1,1,0.5\n"
         (folder / "arm.csv").write_text(f"# convention: standard\njoint,a,alpha,d,lower,upper,velocity,effort\n{rows}")
         answer = cli("run", "arm.yaml", "--set", "loaders=[{stage: pybullet, options: {picture: false}}]")
         assert "│ no " in answer.stdout
-        assert "arm.csv:4: notice: joint 'two', field 'limits.effort': the arm did not stay in place" in answer.stderr
+        assert "- arm (arm.csv:4, joint 'two'): PyBullet: the arm did not stay in place" in answer.stdout
+        assert "simulators: pybullet 1 of 1\n" in answer.stdout
+        assert answer.stderr == ""
 
     def test_nothing_readable_is_status_2(self, cli: Cli, folder: Path) -> None:
         """Where no manipulator can be read, nothing is written, and each problem is said once."""

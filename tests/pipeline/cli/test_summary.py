@@ -6,8 +6,9 @@ import pytest
 
 from dh2urdf.cli.summary import MANY, MOST_ROWS, print_summary
 from dh2urdf.conversion import Written
-from dh2urdf.outcome import Outcome
+from dh2urdf.outcome import Outcome, Verdict
 from dh2urdf.proof import Proof
+from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.runs import Result
 from dh2urdf.stages import EmittedFile, LoadReport
 
@@ -44,7 +45,15 @@ def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
             each.row("", [{"path": file.name} for written in each.written for file in written.files])
             for each in outcomes
         ]
-        print_summary(result, {"manipulators": rows}, "build/out", dry_run=dry_run)
+        gathered = Verdicts({name: False for each in outcomes for name in each.loads})
+        for row in rows:
+            gathered.add(row)
+        report = {
+            "manipulators": rows,
+            "coverage": gathered.coverage(),
+            "simulator_notices": gathered.notices(),
+        }
+        print_summary(result, report, "build/out", dry_run=dry_run)
         return capsys.readouterr().out.splitlines()
 
     return call
@@ -64,12 +73,15 @@ def test_a_column_per_emitter_and_loader(printed: Callable[..., list[str]]) -> N
     """With the largest error each, 0 as 0; a dash where there is no proof; the files, pictures included."""
     load = LoadReport(simulator="Paper", version="1", position_error=3.3e-8, hold={"stayed": True}, picture="arm.png")
     lines = printed(
-        outcome(written=(wrote("urdf", 1.5e-16), wrote("dae", None), wrote("txt", 0.0)), loads={"paper": load})
+        outcome(
+            written=(wrote("urdf", 1.5e-16), wrote("dae", None), wrote("txt", 0.0)),
+            loads={"paper": Verdict(report=load)},
+        )
     )
     assert columns(lines) == ["manipulator", "status", "urdf", "dae", "txt", "paper", "holds still", "files"]
     assert cells(lines) == [["arm", "ok", "1.5e-16", "–", "0", "3.3e-08", "yes", "arm.urdf, arm.dae, arm.txt, arm.png"]]
     assert lines[0] == "largest distance of tool0 from the DH product, in metres:"
-    assert lines[-2:] == ["1 made", "written to build/out"]
+    assert lines[-3:] == ["1 made", "simulators: paper 1 of 1", "written to build/out"]
 
 
 @pytest.mark.parametrize(
@@ -77,7 +89,7 @@ def test_a_column_per_emitter_and_loader(printed: Callable[..., list[str]]) -> N
 )
 def test_whether_the_arm_holds_still(printed: Callable[..., list[str]], holds: list[dict[str, Any]], word: str) -> None:
     """It does where it does in every simulator that tried."""
-    loads = {str(i): LoadReport(simulator="S", version="1", hold=hold) for i, hold in enumerate(holds)}
+    loads = {str(i): Verdict(report=LoadReport(simulator="S", version="1", hold=hold)) for i, hold in enumerate(holds)}
     assert cells(printed(outcome(written=(wrote("urdf", 0.0),), loads=loads)))[0][-2] == word
 
 

@@ -11,11 +11,11 @@ from dh2urdf import __version__
 from dh2urdf.batch_report import BatchReport
 from dh2urdf.errors import OutputError
 from dh2urdf.manifest_table import ManifestTable
+from dh2urdf.open_store import open_store
 from dh2urdf.outcome import make_row, to_line, to_text
 from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.runs import Result
-from dh2urdf.stores import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -43,8 +43,10 @@ def ledger(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = T
     return made
 
 
-def manifest(rows: Iterable[dict[str, Any]]) -> io.BytesIO:
-    return io.BytesIO(b"".join(map(to_line, rows)))
+def manifest(rows: Iterable[dict[str, Any]]) -> Ledger:
+    found = Ledger(io.BytesIO(), "manifest.jsonl")
+    found.rows.write(b"".join(map(to_line, rows)))
+    return found
 
 
 def result(*reports: BatchReport) -> Result:
@@ -65,6 +67,8 @@ def test_a_run_has_schema_version_status_and_manipulators() -> None:
         "schema": SCHEMA,
         "version": __version__,
         "exit_status": 1,
+        "coverage": {},
+        "simulator_notices": [],
         "manipulators": [ARM, BAD],
         "left_out": 0,
     }
@@ -73,7 +77,7 @@ def test_a_run_has_schema_version_status_and_manipulators() -> None:
 def test_the_report_of_a_long_run_is_cut() -> None:
     """It has the first thousand rows and says how many are left out: the manifest has all of them."""
     rows = manifest([row(f"arm{number}") for number in range(REPORTED + 7)])
-    rows.seek(500)  # wherever its writer left it
+    rows.rows.seek(500)  # wherever its writer left it
     report = run_report(rows, result(batch(ok=REPORTED + 7)))
     assert [entry["name"] for entry in report["manipulators"]] == [f"arm{number}" for number in range(REPORTED)]
     assert report["left_out"] == 7
@@ -133,7 +137,7 @@ def test_all_files_are_written_whole(tmp_path: Path) -> None:
     written = {path.name for path in out.iterdir()} - {".dh2urdf"}
     assert written == {"report.json", "index.json", "manifest.parquet", "timing.json"}
     assert [path for path in (out / ".dh2urdf").rglob("*") if path.is_file()] == []
-    assert (out / "report.json").read_bytes() == to_text(report) == to_text(run_report(gathered.rows, found))
+    assert (out / "report.json").read_bytes() == to_text(report) == to_text(run_report(gathered, found))
     index = json.loads((out / "index.json").read_bytes())
     assert (index["manipulators"], index["failures"]["table"]["names"]) == (2, ["bad"])
     assert parquet.read_table(out / "manifest.parquet")["name"].to_pylist() == ["arm", "bad"]

@@ -38,12 +38,13 @@ profiles = pytest.mark.parametrize("profile", PROFILES)
 
 @pytest.fixture
 def ur5(reference_robots: Sequence[Any]) -> Robot:
-    """A UR5 of boxes whose base collides, and whose first joint has friction."""
+    """A UR5 of boxes whose base collides, whose first joint has friction, and whose second cannot be at 0."""
     manipulator = next(robot for robot in reference_robots if robot.id == "urdoc_ur5").manipulator
     robot = TRANSFORM.transform(manipulator, TRANSFORM.options(shape="box", base_collision=True))
-    first = robot.moving_joints[0]
-    joints = tuple(replace(joint, friction=0.5) if joint is first else joint for joint in robot.joints)
-    return replace(robot, joints=joints)
+    first, second, *_ = robot.moving_joints
+    above = replace(second.limits, lower=0.2)
+    changed = {first.name: replace(first, friction=0.5), second.name: replace(second, limits=above)}
+    return replace(robot, joints=tuple(changed.get(joint.name, joint) for joint in robot.joints))
 
 
 @pytest.fixture
@@ -91,6 +92,27 @@ def test_the_arm_is_the_same(ur5: Robot, write: Write, profile: str) -> None:
     q = [0.3, -0.4, 0.5, -0.6, 0.7, -0.8]
     assert KinematicChain.between(found).forward_kinematics(q) == KinematicChain.between(ur5).forward_kinematics(q)
     assert found.mass == ur5.mass
+
+
+@profiles
+def test_other_limits_are_told(reference_robots: Sequence[Any], write: Write, profile: ProfileName) -> None:
+    """The file of a profile has the limits of the arm, but for those that a notice names, joint by joint."""
+    assert URDF.read_back is not None
+    assert URDF.notices is not None
+    widened = 0
+    for published in reference_robots:
+        robot = TRANSFORM.transform(published.manipulator, TRANSFORM.options())
+        limits = {joint.name: joint.limits for joint in robot.joints}
+        found = URDF.read_back(write(robot, profile)).moving_joints
+        other = {joint.name: joint.limits for joint in found if joint.limits != limits[joint.name]}
+        told = {each.joint for each in URDF.notices(robot, URDF.options(profile=profile)) if each.field == "limits"}
+        assert told == set(other)
+        for name, held in other.items():
+            assert held == replace(
+                limits[name], lower=min(limits[name].lower or 0.0, 0.0), upper=max(limits[name].upper or 0.0, 0.0)
+            )
+        widened += len(other)
+    assert bool(widened) == (profile == "coppeliasim")
 
 
 @profiles
@@ -224,13 +246,14 @@ def coppeliasim(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         yield peer
 
 
-def test_coppeliasim(ur5: Robot, write: Write, coppeliasim: Any) -> None:
+def test_coppeliasim(reference_robots: Sequence[Any], write: Write, coppeliasim: Any) -> None:
     """No frame weighs a kilogram, and no link stands still, as they do by the portable file."""
     from dh2urdf_plugins.loaders.coppeliasim import CoppeliaSimOptions, load
 
-    # Of boxes this thick nothing remains between the joints of two links.
-    links = tuple(replace(link, collisions=()) if link.name == "link_5" else link for link in ur5.links)
-    robot = replace(ur5, links=links)
+    manipulator = next(robot for robot in reference_robots if robot.id == "rtb_Puma560").manipulator
+    puma = TRANSFORM.transform(manipulator, TRANSFORM.options())  # Its axes and limits are read right in any file.
+    links = tuple(replace(link, collisions=()) if link.name == "link_5" else link for link in puma.links)
+    robot = replace(puma, links=links)
     found, masses = {}, {}
     for profile in ("portable", "coppeliasim"):
         request = LoadRequest(path=write(robot, profile), robot=robot, poses=(), expected={})
@@ -244,6 +267,39 @@ def test_coppeliasim(ur5: Robot, write: Write, coppeliasim: Any) -> None:
     assert "'tool0'" not in found["coppeliasim"]
     assert masses["portable"] == pytest.approx(robot.mass + 2.0)
     assert masses["coppeliasim"] == pytest.approx(robot.mass)
+
+
+def test_coppeliasim_gets_axes_and_colours_that_it_reads(ur5: Robot, write: Write) -> None:
+    """No axis is exactly -z, and every material has its colour where it is used."""
+    axes, colours = {}, {}
+    for profile in ("portable", "coppeliasim"):
+        tree = ET.parse(write(ur5, profile)).getroot()  # noqa: S314
+        axes[profile] = {axis.get("xyz") for axis in tree.iter("axis")}
+        colours[profile] = [material.find("color") is not None for material in tree.findall("link/visual/material")]
+    assert "0 0 -1" in axes["portable"]
+    assert axes["coppeliasim"] == axes["portable"] - {"0 0 -1"} | {"1e-30 0 -1"}
+    assert not any(colours["portable"])
+    assert all(colours["coppeliasim"])
+    assert len(colours["coppeliasim"]) == len(colours["portable"]) > 0
+
+
+def test_names_that_coppeliasim_changes_are_told(ur5: Robot) -> None:
+    """Those of moving joints and links, of which an API call needs the other name."""
+    assert URDF.notices is not None
+    options = URDF.options(profile="coppeliasim")
+    assert not any("other names" in notice.message for notice in URDF.notices(ur5, options))
+    joints = tuple(replace(joint, name="größe-3") if joint.name == "joint_3" else joint for joint in ur5.joints)
+    (notice,) = [each for each in URDF.notices(replace(ur5, joints=joints), options) if "other names" in each.message]
+    assert "`gr____e_3` for 'größe-3'" in notice.message
+
+
+def test_names_that_become_one_in_coppeliasim_are_refused(ur5: Robot, write: Write) -> None:
+    """Two joints of one name there cannot be told apart; in other profiles they are two."""
+    names = {"joint_3": "a-b", "joint_4": "a.b"}
+    robot = replace(ur5, joints=tuple(replace(joint, name=names.get(joint.name, joint.name)) for joint in ur5.joints))
+    write(robot, "portable")
+    with pytest.raises(EmitterError, match=r"joints 'a-b' and 'a\.b' would have the same name in CoppeliaSim"):
+        write(robot, "coppeliasim")
 
 
 def test_drake(ur5: Robot, write: Write, caplog: pytest.LogCaptureFixture) -> None:

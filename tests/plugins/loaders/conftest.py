@@ -276,9 +276,9 @@ def request_for(tmp_path: Path) -> Callable[..., LoadRequest]:
 def published_request(tmp_path: Path) -> Callable[..., LoadRequest]:
     """The request to load a published arm as this project writes it; its poses are its publisher's own."""
 
-    def make(published: Any, **options: Any) -> LoadRequest:
+    def make(published: Any, profile: str = "portable", **options: Any) -> LoadRequest:
         robot = alpha_swap.TRANSFORM.transform(published.manipulator, alpha_swap.TRANSFORM.options(**options))
-        (file,) = urdf.EMITTER.emit(robot, "arm", urdf.EMITTER.options())
+        (file,) = urdf.EMITTER.emit(robot, "arm", urdf.EMITTER.options(profile=profile))
         path = tmp_path / file.name
         path.write_bytes(file.content)
         matrices = tuple(tuple(number for row in pose for number in row) for pose in published.poses)

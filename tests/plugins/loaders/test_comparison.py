@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -79,7 +80,25 @@ def test_hold_names_the_joint_that_moved_most(comparison: Comparison) -> None:
     assert (hold["stayed"], hold["joint"], hold["largest_displacement"], findings) == (True, "elbow", 0.002, ())
     hold, (finding,) = comparison.hold(start, [0.0, 0.2, math.inf, 0.0], [])
     assert (hold["stayed"], hold["joint"], hold["largest_displacement"]) == (False, "slide", None)
-    assert "moved by without end" in finding.message
+    assert "this joint moved without end" in finding.message
+
+
+def test_an_arm_that_is_strong_enough_was_let_down_by_the_solver(comparison: Comparison) -> None:
+    """Gravity asks 2 kg at 0.2 m, 1 kg at 0.4 m and 0.7 kg at 0.8 m of the shoulder: 20 %  of its 60 N·m."""
+    start = (0.0, 0.0, 0.05, 0.0)
+    load = 9.81 * (2.0 * 0.2 + 1.0 * 0.4 + 0.7 * 0.8) / 60.0
+    hold, (finding,) = comparison.hold(start, [0.0, 0.2, 0.0, 0.0], [])
+    assert hold["largest_load"] == pytest.approx(load)
+    assert "the solver gave way" in finding.message
+    assert f"gravity asks at most {load:.0%} of any effort" in finding.message
+    assert finding.field is None
+    for weak, message in ((13.0, "the arm did not stay in place"), (14.0, "the solver gave way")):
+        shoulder = comparison.robot.moving_joints[0]
+        limits = replace(shoulder.limits, effort=weak)
+        joints = [replace(each, limits=limits) if each == shoulder else each for each in comparison.robot.joints]
+        other = Comparison("Sim", replace(comparison.request, robot=replace(comparison.robot, joints=tuple(joints))))
+        _, (finding,) = other.hold(start, [0.2, 0.0, 0.0, 0.0], [])
+        assert message in finding.message
 
 
 def test_hold_shows_a_few_pairs(comparison: Comparison) -> None:

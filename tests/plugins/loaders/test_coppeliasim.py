@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+import math
 import re
 import socket
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +13,11 @@ import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError, MissingProgramError
 from dh2urdf.isolation import load_in_child
-from dh2urdf_plugins.loaders import coppeliasim
+from dh2urdf.robot import Collision, Mesh
+from dh2urdf_plugins.loaders import coppeliasim, turns
 from dh2urdf_plugins.loaders.coppeliasim import LOADER, CoppeliaSimOptions, load, require
 from dh2urdf_plugins.loaders.coppeliasim_arm import OPTIONS
+from dh2urdf_plugins.loaders.turns import turn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,6 +35,23 @@ def peers(monkeypatch: pytest.MonkeyPatch) -> Any:
     from coppeliasim_peer import Peer
 
     return Peer
+
+
+@pytest.fixture
+def planar_urdf(planar: Any) -> str:
+    """The text of the planar arm for this importer: the rail, which cannot be at 0, may be there in the file."""
+    return str(planar.urdf).replace('lower="0.05" upper="0.2"', 'lower="0" upper="0.2"')
+
+
+@pytest.fixture
+def request_for(request_for: Any, planar: Any, planar_urdf: str) -> Any:
+    """The request to load a text, that of the planar arm where none is given."""
+
+    def make(urdf: str = "", robot: Any = None) -> LoadRequest:
+        request: LoadRequest = request_for(urdf or planar_urdf, robot or planar.robot)
+        return request
+
+    return make
 
 
 @pytest.fixture
@@ -58,14 +80,14 @@ def refusal(peer: Any, request: LoadRequest) -> LoaderError:
 def test_right_arm_is_confirmed(peer: Any, request_for: Any, planar: Any) -> None:
     """An arm that was written right has its joints, masses and poses in CoppeliaSim."""
     report = run(peer, request_for())
-    assert (report.simulator, report.version, report.poses) == ("CoppeliaSim", "4.9.0", len(planar.poses))
+    assert (report.simulator, report.version, report.poses) == ("CoppeliaSim", "4.10.0.0", len(planar.poses))
     assert report.position_error is not None
     assert report.angle_error is not None
     assert report.inertia_error is not None
-    assert report.position_error < 1e-14
-    assert report.angle_error < 1e-14
+    assert report.position_error < 1e-12
+    assert report.angle_error < 1e-12
     assert report.mass_error == 0.0
-    assert report.inertia_error < 1e-15
+    assert report.inertia_error < 1e-14
     assert report.hold == {}
 
 
@@ -93,9 +115,9 @@ def test_links_without_mass_weigh_a_kilogram(peer: Any, request_for: Any) -> Non
     assert (finding.severity, "'tool0' (1 kg)" in finding.message) == ("notice", True)
 
 
-def test_frame_without_inertial_weighs_nothing(peer: Any, request_for: Any, planar: Any) -> None:
+def test_frame_without_inertial_weighs_nothing(peer: Any, request_for: Any, planar: Any, planar_urdf: str) -> None:
     """Written without an inertial, tool0 is measured all the same, and weighs nothing."""
-    text, count = re.subn(r'<link name="tool0">.*?</link>', '<link name="tool0"/>', planar.urdf, flags=re.DOTALL)
+    text, count = re.subn(r'<link name="tool0">.*?</link>', '<link name="tool0"/>', planar_urdf, flags=re.DOTALL)
     assert count == 1
     links = tuple(link if link.name != "tool0" else type(link)(name="tool0") for link in planar.robot.links)
     report = run(peer, request_for(text, type(planar.robot)(name="planar", links=links, joints=planar.robot.joints)))
@@ -111,27 +133,126 @@ def test_link_without_collision_is_static(peer: Any, request_for: Any) -> None:
 
 def test_importer_is_asked_for_the_arm_as_it_is(peer: Any, request_for: Any) -> None:
     """The arm is left where it is, every link becomes an object, and the contact masks stay; the scene stays clean."""
-    before = dict(peer.things)
+    before = dict(peer.scene.things)
     run(peer, request_for())
-    assert peer.options == OPTIONS == 8 | 32 | 128
-    assert peer.things == before
+    assert peer.options == OPTIONS == 8 | 32
+    assert peer.scene.things == before
     assert peer.calls.count("simURDF.importFile") == 1
 
 
-def test_old_importer_is_asked_by_its_keyword(peers: Any, request_for: Any) -> None:
-    """Where the importer is still called `import`, and constants have their old names, it is found all the same."""
+def test_limits_of_the_table_are_given_back(peer: Any, request_for: Any) -> None:
+    """A joint whose limits the file has had to widen has those of the table in CoppeliaSim, and is measured there."""
+    slide = run(peer, request_for()).joints[2]
+    assert (slide["lower"], slide["upper"]) == (0.05, pytest.approx(0.2, rel=1e-15))
+    assert peer.calls.count("sim.setJointInterval") == 1
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "joint"),
+    [
+        ('lower="0" upper="0.2"', 'lower="0.05" upper="0.2"', "slide"),
+        ('xyz="0 0 0.3"/>', 'xyz="0 0 0.3" rpy="1.5707963267948966 0 0"/>', "shoulder"),
+    ],
+)
+def test_what_the_importer_misreads_names_the_profile(
+    peer: Any, request_for: Any, planar: Any, planar_urdf: str, *, written: str, instead: str, joint: str
+) -> None:
+    """Of a file for everybody, an arm that this importer misreads is refused, and the error says which file it needs."""
+    text, robot = planar_urdf.replace(written, instead, 1), planar.robot
+    if joint == "shoulder":  # The same axis, by a frame in which it is -z.
+        text = text.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 0 -1"/>', 1)
+        turned = tuple(
+            replace(each, origin=replace(each.origin, rpy=(math.pi / 2, 0.0, 0.0)), axis=(0.0, 0.0, -1.0))
+            if each.name == joint
+            else each
+            for each in robot.joints
+        )
+        robot = replace(robot, joints=turned)
+    message = str(refusal(peer, request_for(text, robot)))
+    assert f"misreads the joint '{joint}': write the URDF with the profile coppeliasim" in message
+
+
+def test_names_are_those_of_the_table(peer: Any, request_for: Any, planar: Any, planar_urdf: str) -> None:
+    """A name that CoppeliaSim changes is found again, of a joint and of a link, and reported as it was written."""
+    names = {"elbow": "el-bow", "forearm": "fore.arm"}
+    text = planar_urdf
+    for name, other in names.items():
+        text = text.replace(f'"{name}"', f'"{other}"')
+    links = tuple(replace(each, name=names.get(each.name, each.name)) for each in planar.robot.links)
+    joints = tuple(
+        replace(
+            each,
+            name=names.get(each.name, each.name),
+            parent=names.get(each.parent, each.parent),
+            child=names.get(each.child, each.child),
+        )
+        for each in planar.robot.joints
+    )
+    report = run(peer, request_for(text, replace(planar.robot, links=links, joints=joints)))
+    assert [joint["name"] for joint in report.joints] == ["shoulder", "el-bow", "slide", "wrist"]
+    assert report.mass_error == 0.0
+
+
+@pytest.mark.parametrize("blind", [False, True])
+def test_meshes_are_found(peers: Any, request_for: Any, planar_urdf: str, tmp_path: Path, *, blind: bool) -> None:
+    """A mesh beside the file is found by the path of the file, and by its own where CoppeliaSim does not see the file."""
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "part.stl")
+    cylinder = '<cylinder radius="0.03" length="0.1"/>'
+    assert planar_urdf.count(cylinder) == 1
+    text = planar_urdf.replace(cylinder, '<mesh filename="part.stl"/>')
+    with peers(blind=blind) as server:
+        assert run(server, request_for(text)).mass_error == 0.0
+        assert server.calls.count("simURDF.importFile") == 1 + blind
+
+
+def test_mesh_that_is_not_found_is_named_as_the_reason(
+    peer: Any, request_for: Any, planar: Any, planar_urdf: str
+) -> None:
+    """CoppeliaSim says that an object does not exist, which nobody understands."""
+    cylinder = '<cylinder radius="0.03" length="0.1"/>'
+    links = tuple(
+        replace(each, collisions=(Collision(geometry=Mesh(filename="nowhere.stl")),)) if each.name == "slider" else each
+        for each in planar.robot.links
+    )
+    text = planar_urdf.replace(cylinder, '<mesh filename="nowhere.stl"/>')
+    before = dict(peer.scene.things)
+    message = str(refusal(peer, request_for(text, replace(planar.robot, links=links))))
+    assert "object does not exist." in message
+    assert "(its console says more)" in message
+    assert "says so of a mesh that it does not find" in message
+    assert peer.scene.things == before
+
+
+def test_workers_take_turns(peer: Any, request_for: Any) -> None:
+    """Loads by several processes at once do not see each other's arms, and none is in the scene in the end."""
+    before = dict(peer.scene.things)
+    options = CoppeliaSimOptions(host="127.0.0.1", port=peer.port)
+    request = request_for()
+    with ThreadPoolExecutor(3) as threads:
+        futures = [threads.submit(load_in_child, LOADER, request, options) for _ in range(3)]
+        assert [future.result().mass_error for future in futures] == [0.0] * 3
+    assert peer.scene.things == before
+    importing = [call for call in peer.calls if call in {"simURDF.importFile", "sim.removeObjects"}]
+    assert importing == ["simURDF.importFile", "sim.removeObjects"] * 3
+
+
+def test_old_importer_is_refused(peers: Any, request_for: Any) -> None:
+    """A version whose importer tells no handles is not served."""
     with peers(old=True) as old:
-        assert run(old, request_for()).mass_error == 0.0
-        assert "simURDF.import" in old.calls
+        assert "too old" in str(refusal(old, request_for()))
 
 
 @pytest.mark.parametrize("beginning", ["", "\n", "\ufeff"])
-def test_text_begins_with_a_declaration(peer: Any, request_for: Any, planar: Any, beginning: str) -> None:
+def test_text_begins_with_a_declaration(
+    peers: Any, request_for: Any, planar: Any, planar_urdf: str, beginning: str
+) -> None:
     """A file without a declaration, or with something before it, is told from a path all the same."""
-    text = beginning + planar.urdf.partition("?>")[2].lstrip()
+    text = beginning + planar_urdf.partition("?>")[2].lstrip()
     if beginning == "\ufeff":
-        text = beginning + planar.urdf
-    assert run(peer, request_for(text)).poses == len(planar.poses)
+        text = beginning + planar_urdf
+    with peers(blind=True) as server:
+        assert run(server, request_for(text)).poses == len(planar.poses)
 
 
 @pytest.mark.parametrize(
@@ -148,23 +269,28 @@ def test_text_begins_with_a_declaration(peer: Any, request_for: Any, planar: Any
         ('mass value="1"', 'mass value="1.1"', r"another mass of the link 'forearm', by 0\.1 kg"),
         ('xyz="0.2 0.01 0"', 'xyz="0.2 0.011 0"', r"another com of the link 'upper_arm', by 0\.001 m"),
         ('ixy="0.0003"', 'ixy="-0.0003"', r"another inertia of the link 'upper_arm', by 0\.0006 kg·m²"),
-        ('link="tool0"', 'link="tool1"', "refused: 'tool1'"),
+        ('link="tool0"', 'link="tool1"', "does not answer any more"),
     ],
 )
 def test_another_arm_is_refused(
-    peer: Any, request_for: Any, planar: Any, *, written: str, instead: str, message: str
+    peer: Any, request_for: Any, planar_urdf: str, *, written: str, instead: str, message: str
 ) -> None:
     """A file that differs from the robot in a pose, joint or mass property is refused; the scene stays clean."""
-    assert written in planar.urdf
-    before = dict(peer.things)
+    assert written in planar_urdf
+    before = dict(peer.scene.things)
     with pytest.raises(LoaderError, match=message):
-        raise refusal(peer, request_for(planar.urdf.replace(written, instead, 1)))
-    assert peer.things == before
+        raise refusal(peer, request_for(planar_urdf.replace(written, instead, 1)))
+    assert "answer" in message or peer.scene.things == before
 
 
-def test_nothing_imported_is_an_error(peer: Any, request_for: Any, planar: Any) -> None:
-    """CoppeliaSim says only on its console that it cannot read a file: an empty import is an error that says so."""
-    assert "imported nothing; its console says why" in str(refusal(peer, request_for(planar.urdf[:400])))
+def test_nothing_imported_is_an_error(peer: Any, request_for: Any) -> None:
+    """CoppeliaSim says only on its console that it finds no robot: an empty import is an error that says so."""
+    assert "imported nothing; its console says more" in str(refusal(peer, request_for('<?xml version="1.0"?><sdf/>')))
+
+
+def test_text_that_is_not_xml_is_refused(peer: Any, request_for: Any, planar_urdf: str) -> None:
+    """Before CoppeliaSim is given it."""
+    assert "the file is not XML" in str(refusal(peer, request_for(planar_urdf[:400])))
 
 
 def test_missing_file_is_refused(peer: Any, request_for: Any, tmp_path: Path) -> None:
@@ -189,6 +315,16 @@ def test_crash_is_reported(peers: Any, request_for: Any, function: str) -> None:
         assert "does not answer any more" in str(refusal(dying, request_for()))
 
 
+def test_program_that_others_use_is_not_waited_for_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where another process does not end its turn, the error says so; where it ended in any way, the turn is free."""
+    monkeypatch.setattr(turns.tempfile, "gettempdir", lambda: str(tmp_path))
+    again = turn("program-1", "the program", 0.05)
+    with turn("program-1", "the program", 1.0), pytest.raises(LoaderError, match="the program was busy"):
+        again.__enter__()
+    with turn("program-1", "the program", 0.05), turn("program-2", "another", 0.05):
+        pass
+
+
 @pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize("listens", [False, True])
 def test_silence_says_how_to_start_one(request_for: Any, *, listens: bool) -> None:
@@ -197,13 +333,13 @@ def test_silence_says_how_to_start_one(request_for: Any, *, listens: bool) -> No
         port = server.getsockname()[1]
         if not listens:
             server.close()
-        with pytest.raises(MissingProgramError, match=rf"127\.0\.0\.1:{port}: start one .*coppeliaSim\.sh -h"):
+        with pytest.raises(MissingProgramError, match=rf"127\.0\.0\.1:{port}: start one .*coppeliaSim\.sh -H"):
             load(request_for(), CoppeliaSimOptions(host="127.0.0.1", port=port))
 
 
 def test_published_arms_are_confirmed(peer: Any, reference_robot: Any, published_request: Any) -> None:
-    """Every published arm is the same arm in CoppeliaSim, as far as its importer's source can say."""
-    report = run(peer, published_request(reference_robot))
+    """Every published arm is the same arm in CoppeliaSim, by the profile for it."""
+    report = run(peer, published_request(reference_robot, profile="coppeliasim"))
     assert report.poses == len(reference_robot.q)
     assert report.mass_error == 0.0
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions, alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,7 +8,7 @@ import pytest
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import Inertia, Limits, LinkGeometry, Manipulator
 from dh2urdf.source import Mark, Problem
-from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

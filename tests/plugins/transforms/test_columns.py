@@ -19,7 +19,8 @@ from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import HALF_PI, RigidTransform
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import columns as transform_module
-from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions, alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -15,7 +15,8 @@ from dh2urdf.manipulator import Inertia, JointType, MeshFile, MeshShape
 from dh2urdf.meshes import find_mesh
 from dh2urdf.robot import Cylinder, Mesh
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions, alpha_swap, alpha_swap_columns
+from dh2urdf_plugins.transforms.alpha_swap import alpha_swap, alpha_swap_columns
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 from dh2urdf_plugins.transforms.meshes import mesh_body
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class TestBodies:
         self, name: str, scale: tuple[float, float, float], saved: Callable[..., MeshFile]
     ) -> None:
         """As trimesh's own integrals have it, in every format, at every scale, mirrored too."""
-        file = saved(wedge(), name)
+        file = saved(wedge(), name, *(Z_UP if name.endswith(".dae") else ()))
         body = mesh_body(file, scale)
         oracle = wedge()
         oracle.apply_transform(np.diag([*scale, 1.0]))
@@ -108,6 +109,28 @@ class TestBodies:
         assert body.solid.com == pytest.approx((1.0, 0.0, 0.0), abs=1e-6)
         assert body.size == pytest.approx(0.3, rel=1e-5)
 
+    @pytest.mark.parametrize(
+        ("said", "unit", "turn"),
+        [
+            ("<up_axis>Y_UP</up_axis>", 1.0, [[1, 0, 0], [0, 0, -1], [0, 1, 0]]),
+            ("", 1.0, [[1, 0, 0], [0, 0, -1], [0, 1, 0]]),
+            ('<unit name="mm" meter="0.001"/><up_axis>X_UP</up_axis>', 0.001, [[0, -1, 0], [0, 0, -1], [1, 0, 0]]),
+            ('<unit meter="25.4e-3"/><up_axis> Z_UP\n</up_axis>', 0.0254, np.eye(3)),
+        ],
+    )
+    def test_a_collada_file_has_its_unit_and_its_axes(
+        self, said: str, unit: float, turn: Any, saved: Callable[..., MeshFile]
+    ) -> None:
+        """Those that its asset names: metres and y up where it names none."""
+        body = mesh_body(saved(wedge(), "link.dae", Z_UP[0], said), ONE).solid
+        oracle = wedge()
+        oracle.apply_transform(np.block([[unit * np.array(turn), np.zeros((3, 1))], [np.zeros(3), np.ones(1)]]))
+        assert body.mass == pytest.approx(oracle.volume, rel=1e-5)
+        assert body.com == pytest.approx(oracle.center_mass, rel=1e-5)
+        assert tensor(body.inertia) == pytest.approx(
+            oracle.moment_inertia, rel=1e-4, abs=1e-5 * oracle.volume * unit**2
+        )
+
     def test_a_flat_mesh_is_no_body(self, saved: Callable[..., MeshFile]) -> None:
         """One sheet, or none at all."""
         sheet = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]])
@@ -122,6 +145,8 @@ class TestBodies:
                 '<!DOCTYPE x [<!ENTITY s SYSTEM "file:///etc/passwd">]><COLLADA version="1.4.1"><asset>&s;</asset></COLLADA>',
                 "'link.dae' cannot be read as DAE: it declares entities",
             ),
+            ("link.dae", "PK\x03\x04 of a megabyte of zeros", "as DAE: it is a ZIP archive"),
+            ("link.dae", '<COLLADA><asset><unit meter="-1"/></asset></COLLADA>', "link.dae"),
             ("link.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "as OBJ: it has no triangle whose corners"),
             ("link.obj", "v 0 0 0\nv 1 0 0\nf 1 2 999999999999\n", "cannot be read as OBJ: index 999999999998"),
             ("link.stl", "\0" * 80 + "\x7f" * 4 + "\0" * 100, "link"),
@@ -283,7 +308,8 @@ class TestProblems:
         self, change: tuple[str, str], message: str, three_axes: Manipulator, saved: Callable[..., MeshFile]
     ) -> None:
         """Axes and units."""
-        (notice,) = self.notices(three_axes, MeshShape(file=saved(wedge(), "link.dae", *change)))
+        shape = MeshShape(file=saved(wedge(), "link.dae", *change), scale=(1000.0,) * 3 if "mm" in change[1] else ONE)
+        (notice,) = self.notices(three_axes, shape)
         assert message in notice
 
     def test_other_files_that_a_mesh_names_are_noticed(

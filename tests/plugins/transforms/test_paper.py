@@ -13,7 +13,8 @@ from dh2urdf.manipulator import Inertia, Manipulator
 from dh2urdf.robot import Box
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -12,7 +12,8 @@ import pytest
 
 from dh2urdf.kinematics import KinematicChain, as_matrices
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions, alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from pathlib import Path

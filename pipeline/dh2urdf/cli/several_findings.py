@@ -1,0 +1,47 @@
+"""What `dh2urdf check` found in several files, for people: by rule, and of each rule where."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.cli.answers import answer
+from dh2urdf.cli.findings import numbers_of, said
+from dh2urdf.report.several_findings import by_rule, in_files
+from dh2urdf.source import printable
+from dh2urdf.stages import SEVERITIES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from dh2urdf.inspecting import Inspections
+    from dh2urdf.stages import Finding
+
+MOST_OF_A_FILE = 3
+"""Findings of one rule in one file that are printed [1]; of the others, how many there are."""
+
+
+def print_grouped(several: Inspections, findings: Sequence[Finding], consumers: Mapping[str, str]) -> None:
+    """Print findings by rule, how many there are, and how many files were looked at."""
+    for rule, found in by_rule(findings).items():
+        answer("\n".join(map(printable, _lines(rule, found))))
+    files = len(several.files)
+    answer(f"{numbers_of(findings)} for {', '.join(consumers)}")
+    answer(
+        f"{files} description{'' if files == 1 else 's'} checked; "
+        f"{several.looked_at} file{'' if several.looked_at == 1 else 's'} looked at"
+    )
+
+
+def _lines(rule: str, findings: Sequence[Finding]) -> Iterator[str]:
+    files = in_files(findings)
+    severity = min((finding.severity for finding in findings), key=SEVERITIES.index)
+    yield f"{severity}: [{rule}] in {len(files)} file{'' if len(files) == 1 else 's'}"
+    for file, count in files.items():
+        here = [finding for finding in findings if (finding.mark.file if finding.mark else "") == file]
+        for finding in here[:MOST_OF_A_FILE]:
+            yield f"    {finding.mark or file}: {finding.message}"
+        if count > MOST_OF_A_FILE:
+            yield f"    {file}: and {count - MOST_OF_A_FILE} more"
+    for line in dict.fromkeys(line for finding in findings for line in said(finding)):
+        yield f"        {line}"
+    yield f"        mend: {findings[0].mend}"

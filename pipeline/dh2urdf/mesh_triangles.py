@@ -1,0 +1,246 @@
+"""The triangles of mesh files, in metres with z up, and the body that they enclose.
+
+trimesh reads the files. A COLLADA file says which unit its numbers have and which axis points up; trimesh follows
+neither, so both are followed here, as COLLADA 1.4.1 (chapter 5, `<asset>`) has them.
+
+The integrals over a volume are sums over the tetrahedra between a point and the triangles, exactly as in S. Lien and
+J. Kajiya, "A symbolic method for calculating the integral properties of arbitrary nonconvex polyhedra", IEEE Computer
+Graphics and Applications 4 (1984). `math.fsum` adds them, so they are the same on every machine.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import placed
+from dh2urdf.robot import Inertial
+from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FORMATS = (".stl", ".obj", ".dae")
+"""How the names of mesh files end that can be read."""
+
+_ROUNDING = 1e-12  # over the size of a body or the trace of its inertia
+_TO_Z_UP = {"X_UP": ((0, -1, 0), (0, 0, -1), (1, 0, 0)), "Y_UP": ((1, 0, 0), (0, 0, -1), (0, 1, 0))}
+_ZIP = b"PK\x03\x04"
+
+
+class Asset(NamedTuple):
+    """What a COLLADA file says of its numbers.
+
+    Attributes:
+        unit: the unit of lengths [m].
+        up: the axis that points up: ``X_UP``, ``Y_UP``, also where the file does not say it, or ``Z_UP``.
+    """
+
+    unit: float = 1.0
+    up: str = "Z_UP"
+
+
+class Part(NamedTuple):
+    """The triangles of one colour.
+
+    Attributes:
+        vertices: [m], of shape (N, 3).
+        faces: numbers of vertices, of shape (M, 3), anticlockwise as seen from outside.
+        rgba: red, green, blue and alpha in 0..1; None where the file gives no colour.
+    """
+
+    vertices: Any
+    faces: Any
+    rgba: tuple[float, float, float, float] | None
+
+
+# --- Files ------------------------------------------------------------------------------------------------------------
+
+
+def load_scene(content: bytes, suffix: str, *, process: bool) -> Any:  # noqa: ANN401 - a module without type information
+    """What stands in a mesh file as a trimesh scene, in the file's own unit and axes.
+
+    Args:
+        content: the file.
+        suffix: one of `FORMATS`.
+        process: whether trimesh merges vertices that are close, and drops those that are not finite.
+
+    Raises:
+        ImportError: trimesh, or pycollada for a COLLADA file, is not installed.
+        ValueError: the file is something else, or declares entities.
+        Exception: what a reader of other people's files raises is anything.
+    """
+    import trimesh
+
+    if content.startswith(_ZIP):
+        raise ValueError("it is a ZIP archive: unpack it")
+    if b"<!ENTITY" in content.replace(b"\0", b""):  # of a stranger: it could name any file, or become endless
+        raise ValueError("it declares entities")
+    return trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=process)
+
+
+def asset_of(content: bytes, suffix: str) -> Asset:
+    """What a file says of its unit and its axes; of STL and OBJ nothing is said, and metres with z up are meant.
+
+    Raises:
+        ValueError: it is no XML, or its unit is no length.
+    """
+    if suffix != ".dae":
+        return Asset()
+    from xml.etree import ElementTree as ET
+
+    try:
+        for _, element in ET.iterparse(io.BytesIO(content)):  # noqa: S314 - `load_scene` refuses entities
+            if _tag(element) == "asset":
+                said = {_tag(child): child for child in element}
+                unit = said["unit"].get("meter", "1") if "unit" in said else "1"
+                up = (said["up_axis"].text or "").strip() if "up_axis" in said else "Y_UP"
+                return Asset(_length(unit), up)
+    except ET.ParseError as error:
+        raise ValueError(str(error)) from error
+    return Asset(up="Y_UP")
+
+
+def _tag(element: Any) -> str:  # noqa: ANN401 - an element, or a comment
+    return str(element.tag).rpartition("}")[2]
+
+
+def _length(text: str) -> float:
+    try:
+        unit = float(text)
+    except ValueError:
+        unit = math.nan
+    if not (0.0 < unit < math.inf):
+        raise ValueError(f"its unit is {text[:20]!r} m")
+    return unit
+
+
+def to_metres(asset: Asset) -> Any:  # noqa: ANN401 - an array
+    """The homogeneous matrix from a file's unit and axes to metres with z up.
+
+    Raises:
+        ValueError: the axis is none of COLLADA's.
+    """
+    import numpy as np
+
+    if asset.up not in {"Z_UP", *_TO_Z_UP}:
+        raise ValueError(f"its up_axis is {asset.up[:20]!r}")
+    matrix = np.eye(4)
+    matrix[:3, :3] = asset.unit * np.array(_TO_Z_UP.get(asset.up, np.eye(3)))
+    return matrix
+
+
+def read_parts(content: bytes, suffix: str, scale: tuple[float, float, float]) -> list[Part]:
+    """All triangles of a file, scaled, by their colours in the order of their first appearance.
+
+    Nothing is merged, moved or left out. Where the scale or a node of the file is a mirror, triangles are turned
+    round, so that outside stays outside.
+
+    Args:
+        content: the file.
+        suffix: one of `FORMATS`.
+        scale: factors along the axes of the mesh [1].
+
+    Raises:
+        ImportError: as `load_scene`.
+        ValueError: there are no triangles, or a corner is not finite.
+        Exception: as `load_scene`.
+    """
+    import numpy as np
+
+    scene = load_scene(content, suffix, process=False)
+    outer = np.diag([*scale, 1.0]) @ to_metres(asset_of(content, suffix))
+    found: dict[tuple[float, ...] | None, list[tuple[Any, Any]]] = {}
+    for matrix, mesh in _placed_meshes(scene):
+        whole = outer @ matrix
+        vertices = mesh.vertices @ whole[:3, :3].T + whole[:3, 3]
+        if not np.isfinite(vertices[mesh.faces]).all():
+            raise ValueError("corners of its triangles are at no finite place")
+        faces = mesh.faces[:, ::-1] if np.linalg.det(whole[:3, :3]) < 0.0 else mesh.faces
+        found.setdefault(_colour(mesh), []).append((vertices, faces))
+    if not found:
+        raise ValueError("it has no triangles")
+    return [Part(*_joined(pieces), rgba) for rgba, pieces in found.items()]  # type: ignore[arg-type]  # four of them
+
+
+def _placed_meshes(scene: Any) -> Iterator[tuple[Any, Any]]:  # noqa: ANN401 - see `load_scene`
+    for node in scene.graph.nodes_geometry:
+        matrix, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if len(getattr(mesh, "faces", ())):
+            yield matrix, mesh
+
+
+def _colour(mesh: Any) -> tuple[float, ...] | None:  # noqa: ANN401 - see `load_scene`
+    """The colour of a mesh that has a plain one."""
+    factor = getattr(getattr(mesh.visual, "material", None), "baseColorFactor", None)
+    if factor is None:
+        return None
+    red, green, blue, alpha = (round(float(part) / 255.0, 6) for part in factor)
+    return (red, green, blue, alpha or 1.0)  # COLLADA knows two meanings of 0; nobody draws what cannot be seen
+
+
+def _joined(pieces: list[tuple[Any, Any]]) -> tuple[Any, Any]:
+    """Meshes as one, vertices at the same place merged."""
+    import numpy as np
+
+    triangles = np.concatenate([vertices[faces] for vertices, faces in pieces])
+    corners, first, inverse = np.unique(triangles.reshape(-1, 3) + 0.0, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)  # as they come in the file
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return corners[order], rank[inverse.reshape(-1)].reshape(-1, 3)
+
+
+# --- Bodies -----------------------------------------------------------------------------------------------------------
+
+
+def enclosed(triangles: Any, middle: Any) -> Inertial | None:  # noqa: ANN401 - arrays (N, 3, 3) and (3,)
+    """The body that triangles enclose, of 1 kg/m³; whether they are seen from inside or outside does not matter.
+
+    Args:
+        triangles: corners [m], of shape (N, 3, 3).
+        middle: a point in their midst [m], of shape (3,): the closer, the less rounding.
+
+    Returns:
+        The body; None where the triangles enclose nothing.
+    """
+    x, y, z = (tuple([triangles[:, corner, axis] - middle[axis] for corner in range(3)]) for axis in range(3))
+    (ax, bx, cx), (ay, by, cy), (az, bz, cz) = x, y, z
+    six = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    volume = _sum(six) / 6.0
+    if not volume:
+        return None
+    way, mass = math.copysign(1.0, volume), abs(volume)
+    com = [_sum(six * sum(corners)) / 24.0 / volume for corners in (x, y, z)]
+
+    def moment(i: int, j: int) -> float:
+        """The integral of the product of two coordinates about the centre of mass [m⁵]."""
+        u, v = (x, y, z)[i], (x, y, z)[j]
+        products = sum(u) * sum(v) + u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+        return way * _sum(six * products) / 120.0 - mass * com[i] * com[j]
+
+    xx, yy, zz = (moment(axis, axis) for axis in range(3))
+    body = Inertial(
+        mass=mass,
+        com=(com[0], com[1], com[2]),
+        inertia=Inertia(ixx=yy + zz, iyy=xx + zz, izz=xx + yy, ixy=-moment(0, 1), ixz=-moment(0, 2), iyz=-moment(1, 2)),
+    )
+    to_mesh = RigidTransform(IDENTITY_ROTATION, tuple(map(float, middle)))  # type: ignore[arg-type]  # three of them
+    return _without_rounding(placed(body, to_mesh))
+
+
+def _without_rounding(body: Inertial) -> Inertial:
+    """A body with 0 for what is nothing but the rounding of sums: the centre of a symmetric mesh is in its plane."""
+    i, trace = body.inertia, body.inertia.ixx + body.inertia.iyy + body.inertia.izz
+    gyration = math.sqrt(max(trace, 0.0) / body.mass)
+    x, y, z = (0.0 if abs(number) <= _ROUNDING * gyration else number for number in body.com)
+    xy, xz, yz = (0.0 if abs(number) <= _ROUNDING * trace else number for number in (i.ixy, i.ixz, i.iyz))
+    return replace(body, com=(x, y, z), inertia=replace(i, ixy=xy, ixz=xz, iyz=yz))
+
+
+def _sum(column: Any) -> float:  # noqa: ANN401 - an array
+    return math.fsum(column.tolist())

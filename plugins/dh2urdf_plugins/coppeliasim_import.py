@@ -1,0 +1,101 @@
+"""What CoppeliaSim's URDF importer needs to be told otherwise, for its profile and its loader.
+
+All of it was seen in CoppeliaSim 4.10.0 rev 0; docs/simulators.md has the rest of what the importer does.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf.manipulator import Limits
+    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.rotations import Vec3
+
+NUDGE = 1e-30
+"""What is added to an axis along -z across it [1]: the importer turns z to the axis about the vector across both, and
+leaves z as it is where that is zero, below 1e-162. With 1e-30 nobody else's double changes, and no float underflows."""
+
+
+def alias(name: str) -> str:
+    """The name of an object of CoppeliaSim: each byte but ASCII letters, digits and ``_`` becomes a ``_``."""
+    return re.sub(rb"[^A-Za-z0-9_]", b"_", name.encode()).decode() or "_"
+
+
+def importable_axis(axis: Vec3) -> Vec3:
+    """An axis that the importer turns the right way: of ``0 0 -1`` it makes ``0 0 1``."""
+    x, y, z = axis
+    return (NUDGE, 0.0, z) if z < 0.0 and math.hypot(x, y) < NUDGE else axis
+
+
+def importable_limits(limits: Limits) -> Limits:
+    """Limits with 0 in them: a joint that cannot be at 0 is put elsewhere before its link is placed."""
+    lower, upper = limits.lower, limits.upper
+    if lower is None or upper is None:
+        return limits
+    return replace(limits, lower=min(lower, 0.0), upper=max(upper, 0.0))
+
+
+def widened_joints(robot: Robot) -> list[Joint]:
+    """The moving joints whose limits the importer cannot be given."""
+    return [joint for joint in robot.moving_joints if importable_limits(joint.limits) != joint.limits]
+
+
+def check_aliases(robot: Robot) -> None:
+    """Checks that no two links and no two joints get the same name.
+
+    Raises:
+        EmitterError: two do.
+    """
+    for what, names in (("links", [link.name for link in robot.links]), ("joints", [j.name for j in robot.joints])):
+        taken: dict[str, str] = {}
+        for name in names:
+            if (other := taken.setdefault(alias(name), name)) != name:
+                raise EmitterError(
+                    Problem(
+                        message=f"the {what} {shown(other)} and {shown(name)} would have the same name in CoppeliaSim",
+                        robot=robot.name,
+                        found=alias(name),
+                        accepted="names that differ in ASCII letters, digits and `_`",
+                        suggestion="rename one of them, or take the profile portable",
+                    )
+                )
+
+
+def notices_for_coppeliasim(robot: Robot) -> list[Problem]:
+    """What CoppeliaSim has otherwise than the table, once the file is imported: limits and names."""
+    notices = [
+        Problem(
+            message=(
+                "this file widens the limits of the joint to include 0, because CoppeliaSim misplaces its link "
+                "otherwise; the loader `coppeliasim` sets the limits of the table after the import"
+            ),
+            joint=joint.name,
+            field="limits",
+            found=f"{joint.limits.lower} to {joint.limits.upper}",
+            suggestion="if you import by hand, call `sim.setJointInterval(joint, False, [lower, upper - lower])`",
+        )
+        for joint in widened_joints(robot)
+    ]
+    names = [*(joint.name for joint in robot.moving_joints), *(link.name for link in robot.links)]
+    if other := [name for name in names if alias(name) != name]:
+        notices.append(
+            Problem(
+                message=f"CoppeliaSim has other names for joints and links of this file: {_pairs(other)}",
+                suggestion="letters, digits and `_` of ASCII stay as they are",
+            )
+        )
+    return notices
+
+
+def _pairs(names: Iterable[str], most: int = 5) -> str:
+    pairs = [f"`{alias(name)}` for {shown(name)}" for name in names]
+    return ", ".join(pairs[:most]) + (f" and {len(pairs) - most} more" if len(pairs) > most else "")

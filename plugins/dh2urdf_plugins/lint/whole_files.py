@@ -1,0 +1,72 @@
+"""Which files of a folder are whole descriptions, and which are only parts that others include."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import InputError
+from dh2urdf.textfiles import read_bytes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+_LONGEST = 2**24
+"""Size of a file that is searched for what it includes [B]."""
+_XACRO_INCLUDE = re.compile(rb"<xacro:include\s[^>]*?filename\s*=\s*[\"']([^\"']+)[\"']")
+_MJCF_INCLUDE = re.compile(rb"<include\s[^>]*?file\s*=\s*[\"']([^\"']+)[\"']")
+_NAMED = re.compile(rb"<robot\b[^>]*?\sname\s*=")
+
+
+def urdfs(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files whose outermost element is ``robot``, or that are called ``.urdf`` and begin with no element.
+
+    The outermost element of SRDF, which says what MoveIt does with a robot, is ``robot`` too.
+    """
+    for path, tag in roots.items():
+        if (
+            not _is_xacro(path)
+            and ".srdf" not in path.suffixes
+            and (tag == "robot" or (not tag and path.suffix.lower() == ".urdf"))
+        ):
+            yield path
+
+
+def xacros(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files called ``.xacro`` whose robot has a name, and that no other includes."""
+    files = {path: _content(path) for path, tag in roots.items() if _is_xacro(path) and tag in {"robot", ""}}
+    included = _included(files.values(), _XACRO_INCLUDE)
+    for path, content in files.items():
+        if path.name not in included and ".srdf" not in path.suffixes and _NAMED.search(content):
+            yield path
+
+
+def sdfs(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files whose outermost element is ``sdf``, or that are called ``.sdf`` and begin with no element."""
+    for path, tag in roots.items():
+        if tag == "sdf" or (not tag and path.suffix.lower() == ".sdf"):
+            yield path
+
+
+def mjcfs(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files whose outermost element is ``mujoco``, and that no other includes."""
+    files = {path: _content(path) for path, tag in roots.items() if tag == "mujoco"}
+    included = _included(files.values(), _MJCF_INCLUDE)
+    yield from (path for path in files if path.name not in included)
+
+
+def _is_xacro(path: Path) -> bool:
+    return path.suffix.lower() == ".xacro"
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_bytes(path, InputError, limit=_LONGEST)
+    except InputError:  # Whoever inspects it says so.
+        return b"<robot name=''/>"
+
+
+def _included(contents: Iterable[bytes], pattern: re.Pattern[bytes]) -> set[str]:
+    found = (match.decode("utf-8", "replace") for content in contents for match in pattern.findall(content))
+    return {Path(name.replace("\\", "/")).name for name in found}

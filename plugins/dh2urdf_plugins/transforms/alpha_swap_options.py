@@ -1,0 +1,89 @@
+"""The options of the stage ``alpha-swap``: how a robot is made of a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from dh2urdf_plugins.transforms.shapes import Shape
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AlphaSwapOptions:
+    """How a robot is made of a table. What the table itself says of shapes and densities goes first."""
+
+    variant: Literal["exact", "paper"] = field(
+        default="exact",
+        metadata={
+            "help": "exact: the arm of the table, always; "
+            "paper: the algorithm of the paper, bit-true, for reproduction only: it drops signs and offsets along x"
+        },
+    )
+    frames: Literal["aligned", "dh"] = field(
+        default="aligned",
+        metadata={
+            "help": "exact variant: link frames parallel to the base at joint values 0 (aligned), "
+            "or the frames of the DH table (dh)"
+        },
+    )
+    shape: Shape = field(
+        default="cylinder",
+        metadata={"help": "exact variant: what links are drawn as; a capsule is a cylinder with sphere caps"},
+    )
+    radius: float | None = field(
+        default=None,
+        metadata={
+            "help": "exact variant: radius of the links, half the thickness of boxes [m]; "
+            "by default 0.04 or a tenth of the longest segment, whichever is smaller"
+        },
+    )
+    density: float = field(
+        default=2700.0, metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium"}
+    )
+    inertia_floor: float | None = field(
+        default=None,
+        metadata={
+            "help": "what principal moments of inertia of 0 are raised to [kg·m²], as makers print them for small "
+            "links; such a tensor is refused by default"
+        },
+    )
+    base_collision: bool = field(
+        default=False,
+        metadata={"help": "give the base a collision shape; it may touch the first links in simulators"},
+    )
+    visuals: Literal["all", "none"] = field(
+        default="all",
+        metadata={"help": "whether links are seen; none is for learning runs: the masses stay as they are"},
+    )
+    collisions: Literal["all", "none"] = field(default="all", metadata={"help": "whether links have collision shapes"})
+    damping: float | None = field(
+        default=None, metadata={"help": "viscous friction of joints without one [N·m·s/rad, N·s/m]; none by default"}
+    )
+    friction: float | None = field(
+        default=None, metadata={"help": "static friction of joints without one [N·m, N]; none by default"}
+    )
+    armature: float | None = field(
+        default=None,
+        metadata={
+            "help": "inertia of the rotors of joints without one [kg·m², kg]; none by default; URDF has no place for it"
+        },
+    )
+    snap: float = field(
+        default=1e-3,
+        metadata={"help": "paper variant: how far alpha may be from 0, ±pi/2 and pi [rad] to be taken for it"},
+    )
+
+    def __post_init__(self) -> None:
+        """Refuses sizes that no body has.
+
+        Raises:
+            ValueError: radius, density or floor is not greater than 0, or another number is negative.
+        """
+        sizes = {"radius": self.radius, "density": self.density, "inertia_floor": self.inertia_floor}
+        for name, value in sizes.items():
+            if value is not None and not 0.0 < value < float("inf"):
+                raise ValueError(f"{name} must be greater than 0 and finite, not {value}")
+        for name in ("damping", "friction", "armature", "snap"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 <= value < float("inf"):
+                raise ValueError(f"{name} must be 0 or greater and finite, not {value}")

@@ -1,0 +1,134 @@
+"""`dh2urdf check` of folders and of several files."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+LINK = '<?xml version="1.0"?>\n<robot name="{}">\n  <link name="base_link"/>\n  {}\n</robot>\n'
+TWICE = '<link name="base_link"/>'
+XACRO = '<?xml version="1.0"?>\n<robot {} xmlns:xacro="http://ros.org/wiki/xacro">\n{}\n</robot>\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Descriptions, parts of descriptions, and everything else that is in the folders of makers."""
+    root = tmp_path / "robots"
+    for name, content in {
+        "one.urdf": LINK.format("one", TWICE),
+        "two.urdf": LINK.format("two", TWICE + TWICE),
+        "a/sound.xml": LINK.format("three", ""),
+        "a/arm.urdf.xacro": XACRO.format('name="arm"', '<xacro:include filename="part.xacro"/><xacro:base/>'),
+        "a/part.xacro": XACRO.format(
+            'name="part"', '<xacro:macro name="base"><link name="base_link"/><link name="base_link"/></xacro:macro>'
+        ),
+        "a/nameless.xacro": XACRO.format("", '<link name="${of_who_includes_it}"/>'),
+        "a/arm.srdf": '<robot name="arm"><group name="arm"/></robot>',
+        "package.xml": "<package><name>robots</name></package>",
+        "meshes/part.stl": "solid part\nendsolid part\n",
+        "README": "a robot",
+        ".hidden/not.urdf": LINK.format("hidden", TWICE),
+    }.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(content)
+    return root
+
+
+def test_a_folder_is_checked_by_what_is_in_its_files(cli: Cli, folder: Path) -> None:
+    """Whole descriptions are found whatever their suffix; a rule is told once, with the files that break it."""
+    assert folder.is_dir()
+    lines = cli("check", "robots", "--for", "ros", status=1).stdout.splitlines()
+    (index,) = [number for number, line in enumerate(lines) if line == "error: [duplicate-link] in 3 files"]
+    assert [line.split(": ")[0].strip() for line in lines[index + 1 : index + 6]] == [
+        "robots/a/part.xacro:3:50",
+        "robots/one.urdf:4:3",
+        "robots/two.urdf:4:3",
+        "robots/two.urdf:4:27",
+        "ros",
+    ]
+    assert lines[-2:] == ["4 errors for ros", "4 descriptions checked; 10 files looked at"]
+
+
+def test_more_than_a_few_of_a_file_are_counted(cli: Cli, folder: Path) -> None:
+    (folder / "one.urdf").write_text(LINK.format("one", 7 * TWICE))
+    out = cli("check", "robots/one.urdf", "robots/two.urdf", "--for", "ros", status=1).stdout
+    assert "    robots/one.urdf: and 4 more\n" in out
+    assert "9 errors for ros\n2 descriptions checked; 2 files looked at\n" in out
+
+
+def test_a_folder_as_json(cli: Cli, folder: Path) -> None:
+    """Every finding, and the rules with how many there are in which file."""
+    assert folder.is_dir()
+    told = json.loads(cli("check", "robots", "--for", "ros", "--format", "json", status=1).stdout)
+    assert set(told) == {"schema", "version", "files", "looked_at", "consumers", "counts", "rules", "findings"}
+    assert told["files"] == [f"robots/{name}" for name in ("a/arm.urdf.xacro", "a/sound.xml", "one.urdf", "two.urdf")]
+    assert told["looked_at"] == 10
+    assert told["rules"]["duplicate-link"] == {
+        "severity": "error",
+        "files": {"robots/a/part.xacro": 1, "robots/one.urdf": 1, "robots/two.urdf": 2},
+    }
+    assert sum(told["counts"].values()) == len(told["findings"])
+
+
+def test_a_folder_as_sarif(cli: Cli, folder: Path) -> None:
+    """One run, with the file of each result."""
+    assert folder.is_dir()
+    (run,) = json.loads(cli("check", "robots", "--for", "ros", "--format", "sarif", status=1).stdout)["runs"]
+    uris = [
+        result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+        for result in run["results"]
+        if result["ruleId"] == "duplicate-link"
+    ]
+    assert sorted(uris) == ["robots/a/part.xacro", "robots/one.urdf", "robots/two.urdf", "robots/two.urdf"]
+
+
+def test_what_cannot_be_looked_at_is_a_finding(cli: Cli, folder: Path) -> None:
+    """A link to nothing and a pipe: the other files are checked all the same."""
+    (folder / "broken.urdf").symlink_to("nowhere.urdf")
+    os.mkfifo(folder / "pipe.urdf")
+    told = json.loads(cli("check", "robots", "--format", "json", status=1).stdout)
+    found = {
+        finding["file"]: finding["message"] for finding in told["findings"] if finding["rule"] == "unreadable-file"
+    }
+    assert found == {
+        "robots/broken.urdf": "this link leads to 'nowhere.urdf', where there is no file",
+        "robots/pipe.urdf": "this is a pipe or a device, not a file",
+    }
+    assert len(told["files"]) == 4
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["empty"], "no robot description is in this folder (1 files looked at)"),
+        (["robots", "nowhere.urdf"], "no such file"),
+        (["robots", "--against", "arm.csv"], "--against compares one description"),
+        (["robots/one.urdf", "-"], "standard input is one FILE alone"),
+        (["robots/one.urdf", "robots/two.urdf", "a:=1"], "none of these files has macros"),
+        (["a:=1"], "no FILE is given"),
+    ],
+)
+def test_what_cannot_be_done_with_several_ends_with_2(cli: Cli, folder: Path, words: list[str], said: str) -> None:
+    (folder.parent / "empty").mkdir()
+    (folder.parent / "empty" / "README").touch()
+    assert said in " ".join(cli("check", *words, status=2).stderr.split())
+
+
+def test_arguments_reach_the_xacros_of_a_folder(cli: Cli, folder: Path) -> None:
+    """And no other file is disturbed by them."""
+    (folder / "a" / "arm.urdf.xacro").write_text(
+        XACRO.format('name="arm"', '<xacro:arg name="n" default="one"/><link name="$(arg n)"/><link name="two"/>')
+    )
+    assert "'two' has the name" in cli("check", "robots", "n:=two", status=1).stdout
+    assert "'two' has the name" not in cli("check", "robots", status=1).stdout

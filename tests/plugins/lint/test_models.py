@@ -1,0 +1,184 @@
+"""Every rule about SDF and MJCF against a file that breaks it, and what it says against the consumers themselves."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from faulty_models import MJCF, MJCF_FAULTS, SDF, SDF_FAULTS, write_models
+from model_consumers import outcomes
+
+from dh2urdf_plugins.lint.mjcf import inspect_mjcf, schema
+from dh2urdf_plugins.lint.models import CONSUMERS, model_rules
+from dh2urdf_plugins.lint.rules import Outcome
+from dh2urdf_plugins.lint.sdf import inspect_sdf
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import Inspection
+
+FAULTS = {**SDF_FAULTS, **MJCF_FAULTS}
+SOUND = {"sdf": SDF, "mjcf": MJCF}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return write_models(tmp_path_factory.mktemp("models"))
+
+
+def inspected(path: Path) -> Inspection:
+    return inspect_sdf(path) if path.suffix == ".sdf" else inspect_mjcf(path)
+
+
+def test_every_rule_has_a_file_that_breaks_it() -> None:
+    """None is untried."""
+    assert {*model_rules("sdf"), *model_rules("mjcf")} == set(FAULTS)
+
+
+def test_the_tables_are_in_order() -> None:
+    """Names are in kebab-case and begin with the format; phrases have no full stop."""
+    for name in CONSUMERS:
+        for rule in model_rules(name).values():
+            assert re.fullmatch(rf"{name}(-[a-z]+)+", rule.name)
+            assert rule.effects
+            assert set(rule.outcomes) <= set(CONSUMERS[name])
+            for text in (rule.fault, rule.mend, *(effect.text for effect in rule.effects)):
+                assert text == text.strip()
+                assert not text.endswith(".")
+
+
+@pytest.mark.parametrize("name", ["sdf", "mjcf"])
+def test_a_sound_model_has_no_finding(files: dict[str, Path], name: str) -> None:
+    """And is an arm, which can be compared with a table."""
+    inspection = inspected(files[name])
+    assert inspection.findings == ()
+    assert inspection.robot is not None
+
+
+@pytest.mark.parametrize("rule", FAULTS)
+def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
+    """Once, at its line; and nothing else is."""
+    name = rule.partition("-")[0]
+    findings = inspected(files[rule]).findings
+    assert [finding.rule for finding in findings if finding.rule not in FAULTS[rule].besides] == [rule]
+    (finding,) = [finding for finding in findings if finding.rule == rule]
+    assert finding.mark is not None
+    assert finding.mark.file == str(files[rule])
+    assert finding.mark.line == FAULTS[rule].line(SOUND[name])
+    assert finding.mend == model_rules(name)[rule].mend
+
+
+MEASURED = [(name, consumer) for name in CONSUMERS for consumer in CONSUMERS[name]]
+
+
+@pytest.fixture(scope="module", params=MEASURED, ids="-".join)
+def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, str, dict[str, dict[str, Any]]]:
+    """A format, a consumer, and what it does with every file of the format."""
+    name, consumer = request.param
+    if consumer == "gazebo" and not (shutil.which("gz") or shutil.which("ign")):
+        pytest.skip("sdformat is not installed")
+    if consumer != "gazebo" and find_spec({"drake": "pydrake"}.get(consumer, consumer)) is None:
+        pytest.skip(f"{consumer} is not installed")
+    mine = {rule: path for rule, path in files.items() if rule.startswith(name)}
+    return name, consumer, dict(zip(mine, outcomes(consumer, list(mine.values())), strict=True))
+
+
+IGNORED = {
+    "sdf-relative-pose": "poses are not asked for",
+    "sdf-undefined-frame": "poses are not asked for",
+    "sdf-invalid-vector": "poses are not asked for",
+    "sdf-missing-inertial": "sdformat prints the file as it is",
+    "sdf-inertia-not-positive-definite": "inertias are not asked for",
+    "sdf-inertia-triangle-inequality": "inertias are not asked for",
+    "sdf-invalid-number": "the number is the one that was there",
+    "sdf-unknown-element": "what is ignored has no trace",
+    "sdf-missing-include": "what is ignored has no trace",
+    "mjcf-unknown-element": "what is ignored has no trace",
+    "mjcf-unknown-attribute": "what is ignored has no trace",
+    "mjcf-repeated-element": "the first is the one that was there",
+    "mjcf-invalid-number": "the number is the one that was there",
+    "mjcf-missing-include": "what is ignored has no trace",
+    "mjcf-undefined-mesh": "shapes are not asked for",
+}
+"""Alterations that leave no trace in what is asked of a consumer."""
+
+
+def test_the_table_says_what_happens(measured: tuple[str, str, dict[str, dict[str, Any]]]) -> None:
+    """A consumer refuses, crashes or loads as the table has it, and what it alters is other than of the sound file."""
+    name, consumer, found = measured
+    sound, wrong = found[name], []
+    assert sound["end"] == "loads"
+    for rule, fault in FAULTS.items():
+        if not rule.startswith(name):
+            continue
+        of = {each: model_rules(name)[each].outcomes.get(consumer) for each in (rule, *fault.besides)}
+        ends = {outcome.value for outcome in of.values() if outcome in {Outcome.REFUSES, Outcome.CRASHES}}
+        end = min(ends, default="loads")
+        behaviour = found[rule]
+        if behaviour["end"] != end:
+            wrong.append(f"{rule}: it {behaviour['end']}, and the table says that it {end}: {behaviour}")
+        if end != "loads" or behaviour["end"] != "loads":
+            continue
+        printed = [line for line in behaviour["printed"].splitlines() if line not in sound["printed"]]
+        text = next((effect.text for effect in model_rules(name)[rule].effects if effect.consumer == consumer), "")
+        if ("says" in text) != bool([line for line in printed if "expected a world" not in line]):
+            wrong.append(f"{rule}: it printed {printed}, and the table says {text!r}")
+        differs = any(behaviour.get(key) != sound.get(key) for key in ("masses", "joints"))
+        if of[rule] in {Outcome.ALTERS, Outcome.LOSES} and not differs and not printed and rule not in IGNORED:
+            wrong.append(f"{rule}: it makes the same of it as of the sound file, and the table says {text!r}")
+        if not any(of.values()) and behaviour["masses"] != sound["masses"]:
+            wrong.append(f"{rule}: the table says nothing, and it makes {behaviour} of it")
+    assert wrong == []
+
+
+def test_the_schema_is_that_of_mujoco() -> None:
+    """Every element and attribute that MuJoCo prints, and no other."""
+    mujoco = pytest.importorskip("mujoco")
+    rows: list[tuple[int, str, set[str]]] = []
+    for line in mujoco.mj_printSchema(False, False).splitlines():
+        if match := re.match(r"^( *)(\S+) \(.\)\s*(.*)$", line):
+            rows.append((len(match[1]) // 3, match[2], set(match[3].split())))
+        elif line.strip():
+            rows[-1][2].update(line.split())
+    path, printed = [], {}
+    for depth, tag, attributes in rows:
+        path[depth:] = [tag]
+        printed["/".join(path)] = attributes
+    ours = {}
+    text = (Path(inspect_mjcf.__code__.co_filename).with_name("mjcf_schema.txt")).read_text("utf-8")
+    for line in text.splitlines():
+        depth = len(line) - len(line.lstrip(" "))
+        tag, _, *attributes = line.split()
+        path[depth:] = [tag]
+        ours["/".join(path)] = set(attributes)
+    assert ours == printed
+    assert {"body", "geom", "frame"} <= set(schema().children["mujoco"].children["worldbody"].children)
+
+
+def test_what_is_included_is_part_of_the_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Names may be defined in another file, and a fault there is told with that file and its line."""
+    (tmp_path / "part.obj").touch()
+    asset = MJCF[MJCF.index("  <asset>") : MJCF.index("  <worldbody>")]
+    path, inner = tmp_path / "arm.xml", tmp_path / "assets.xml"
+    path.write_text(MJCF.replace(asset, '  <include file="assets.xml"/>\n'))
+    inner.write_text(f"<mujocoinclude>\n{asset}</mujocoinclude>\n")
+    assert inspect_mjcf(path).findings == ()
+    inner.write_text(inner.read_text().replace("rgba", "colour"))
+    (finding,) = inspect_mjcf(path).findings
+    assert (finding.rule, str(finding.mark)) == ("mjcf-unknown-attribute", f"{inner}:3")
+    monkeypatch.chdir(tmp_path.parent)
+    relative = Path(tmp_path.name)
+    (finding,) = inspect_mjcf(relative / "arm.xml").findings
+    assert str(finding.mark) == f"{relative / 'assets.xml'}:3"
+
+
+@pytest.mark.parametrize("bomb", ["sdf", "mujoco"])
+def test_entities_are_not_expanded(tmp_path: Path, bomb: str) -> None:
+    """A thousand million of one letter are no memory."""
+    entities = "".join(f'<!ENTITY e{i + 1} "{f"&e{i};" * 10}">' for i in range(9))
+    path = tmp_path / f"bomb.{'sdf' if bomb == 'sdf' else 'xml'}"
+    path.write_text(f'<!DOCTYPE r [<!ENTITY e0 "l">{entities}]>\n<{bomb} version="1.7" model="a">&e9;</{bomb}>')
+    assert all(len(finding.message) < 1000 for finding in inspected(path).findings)

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 from xml.etree import ElementTree as ET
 
+import trimesh
 from description_tree import Node, read
 
 import dh2urdf
-import trimesh
 from dh2urdf_plugins.emitters.profiles import ProfileName
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM

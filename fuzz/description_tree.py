@@ -77,7 +77,7 @@ def _escaped(text: str) -> str:
 
 def read(text: str | bytes) -> Node:
     """The tree of a sound description."""
-    return _node(ET.fromstring(text))
+    return _node(ET.fromstring(text))  # noqa: S314 - of packages that are installed
 
 
 def _node(element: ET.Element) -> Node:
@@ -110,3 +110,9 @@ def piece(robot: Node, rng: Random, most: int) -> Node:
         joint.children = [c for c in joint.children if c.tag != "mimic" or c.get("joint") in names]
     others = [other for other in others if other.tag != "transmission"]
     return Node(robot.tag, robot.attributes, [*others, *(links[name] for name in kept), *inside]).copy()
+
+
+def any_of(rng: Random, robot: Node, *tags: str) -> Node | None:
+    """An element of some names; None where there is none."""
+    found = [node for node in robot.walk() if node.tag in tags]
+    return rng.choice(found) if found else None

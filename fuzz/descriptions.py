@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import description_faults as faults
 from description_sources import sources, write_meshes
+from description_texts import FORMS
 from description_tree import Node, piece
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "plugins" / "lint"))
@@ -53,7 +54,7 @@ class Case(NamedTuple):
     def write(self, path: Path) -> None:
         """Write the file."""
         text = self.tree.written().replace("FOLDER", str(path.parent))
-        path.write_bytes(faults.IN_THE_TEXT[self.form](text))
+        path.write_bytes(FORMS[self.form](text))
 
 
 class Wrong(NamedTuple):
@@ -100,7 +101,7 @@ def case(seed: int, index: int, robots: Sequence[Node]) -> Case:
         fault = rng.choice(faults.IN_THE_TREE)
         if fault(rng, tree):
             names.append(fault.__name__)
-    form = rng.choice(list(faults.IN_THE_TEXT)) if rng.random() < 0.12 else "plain"
+    form = rng.choice(list(FORMS)) if rng.random() < 0.12 else "plain"
     return Case(tree, form, tuple(names))
 
 
@@ -121,7 +122,7 @@ def compared(consumer: str, by: Sequence[str], behaviour: Behaviour) -> Wrong | 
     said = str(behaviour.extra.get("raised", "")) or behaviour.printed[-400:]
     if behaviour.end == "crashes":
         said = f"crash {behaviour.extra.get('signal', '')} {said}"
-    said = re.sub(r"/tmp/\S+|0x[0-9a-f]+|[-+]?\d[\d.e+-]*|'[^']*'|\"[^\"]*\"|\[[^\]]*\]", "~", said)
+    said = re.sub(r"/\S*/robots/\S+|0x[0-9a-f]+|[-+]?\d[\d.e+-]*|'[^']*'|\"[^\"]*\"|\[[^\]]*\]", "~", said)
     return Wrong(consumer, "false" if by else "missed", tuple(sorted(set(by))), "" if by else said[:160])
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import principal_moments
+from dh2urdf.mass_properties import inertia_problem, principal_moments
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.description import MOVING, Hit, few
 from dh2urdf_plugins.lint.gazebo import kept
@@ -15,6 +15,7 @@ from dh2urdf_plugins.lint.merged import ELEMENTS, head_of, inertial_of, merged_i
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from dh2urdf.robot import Inertial
     from dh2urdf_plugins.lint.description import Description, LinkNode
     from dh2urdf_plugins.lint.tree import Element
 
@@ -104,13 +105,18 @@ def _inertia(description: Description, link: LinkNode, inertial: Element) -> Ite
     body = inertial_of(inertial)
     if body is None:
         return
-    low, middle, high = principal_moments(body.inertia)
     if body.inertia == _NO_INERTIA:
         merged = merged_inertial(description, head := head_of(description, link))
         if body.mass > 0.0 and _moves(description, head) and merged is not None and merged.inertia == _NO_INERTIA:
             yield Hit("zero-inertia", inertia, f"{about} has a mass and the inertia 0")
-        return
-    moments = f"{about}: the principal moments of its inertia are {low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
+    else:
+        yield from _moments(description, link, inertia, body)
+
+
+def _moments(description: Description, link: LinkNode, inertia: Element, body: Inertial) -> Iterator[Hit]:
+    about, (low, middle, high) = f"link {shown(link.name)}", principal_moments(body.inertia)
+    what = f"the principal moments of its inertia are {low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
+    moments = f"{about}: {inertia_problem(body.inertia) or what}"
     of = _ALL - _gazebo_takes(description, link) if body.mass > 0.0 else frozenset({"mujoco"})
     if low < -_ROUNDING * high:
         yield Hit("inertia-not-positive-definite", inertia, moments, of)

@@ -102,16 +102,20 @@ def _limits(joint: JointNode) -> Iterator[Hit]:
             yield Hit(f"missing-{name}", limit, f"the limit of {about} has no {name}")
         elif (value := limit.number(name)) is not None and value < 0.0 and joint.kind in MOVING:
             yield Hit(f"negative-{name}", limit, f"the {name} of {about} is {value:g}")
+    if joint.kind in TURNING_OR_SLIDING:
+        yield from _range(joint, limit)
+
+
+def _range(joint: JointNode, limit: Element) -> Iterator[Hit]:
+    about, needs_range = f"joint {shown(joint.name)}", joint.kind in {"revolute", "prismatic"}
     lower, upper = limit.number("lower"), limit.number("upper")
-    if lower is None or upper is None or joint.kind not in TURNING_OR_SLIDING:
+    if lower is None or upper is None:
         return
     if lower > upper:
         of = None if needs_range else {"drake"}
         yield Hit("swapped-limits", limit, f"{about} has lower {lower:g} and upper {upper:g}", of)
     elif lower == upper and needs_range:
         yield Hit("equal-limits", limit, f"{about} has lower and upper {lower:g}")
-    if limit.number("effort") == 0.0:
-        yield Hit("zero-effort", limit, f"{about} has the effort 0")
 
 
 def _dynamics(joint: JointNode) -> Iterator[Hit]:

@@ -29,7 +29,7 @@ def hits(description: Description) -> Iterator[Hit]:
         if material.first("color") is None and not _is_there(material, description.path):
             message = f"material {shown(name)} of the robot has neither a colour nor a texture that is there"
             yield Hit("material-without-colour", material, message)
-        yield from _bare_colour(material, {"mujoco", "drake"})
+        yield from _bare_colour(material, {"mujoco", "drake", "ros", "gazebo"})
         defined.setdefault(name, material)
     for link in description.links:
         for shape in link.shapes:
@@ -51,7 +51,7 @@ def _of_visual(material: Element, defined: dict[str, Element], path: Path) -> It
         if colour is None:
             of.add("mujoco")
         yield Hit("material-without-name", material, "a material has no name", of)
-    yield from _bare_colour(material, {"mujoco", "drake"})
+    yield from _bare_colour(material, {"mujoco", "drake", "ros", "gazebo"})
     file = texture.get("filename") if texture else None
     if texture and file and not _is_there(material, path):
         yield Hit("missing-texture", texture, f"there is no texture {shown(file)}")

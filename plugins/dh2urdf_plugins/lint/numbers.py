@@ -81,9 +81,7 @@ def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of every number."""
     for place in _places(description):
         text = place.element.get(place.attribute)
-        if text is not None and numbers_of(text, place.size) is None:
-            yield from _said(place, text)
-        elif text is not None and urdfdom_numbers(text, place.size) is None:
+        if text is not None and None in {numbers_of(text, place.size), urdfdom_numbers(text, place.size)}:
             yield from _said(place, text)
 
 

@@ -23,6 +23,9 @@ _ENTITIES = {"quot": '"', "amp": "&", "apos": "'", "lt": "<", "gt": ">"}
 _MARKUP = b"\"'<>"
 _BOM = "\ufeff"
 _HIGHEST = 0x10FFFF
+_SURROGATES = range(0xD800, 0xE000)
+_LEADS = ((0xF0, 4), (0xE0, 3), (0xC2, 2), (0, 1))
+"""The first byte of a letter in UTF-8, from which on the letter has so many."""
 _ENCODING = re.compile(rb"<\?xml[^>]*encoding\s*=\s*[\"'](?!utf-?(?:8|16|32)[\"'])([^\"']+)[\"']", re.IGNORECASE)
 
 
@@ -229,7 +232,7 @@ class _Reading:
             if text.startswith("/>", self._at):
                 self._at += 2
                 self._push(element)
-                self._pop(element.tag)
+                self._pop()
                 return
             self._attribute(element, begin)
 
@@ -270,7 +273,7 @@ class _Reading:
         at, swallows = 0, False
         while at < len(content) - 1:
             byte = content[at]
-            length = 4 if byte >= 0xF0 else 3 if byte >= 0xE0 else 2 if byte >= 0xC2 else 1
+            length = next(count for first, count in _LEADS if byte >= first)
             swallows |= any(other in _MARKUP for other in content[at + 1 : at + length])
             at += length
         if swallows:
@@ -283,7 +286,7 @@ class _Reading:
             self._open[-1].children.append(element)
             self._open.append(element)
 
-    def _pop(self, tag: str) -> None:
+    def _pop(self) -> None:
         if self._too_deep:
             self._too_deep.pop()
         else:
@@ -298,7 +301,7 @@ class _Reading:
         if match is None or match[1] != tag:
             found = self._text[at : at + 40].partition(">")[0]
             raise self._error(f"{found}> closes no element: the last one open is {tag}", at)
-        self._pop(tag)
+        self._pop()
         self._at = match.end()
         return True
 
@@ -318,4 +321,4 @@ def _letter(match: re.Match[str]) -> str:
     if match[1]:
         return _ENTITIES[match[1]]
     code = int(match[2], 16) if match[2] else int(match[3])
-    return chr(code) if 0 < code <= _HIGHEST and not 0xD800 <= code <= 0xDFFF else match[0]
+    return chr(code) if 0 < code <= _HIGHEST and code not in _SURROGATES else match[0]

@@ -47,6 +47,9 @@ def hits(description: Description) -> Iterator[Hit]:
     draws = compiler is not None and compiler.get("discardvisual") == "false"
     capsules: list[Element] = []
     for link in description.links:
+        friction = link.element.first("contact", "lateral_friction")
+        if friction and friction.get("value") is None:
+            yield Hit("friction-without-value", friction, f"lateral_friction of link {shown(link.name)} has no value")
         for shape in link.shapes:
             hidden: frozenset[str] = frozenset() if draws or shape.tag == "collision" else frozenset({"mujoco"})
             for hit in _of_shape(shape, f"a {shape.tag} of link {shown(link.name)}"):
@@ -151,17 +154,17 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
         read_by_mujoco = use.is_collision or draws
         rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo"} | ({"mujoco"} if read_by_mujoco else set())
         path = resolved(use.address, description.path)
-        in_pybullet = _is_found_by_pybullet(use.address, description.path)
-        if path is None:
-            of = rest - {"pybullet"} if in_pybullet else rest
-            yield Hit("unresolved-package", use.element, f"the package of {shown(use.address)} is not found", of)
+        if path is None or not is_there(path, is_file=True):
+            rule, what = "missing-mesh", f"there is no mesh file {shown(use.address)}"
+            if path is None:
+                rule, what = "unresolved-package", f"the package of {shown(use.address)} is not found"
+            else:
+                forms.setdefault(_form(use.address), []).append(use)
+            in_pybullet = _is_found_by_pybullet(use.address, description.path)
+            yield Hit(rule, use.element, what, rest - {"pybullet"} if in_pybullet else rest)
             continue
         forms.setdefault(_form(use.address), []).append(use)
-        if not is_there(path, is_file=True):
-            of = rest - {"pybullet"} if in_pybullet else rest
-            yield Hit("missing-mesh", use.element, f"there is no mesh file {shown(use.address)}", of)
-            continue
-        if not in_pybullet:
+        if not _is_found_by_pybullet(use.address, description.path):
             message = f"there is no mesh file {shown(use.address)} in the folders above the description"
             yield Hit("missing-mesh", use.element, message, {"pybullet"})
             continue
@@ -171,6 +174,10 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
             formats.setdefault((path.suffix.lower(), tuple(sorted(of))), []).append(use)
     for (name, of_names), found in formats.items():
         yield Hit("mesh-format", found[0].element, f"{_count_of(found, 'is', 'are')} {shown(name)}", of_names)
+    yield from _addresses(forms, draws=draws)
+
+
+def _addresses(forms: dict[str, list[_Use]], *, draws: bool) -> Iterator[Hit]:
     for form, found in forms.items():
         of = set() if form in {"", "file-address"} else {"drake", "pinocchio"}
         if form and (draws or any(use.is_collision for use in found)):

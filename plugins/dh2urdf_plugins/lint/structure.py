@@ -26,6 +26,7 @@ _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 
 def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of names and of the tree."""
+    yield from _robot_name(description)
     yield from _names(description)
     yield from _shared_names(description)
     yield from _ends(description)
@@ -33,13 +34,17 @@ def hits(description: Description) -> Iterator[Hit]:
     yield from _too_many(description)
 
 
-def _names(description: Description) -> Iterator[Hit]:
+def _robot_name(description: Description) -> Iterator[Hit]:
     root = description.root
     if not root.get("name"):
         of = ALL if root.get("name") is None else frozenset({"drake", "gazebo"})
         yield Hit("robot-without-name", root, "the robot has no name", of)
     elif not (root.get("name") or "").strip():
         yield Hit("robot-without-name", root, "the name of the robot is blank", {"gazebo"})
+
+
+def _names(description: Description) -> Iterator[Hit]:
+    root = description.root
     owners: dict[tuple[str, str], Element] = {}
     for element in root.children:
         kind, name = element.tag, element.get("name")
@@ -47,7 +52,10 @@ def _names(description: Description) -> Iterator[Hit]:
             continue
         if not name:
             alone = kind == "link" and len(root.all("link")) == 1  # urdfdom calls it by the empty name then
-            yield Hit("missing-name", element, f"a {kind} has no name", ALL - {"pinocchio", "ros"} if alone else None)
+            takers = {"pinocchio", "ros"} if alone else set()
+            if kind == "link" and name is not None:
+                takers.add("mujoco")
+            yield Hit("missing-name", element, f"a {kind} has no name", ALL - takers)
             continue
         if not name.strip():
             yield Hit("missing-name", element, f"the name of a {kind} is blank", {"gazebo"})
@@ -78,7 +86,7 @@ def _ends(description: Description) -> Iterator[Hit]:
         if joint.kind not in TYPES:
             near = did_you_mean(joint.kind, TYPES)
             message = f"{about} has the type {shown(joint.kind)}" if joint.kind else f"{about} has no type"
-            refusing = ALL - {"pybullet"} if joint.kind == "spherical" else ALL
+            refusing = ALL - {"pybullet", "mujoco"} if joint.kind == "spherical" else ALL
             if joint.element.get("type") == "":
                 refusing -= {"drake"}
             yield Hit("unknown-joint-type", joint.element, f"{message}: {near}" if near else message, refusing)

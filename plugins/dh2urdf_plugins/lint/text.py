@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.description import ALL, Hit
 from dh2urdf_plugins.lint.numbers import XACRO
+from dh2urdf_plugins.lint.tree import Element
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf_plugins.lint.description import Description
-    from dh2urdf_plugins.lint.tree import Element
 
 LONGEST_LINE = 8191
 """Bytes of a line that PyBullet reads at once [1]."""
@@ -35,6 +35,7 @@ CHILDREN = {
     "link": ("inertial", "visual", "collision", "sensor", "contact", "self_collision_checking", "audio_source"),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"),
     "inertial": ("origin", "mass", "inertia"),
+    "material": ("color", "texture"),
     "visual": _SHAPE,
     "collision": _SHAPE,
     "geometry": ("box", "cylinder", "sphere", "mesh", "capsule", "plane", "cdf"),
@@ -44,12 +45,15 @@ ONCE = {
     "link": ("inertial",),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
     "inertial": ("origin", "mass", "inertia"),
+    "material": ("color", "texture"),
     "visual": ("origin",),
     "collision": ("origin",),
 }
 _OF_NUMBERS = frozenset(
-    "xyz rpy size scale rgba lower upper effort velocity damping friction multiplier offset value ixx ixy ixz iyy iyz izz "
-    "radius length".split()
+    {
+        *("xyz", "rpy", "size", "scale", "rgba", "lower", "upper", "effort", "velocity", "damping", "friction"),
+        *("multiplier", "offset", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "radius", "length"),
+    }
 )
 """Attributes that hold numbers."""
 _VERSION = re.compile(r"\s*0*1\.0+")
@@ -77,7 +81,8 @@ def hits(description: Description) -> Iterator[Hit]:
     draws = compiler is not None and compiler.get("discardvisual") == "false"
     for element in _elements(description.root):
         for hit in _wrong_children(element):
-            hidden = element.tag == "visual" and not draws and hit.rule == "repeated-element"
+            is_mimic = isinstance(hit.at, Element) and hit.at.tag == "mimic" and element.get("type") == "fixed"
+            hidden = hit.rule == "repeated-element" and ((element.tag == "visual" and not draws) or is_mimic)
             yield hit._replace(of=ALL - {"mujoco"}) if hidden else hit
     extensions = description.root.all("mujoco")
     if len(extensions) > 1:

@@ -248,6 +248,7 @@ FAULTS: dict[str, Fault] = {
         END,
         joint("closing", "base_link", kind="continuous", inner=f"    {ELBOW_AXIS}\n") + END,
         '<link name="base_link"',
+        besides=("missing-inertial", "continuous-joint"),
     ),
     "cycle-from-root": Fault(
         END,
@@ -283,7 +284,9 @@ FAULTS: dict[str, Fault] = {
     "equal-limits": Fault('lower="-2" upper="2"', 'lower="0" upper="0"', 'lower="0"'),
     "negative-effort": Fault('effort="20"', 'effort="-20"', "-20"),
     "negative-velocity": Fault('effort="20" velocity="3"', 'effort="20" velocity="-3"', 'velocity="-3"'),
-    "zero-effort": Fault('effort="20"', 'effort="0"', 'effort="0"'),
+    "friction-without-value": Fault(
+        LINK_2_BODY, f"{LINK_2_BODY}    <contact>\n      <lateral_friction/>\n    </contact>\n", "<lateral"
+    ),
     "empty-dynamics": Fault(ELBOW_LIMIT, f"{ELBOW_LIMIT}\n    <dynamics/>", "<dynamics"),
     "negative-damping": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <dynamics damping="-1"/>', "<dynamics"),
     "negative-friction": Fault(

@@ -224,6 +224,16 @@ class TestParts:
         )
 
 
+def test_a_body_in_several_colours_is_closed(folder: Path) -> None:
+    """Each colour alone is a surface with holes; what it weighs is what all of them enclose."""
+    (folder / "angle.dae").write_text(collada(angle(), "0.25 0.5 0.75 1", "1 0 0 1", "0 1 0 1"))
+    (folder / "arm.yaml").write_text(table("angle.dae"))
+    made = dh2urdf.convert(folder / "arm.yaml")
+    assert not any("not closed" in str(notice) for notice in made.notices)
+    mass = next(link.inertial.mass for link in made.robot.links if link.visuals and link.name == "link_1")
+    assert mass == pytest.approx(DENSITY * 0.007, rel=1e-6)  # 0.4 × 0.1 × 0.1 and 0.1 × 0.3 × 0.1
+
+
 def test_the_colours_of_a_collada_file_stay(folder: Path) -> None:
     """As a visual for each, with the colour in the description; what touches is one mesh."""
     (folder / "meshes/link.dae").write_text(collada(wedge(), "0.25 0.5 0.75 1", "1 0 0 1"))

@@ -1,6 +1,7 @@
 """Every published arm in every simulator: one run of the pipeline, and docs/simulators.md says what came out.
 
-`pytest --renew` writes the table of the page. CoppeliaSim is no part of it: it is no free package, and was not run.
+`pytest --renew` writes the table of the page. CoppeliaSim is no part of the run: it is no free package. Its column is
+what tests/plugins/loaders/test_coppeliasim_arms.py has kept of the real one, which that test asks where there is one.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 PAGE = Path(__file__).parents[1] / "docs" / "simulators.md"
 TABLE = re.compile(r"(?<=<!-- matrix: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!-- /matrix -->)", re.DOTALL)
+
+COPPELIASIM = Path(__file__).with_name("plugins") / "loaders" / "coppeliasim_4_10_0_arms.json"
 
 POSES = 5
 OPTIONS = {
@@ -200,13 +203,16 @@ FINEST = -14
 
 def lines(matrix: Matrix, robots: Iterable[ReferenceRobot]) -> Iterator[str]:
     """The table: what is rounded is the same on every machine."""
-    yield f"| arm | joints | mass [kg] | {' | '.join(f'`{name}`' for name in OPTIONS)} | overlaps at the start |"
-    yield f"|---|---|---|{'---|' * len(OPTIONS)}---|"
+    columns = [*OPTIONS, "coppeliasim"]
+    yield f"| arm | joints | mass [kg] | {' | '.join(f'`{name}`' for name in columns)} | overlaps at the start |"
+    yield f"|---|---|---|{'---|' * len(columns)}---|"
+    in_coppeliasim = json.loads(COPPELIASIM.read_text("utf-8"))
     for robot in robots:
         reports = [reported(matrix[robot.id], name) for name in OPTIONS]
         moving = sum(row.type is not JointType.FIXED for row in robot.manipulator.rows)
         overlaps = ", ".join(" with ".join(f"`{link}`" for link in pair) for pair in reports[0]["hold"]["contacts"])
-        cells = [robot.id, str(moving), f"{reports[0]['mass']:.4g}", *map(cell, reports), overlaps]
+        errors = [*map(cell, reports), power_of_ten(in_coppeliasim[robot.id]["aligned"]["coppeliasim"])]
+        cells = [robot.id, str(moving), f"{reports[0]['mass']:.4g}", *errors, overlaps]
         yield f"| {' | '.join(cells)} |".replace("|  |", "| |")
 
 

@@ -72,19 +72,7 @@ def check_aliases(robot: Robot) -> None:
 
 def notices_for_coppeliasim(robot: Robot) -> list[Problem]:
     """What CoppeliaSim has otherwise than the table, once the file is imported: limits and names."""
-    notices = [
-        Problem(
-            message=(
-                "this file widens the limits of the joint to include 0, because CoppeliaSim misplaces its link "
-                "otherwise; the loader `coppeliasim` sets the limits of the table after the import"
-            ),
-            joint=joint.name,
-            field="limits",
-            found=f"{joint.limits.lower} to {joint.limits.upper}",
-            suggestion="if you import by hand, call `sim.setJointInterval(joint, False, [lower, upper - lower])`",
-        )
-        for joint in widened_joints(robot)
-    ]
+    notices = [_notice_of_limits(joint) for joint in widened_joints(robot)]
     names = [*(joint.name for joint in robot.moving_joints), *(link.name for link in robot.links)]
     if other := [name for name in names if alias(name) != name]:
         notices.append(
@@ -94,6 +82,19 @@ def notices_for_coppeliasim(robot: Robot) -> list[Problem]:
             )
         )
     return notices
+
+
+def _notice_of_limits(joint: Joint) -> Problem:
+    lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0
+    return Problem(
+        message=(
+            "this file widens the limits of the joint to include 0, because CoppeliaSim misplaces its link otherwise; "
+            "the loader `coppeliasim` sets those of the table after the import"
+        ),
+        joint=joint.name,
+        field="limits",
+        suggestion=f"if you import by hand, call `sim.setJointInterval(joint, False, [{lower}, {upper - lower}])`",
+    )
 
 
 def _pairs(names: Iterable[str], most: int = 5) -> str:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
     from pathlib import Path
 
-ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"})
+ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
 """The readers that were tried with every rule."""
 MOVING = ("revolute", "continuous", "prismatic", "floating", "planar")
 TURNING_OR_SLIDING = ("revolute", "continuous", "prismatic")

@@ -9,7 +9,17 @@ from dh2urdf.errors import InputError, ProofError
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf.textfiles import read_bytes
-from dh2urdf_plugins.lint import bodies, joints, materials, numbers, shapes, structure, text
+from dh2urdf_plugins.lint import (
+    bodies,
+    joints,
+    materials,
+    numbers,
+    plausibility,
+    references,
+    shapes,
+    structure,
+    text,
+)
 from dh2urdf_plugins.lint.description import Description, Hit
 from dh2urdf_plugins.lint.parsing import NotXmlError, parse
 from dh2urdf_plugins.lint.reading import robot_of
@@ -77,7 +87,8 @@ def _inspection(path: Path, content: bytes, places: list[Place | None] | None = 
         hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
     else:
         description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path))
-        for finder in (text, numbers, structure, joints, bodies, shapes, materials):
+        finders = (text, numbers, structure, joints, bodies, shapes, materials, plausibility, references)
+        for finder in finders:
             hits.extend(finder.hits(description))
         robot = robot_of(description)
     findings = [finding for hit in sorted(hits, key=_order) if (finding := _finding(hit, origin)).effects]

@@ -23,6 +23,7 @@ _SMALLEST_AXIS = {
     "drake": 1e-8,
     "ros": 1e-100,
     "gazebo": 1e-6,
+    "coppeliasim": 1e-100,
 }
 """Length of an axis that a reader takes for a direction [1]."""
 
@@ -84,6 +85,8 @@ def _axis(joint: JointNode) -> Iterator[Hit]:
             yield Hit("axis-zero", axis, f"the axis of joint {shown(joint.name)} has the length {length:g}", of)
         elif abs(length - 1.0) > UNIT:
             yield Hit("axis-not-unit", axis, f"the axis of joint {shown(joint.name)} has the length {length:.6g}")
+        if z < 0.0 and not (x or y):
+            yield Hit("axis-along-minus-z", axis, f"the axis of joint {shown(joint.name)} is exactly -z")
 
 
 def _limits(joint: JointNode) -> Iterator[Hit]:

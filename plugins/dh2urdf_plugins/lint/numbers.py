@@ -26,7 +26,7 @@ XACRO = re.compile(r"\$[{(]")
 
 _URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
 """The readers that have urdfdom."""
-_ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
+_ALL = frozenset({"pybullet", "mujoco", "drake", "coppeliasim"}) | _URDFDOM
 
 
 def urdfdom_numbers(text: str, count: int) -> tuple[float, ...] | None:

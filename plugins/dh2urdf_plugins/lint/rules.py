@@ -1,6 +1,6 @@
 """The rules of `dh2urdf check`: each a fault, and what every consumer does with a file that has it.
 
-They stand in ``rules.yaml`` beside this module, which docs/check.md is made of.
+They are in ``rules.yaml`` and ``plausibility.yaml`` beside this module, which docs/check.md is made of.
 """
 
 from __future__ import annotations
@@ -31,8 +31,6 @@ CONSUMERS = {
 }
 """The readers of robot descriptions that the rules speak of, by the names that ``--for`` takes."""
 
-_TABLE = Path(__file__).with_name("rules.yaml")
-
 
 class Outcome(StrEnum):
     """What becomes of a file in a consumer's hands; rules.yaml says what each word means."""
@@ -43,13 +41,14 @@ class Outcome(StrEnum):
     ALTERS = "alters"
     WARNS = "warns"
     NOTE = "note"
+    DOUBTFUL = "doubtful"
 
     @property
     def severity(self) -> Severity:
         """How bad it is."""
         if self is Outcome.NOTE:
             return "note"
-        return "warning" if self in {Outcome.ALTERS, Outcome.WARNS} else "error"
+        return "warning" if self in {Outcome.ALTERS, Outcome.WARNS, Outcome.DOUBTFUL} else "error"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,10 +71,21 @@ class Rule:
 
 
 @cache
+def plausibility_rules() -> dict[str, Rule]:
+    """The rules about what is hardly meant, in the order of their table."""
+    return _table("plausibility.yaml")
+
+
+@cache
 def rules() -> dict[str, Rule]:
-    """All rules by name, in the order of the table."""
-    table = yaml.load(_TABLE.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
-    return {name: rule_of(name, CONSUMERS, **entry) for name, entry in table.items()}
+    """All rules by name, in the order of the tables."""
+    return {**_table("rules.yaml"), **plausibility_rules()}
+
+
+def _table(name: str) -> dict[str, Rule]:
+    text = Path(__file__).with_name(name).read_text("utf-8")
+    table = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
+    return {rule: rule_of(rule, CONSUMERS, **entry) for rule, entry in table.items()}
 
 
 def rule_of(

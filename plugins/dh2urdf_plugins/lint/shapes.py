@@ -152,7 +152,9 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
     forms: dict[str, list[_Use]] = {}
     for use in uses:
         read_by_mujoco = use.is_collision or draws
-        rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo"} | ({"mujoco"} if read_by_mujoco else set())
+        rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"} | (
+            {"mujoco"} if read_by_mujoco else set()
+        )
         path = resolved(use.address, description.path)
         if path is None or not is_there(path, is_file=True):
             rule, what = "missing-mesh", f"there is no mesh file {shown(use.address)}"
@@ -179,7 +181,7 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
 
 def _addresses(forms: dict[str, list[_Use]], *, draws: bool) -> Iterator[Hit]:
     for form, found in forms.items():
-        of = set() if form in {"", "file-address"} else {"drake", "pinocchio"}
+        of = set() if form in {"", "file-address"} else {"drake", "pinocchio", "coppeliasim"}
         if form and (draws or any(use.is_collision for use in found)):
             of.add("mujoco")
         if of:

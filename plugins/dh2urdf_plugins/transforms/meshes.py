@@ -104,7 +104,10 @@ def mesh_body(file: MeshFile, scale: Vec3) -> MeshBody:
     mesh = _read(file)
     mesh.vertices = mesh.vertices * scale
     size = 0.0 if mesh.extents is None else float(max(mesh.extents))
-    is_closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
+    is_closed = _is_closed(mesh)
+    if not is_closed:  # A file with several colours, or with hard edges, has a corner several times.
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        is_closed = _is_closed(mesh)
     solid = enclosed(mesh.triangles, _middle(mesh.bounds)) if is_closed else None
     if solid is None or not abs(solid.mass) > _FLAT * size**3:
         is_closed, solid = False, _hull(mesh, size)
@@ -116,6 +119,10 @@ def mesh_body(file: MeshFile, scale: Vec3) -> MeshBody:
             )
         )
     return MeshBody(solid=solid, is_closed=is_closed, size=size)
+
+
+def _is_closed(mesh: Any) -> bool:  # noqa: ANN401 - see `_read`
+    return bool(mesh.is_watertight and mesh.is_winding_consistent)
 
 
 def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type information

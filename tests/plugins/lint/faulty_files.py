@@ -223,7 +223,11 @@ FAULTS: dict[str, Fault] = {
     "unknown-element": Fault(ELBOW_AXIS, f'{ELBOW_AXIS}\n    <limits lower="0"/>', "<limits"),
     "invalid-number": Fault('effort="20"', 'effort="twenty"', '"twenty"', besides=("misread-number",)),
     "misread-number": Fault(
-        'lower="-2" upper="2"', 'lower="-2" upper="1,5"', '"1,5"', besides=("invalid-number",), of=("pybullet", "drake")
+        'lower="-2" upper="2"',
+        'lower="-2" upper="1,5"',
+        '"1,5"',
+        besides=("invalid-number",),
+        of=("pybullet", "drake", "coppeliasim"),
     ),
     "invalid-vector": Fault(ELBOW_AXIS, '<axis xyz="0 1"/>', 'xyz="0 1"'),
     "misread-vector": Fault(
@@ -231,7 +235,7 @@ FAULTS: dict[str, Fault] = {
         '<origin xyz="0.1 0" rpy="0 0 0"/>\n      <geometry>\n        <box',
         'xyz="0.1 0"',
         besides=("invalid-vector",),
-        of=("pybullet", "pinocchio", "ros", "gazebo"),
+        of=("pybullet", "pinocchio", "ros", "gazebo", "coppeliasim"),
     ),
     "duplicate-link": Fault(END, f"{body('link_2')}{END}", '<link name="link_2"', 2),
     "duplicate-joint": Fault('<joint name="link_2-tool0"', '<joint name="elbow"', '<joint name="elbow"', 2),
@@ -299,6 +303,7 @@ FAULTS: dict[str, Fault] = {
         END, "  <transmission>\n    <type>SimpleTransmission</type>\n  </transmission>\n" + END, "<transmission"
     ),
     "transmission-type-empty": Fault(END, "  <transmission>\n    <type/>\n  </transmission>\n" + END, "<type"),
+    "axis-along-minus-z": Fault(ELBOW_AXIS, '<axis xyz="0 0 -1"/>', '<axis xyz="0 0 -1"/>'),
     "missing-axis": Fault(f"    {ELBOW_AXIS}\n", "", '<joint name="elbow"'),
     "missing-limit": Fault(f"    {ELBOW_LIMIT}\n", "", '<joint name="elbow"'),
     "missing-range": Fault('<limit lower="-2" upper="2" effort="20"', '<limit effort="20"', '<limit effort="20"'),

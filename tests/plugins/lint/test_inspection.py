@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -21,22 +23,36 @@ from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.xacro_fence import expansion
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from conftest import ReferenceRobot
 
-EXPECTED = {"root-without-inertial", "fixed-link", "continuous-joint", "zero-outside-limits"}
-"""What may be noted of a file that is right: none of it is a warning."""
+    from dh2urdf_plugins.emitters.profiles import ProfileName
+
+EXPECTED = {"root-without-inertial", "fixed-link", "continuous-joint", "zero-outside-limits", "axis-along-minus-z"}
+"""What may be found in a file that is right: nothing but CoppeliaSim misreads it."""
+EXPECTED_BY = {
+    "portable": EXPECTED,
+    "coppeliasim": {"root-without-inertial", "fixed-link", "continuous-joint", "frame-without-inertial"},
+}
+"""The same, by the profile that wrote the file."""
+IN_COPPELIASIM = Path(__file__).parents[1] / "loaders" / "coppeliasim_4_10_0_arms.json"
 
 
-def test_what_the_project_writes_has_notes_only(reference_robot: ReferenceRobot, tmp_path: Path) -> None:
-    """The URDF of a published arm has no error and no warning, for any consumer."""
+@pytest.mark.parametrize("profile", EXPECTED_BY)
+def test_what_the_project_writes_has_notes_only(
+    reference_robot: ReferenceRobot, tmp_path: Path, profile: ProfileName
+) -> None:
+    """The URDF of a published arm has no error and no warning, for any consumer but CoppeliaSim.
+
+    For that one, the portable file of those arms has a warning that were other arms in it, and of these only.
+    """
     robot = TRANSFORM.transform(reference_robot.manipulator, TRANSFORM.options())
     path = tmp_path / "arm.urdf"
-    path.write_bytes(EMITTER.emit(robot, "arm", EMITTER.options())[0].content)
+    path.write_bytes(EMITTER.emit(robot, "arm", EMITTER.options(profile=profile))[0].content)
     found = inspect_urdf(path)
-    assert [finding for finding in found.findings if finding.severity != "note"] == []
-    assert {finding.rule for finding in found.findings} <= EXPECTED
+    warned = {effect.consumer for finding in found.findings for effect in finding.effects if effect.severity != "note"}
+    was_right = json.loads(IN_COPPELIASIM.read_text("utf-8"))[reference_robot.id]["aligned"][profile] is not None
+    assert warned - {"pybullet" if profile == "coppeliasim" else ""} == (set() if was_right else {"coppeliasim"})
+    assert {finding.rule for finding in found.findings} <= EXPECTED_BY[profile]
     assert found.robot is not None
     ours, theirs = KinematicChain.between(robot), KinematicChain.between(found.robot)
     for q in reference_robot.q:

@@ -337,13 +337,6 @@ def test_silence_says_how_to_start_one(request_for: Any, *, listens: bool) -> No
             load(request_for(), CoppeliaSimOptions(host="127.0.0.1", port=port))
 
 
-def test_published_arms_are_confirmed(peer: Any, reference_robot: Any, published_request: Any) -> None:
-    """Every published arm is the same arm in CoppeliaSim, by the profile for it."""
-    report = run(peer, published_request(reference_robot, profile="coppeliasim"))
-    assert report.poses == len(reference_robot.q)
-    assert report.mass_error == 0.0
-
-
 def test_it_works_in_a_child_process(peer: Any, request_for: Any) -> None:
     """In the process of its own, in which loaders are called, it says the same and ends by itself."""
     report = load_in_child(LOADER, request_for(), CoppeliaSimOptions(host="127.0.0.1", port=peer.port))

@@ -1,8 +1,8 @@
 """What CoppeliaSim's importer does with files, right and faulty: the peer of the tests does the same, case by case.
 
 The real one is not part of CI: it is no free package. What it did is kept in `coppeliasim_4_10_0.json`, and the peer is
-compared with that. Where DH2URDF_COPPELIASIM is a command that starts a CoppeliaSim without a window, and takes the port
-of its remote API as a further word, the real one is compared with it, too; with `--renew` it is written anew.
+compared with that. Where DH2URDF_COPPELIASIM starts a CoppeliaSim (see `coppeliasim_server`), the real one is compared
+with it, too; with `--renew` it is written anew.
 """
 
 from __future__ import annotations
@@ -10,14 +10,9 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-import os
-import shlex
-import socket
-import subprocess
 import sys
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -28,10 +23,15 @@ pytest.importorskip("coppeliasim_zmqremoteapi_client")
 pytest.importorskip("zmq")
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+try:
+    from coppeliasim_peer import Peer
+    from coppeliasim_server import COMMAND, STARTS_WITHIN, Real
+finally:
+    sys.path.remove(str(HERE))
+
 RECORD = HERE / "coppeliasim_4_10_0.json"
-COMMAND = os.environ.get("DH2URDF_COPPELIASIM", "")
 OPTIONS = 8 | 32
-STARTS_WITHIN = 120.0
 ANSWERS_WITHIN = 10.0
 WRITTEN_COLOURS = ([0.5, 0.5, 0.25], [0.125, 0.25, 0.5])
 DIGITS, ROUNDING = 9, 2e-9
@@ -210,39 +210,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 # --- The two ----------------------------------------------------------------------------------------------------------
 
 
-class Real:
-    """A CoppeliaSim that is started again after each crash, on a port that is free."""
-
-    def __init__(self) -> None:
-        self.process: subprocess.Popen[bytes] | None = None
-        self.port = 0
-
-    def __enter__(self) -> Self:
-        self.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.end()
-
-    def start(self) -> None:
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            self.port = free.getsockname()[1]
-        self.process = subprocess.Popen(
-            [*shlex.split(COMMAND), str(self.port)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        deadline = time.monotonic() + STARTS_WITHIN
-        while time.monotonic() < deadline:
-            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", self.port), 1):
-                return
-            time.sleep(0.2)
-        raise AssertionError(f"no CoppeliaSim at port {self.port} within {STARTS_WITHIN:g} s")
-
-    def end(self) -> None:
-        if self.process:
-            self.process.kill()
-            self.process.wait()
-
-
 def outcome(port: int, name: str, folder: Path) -> dict[str, Any]:
     """What a CoppeliaSim does with a file, and what is in its scene then that was not before."""
     import zmq
@@ -325,11 +292,6 @@ def rounded(numbers: Any, digits: int = DIGITS) -> list[float]:
 @pytest.fixture(scope="module")
 def peer() -> Iterator[Callable[[str, Path], dict[str, Any]]]:
     """What the peer does with a case; it is started again after each crash, too."""
-    sys.path.insert(0, str(HERE))
-    try:
-        from coppeliasim_peer import Peer
-    finally:
-        sys.path.remove(str(HERE))
     with contextlib.ExitStack() as stack:
         running = [stack.enter_context(Peer())]
 

@@ -1,0 +1,127 @@
+"""What is hardly meant is found, what is meant is not, and every consumer takes both as they stand."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from consumers import behaviours
+from faulty_files import BOX, CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, LINK_1_BODY, SOUND
+
+from dh2urdf_plugins.lint.inspection import inspect_urdf
+from dh2urdf_plugins.lint.rules import Outcome, plausibility_rules
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import Finding
+
+ELBOW = '<joint name="elbow" type="revolute">'
+OTHER = """<link name="more">
+    <inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+  </link>
+  <joint name="other" type="revolute">
+    <parent link="link_2"/><child link="more"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="elbow"/>"""
+FAULTS = {
+    "limits-in-degrees": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-180" upper="180"')),
+    "angles-in-degrees": ('rpy="0 1.5707963267948966 0"', 'rpy="0 90 0"'),
+    "length-in-millimetres": (BOX, '<box size="100 50 50"/>'),
+    "inertia-of-a-larger-body": (LINK_1_BODY, LINK_1_BODY.replace("0.01", "10")),
+    "centre-of-mass-far-off": (LINK_1_BODY, LINK_1_BODY.replace("0.1 0 0.05", "100 0 50")),
+    "zero-velocity": (ELBOW_LIMIT, ELBOW_LIMIT.replace('velocity="3"', 'velocity="0"')),
+    "mimic-circle": (ELBOW_LIMIT, f'{ELBOW_LIMIT}<mimic joint="other"/></joint>{OTHER}'),
+    "unknown-attribute": (ELBOW_AXIS, '<axis xyz="0 1 0"/><dynamics damping="0.1" frictoin="0.2"/>'),
+    "reference-to-nothing": (END, f'<gazebo reference="elbows"/>{END}'),
+}
+NOT_MEANT_OTHERWISE = {
+    "no limits": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-100" upper="100"')),
+    "many turns": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-25.13274" upper="25.13274"')),
+    "a turn": ('rpy="0 1.5707963267948966 0"', 'rpy="0 6.283185307179586 0"'),
+    "a rotor that is not drawn": (CYLINDER, '<cylinder radius="0.001" length="0.001"/>'),
+    "a transmission": (END, f'<transmission name="t"><joint name="elbow"/></transmission>{END}'),
+    "what ROS 2 controls": (END, f'<ros2_control name="c" type="system"><joint name="elbow"/></ros2_control>{END}'),
+    "a reference to a link": (END, f'<gazebo reference="link_2"/>{END}'),
+    "an attribute of one's own": (ELBOW_AXIS, '<axis xyz="0 1 0" colour="red"/>'),
+}
+
+
+def write(folder: Path, name: str, old: str, new: str) -> Path:
+    assert SOUND.count(old) == 1
+    path = folder / f"{name}.urdf"
+    path.write_text(SOUND.replace(old, new))
+    return path
+
+
+def found(path: Path) -> list[Finding]:
+    return [finding for finding in inspect_urdf(path).findings if finding.rule in plausibility_rules()]
+
+
+def test_every_rule_has_a_file_that_breaks_it() -> None:
+    assert set(FAULTS) == set(plausibility_rules())
+
+
+@pytest.mark.parametrize("rule", FAULTS)
+def test_a_fault_is_found(tmp_path: Path, rule: str) -> None:
+    """Once, as a warning, and nothing else of its kind is."""
+    (finding,) = found(write(tmp_path, rule, *FAULTS[rule]))
+    assert finding.rule == rule
+    assert finding.severity == "warning"
+    assert finding.mark is not None
+    assert finding.mark.line is not None
+
+
+@pytest.mark.parametrize("name", NOT_MEANT_OTHERWISE)
+def test_what_may_be_meant_is_not_spoken_of(tmp_path: Path, name: str) -> None:
+    assert found(write(tmp_path, "arm", *NOT_MEANT_OTHERWISE[name])) == []
+
+
+def test_the_probable_attribute_is_told(tmp_path: Path) -> None:
+    (finding,) = found(write(tmp_path, "arm", *FAULTS["unknown-attribute"]))
+    assert finding.message == "dynamics has no attribute 'frictoin': did you mean 'friction'?"
+
+
+def test_a_ground_may_be_large(tmp_path: Path) -> None:
+    """A single link with a box of 200 m is where robots stand."""
+    path = tmp_path / "plane.urdf"
+    path.write_text(
+        '<robot name="plane"><link name="ground"><collision><geometry><box size="200 200 10"/></geometry>'
+        "</collision></link></robot>"
+    )
+    assert found(path) == []
+
+
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+def test_the_table_says_what_happens(tmp_path: Path, consumer: str) -> None:
+    """Each consumer loads or refuses the files as the table has it."""
+    rules = plausibility_rules()
+    paths = {rule: write(tmp_path, rule, *FAULTS[rule]) for rule in rules}
+    ends = {rule: each.end for rule, each in zip(paths, behaviours(consumer, list(paths.values())), strict=True)}
+    said = {rule: rules[rule].outcomes.get(consumer) for rule in rules}
+    assert ends == {
+        rule: outcome.value if outcome in {Outcome.REFUSES, Outcome.CRASHES} else "loads"
+        for rule, outcome in said.items()
+    }
+
+
+TRUE = {
+    "inertia-of-a-larger-body": {"a1.urdf", "b1-z1.urdf", "tiago.urdf"},
+    "reference-to-nothing": {"talos_left_arm.urdf", "tiago_dual.urdf"},
+}
+"""Descriptions of real robots of which each finding was looked at by hand."""
+
+
+def test_real_robots_are_plausible_but_for_what_was_looked_at() -> None:
+    """No arm of a maker has limits, angles or lengths that are taken for other units."""
+    paths = [
+        Path(str(file.locate())).resolve()
+        for file in importlib.metadata.files("example-robot-data") or ()
+        if file.suffix == ".urdf"
+    ]
+    by_rule: dict[str, set[str]] = {}
+    for path in paths:
+        for finding in found(path):
+            by_rule.setdefault(finding.rule, set()).add(path.name)
+    assert set(by_rule) == {*TRUE, "zero-velocity"}
+    for rule, names in TRUE.items():
+        assert names <= by_rule[rule]

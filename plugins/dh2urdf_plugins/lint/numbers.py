@@ -26,7 +26,7 @@ XACRO = re.compile(r"\$[{(]")
 
 _URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
 """The readers that have urdfdom."""
-_ALL = frozenset({"pybullet", "mujoco", "drake", "coppeliasim"}) | _URDFDOM
+_ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
 
 
 def urdfdom_numbers(text: str, count: int) -> tuple[float, ...] | None:
@@ -104,7 +104,9 @@ def _said(place: _Place, text: str) -> Iterator[Hit]:
     if numbers_of(text, count) is not None:
         message = f"{place.attribute} of {element.tag} is {shown(text)}: urdfdom takes blanks between numbers alone"
         refused &= _URDFDOM
-    if refused & place.readers:
+    if kind == "number" and numbers_of(text, count) is None and "pybullet" in place.readers:
+        yield Hit("invalid-number", element, message, (refused & place.readers) | {"coppeliasim"})
+    elif refused & place.readers:
         yield Hit(f"invalid-{kind}", element, message, refused & place.readers)
     if misread := (place.readers - refused) - (set() if is_urdfdom else _URDFDOM):
         misread &= _URDFDOM if numbers_of(text, count) is not None else _ALL

@@ -256,8 +256,9 @@ def test_the_folder_of_the_run_file_is_no_pattern(folder: Path) -> None:
 def test_a_full_disk_is_told_of_the_file_that_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The Parquet manifest, where the other one could be written."""
     table = ManifestTable(tmp_path / "table", "out/manifest.parquet")
+    told: Any = {}
     with (tmp_path / "rows").open("w+b") as rows:
-        ledger = Ledger(rows, "out/manifest.jsonl")
+        ledger = Ledger(rows, "out/manifest.jsonl", told)
         ledger.table = table
 
         def full(*_: object) -> None:

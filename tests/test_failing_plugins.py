@@ -207,6 +207,16 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
         ),
         ("emitter.check.fail", "check arm.bad", "`check` of the emitter 'bad' failed: ZeroDivisionError: at work"),
         ("emitter.check.give_nothing", "check arm.bad", "`check` of the emitter 'bad' failed: TypeError: it gave None"),
+        (
+            "emitter.fix.fail",
+            "check arm.bad --fix -o new.bad",
+            "`fix` of the emitter 'bad' failed: ZeroDivisionError: at",
+        ),
+        (
+            "emitter.fix.give_nothing",
+            "check arm.bad --fix -o new.bad",
+            "`fix` of the emitter 'bad' failed: TypeError: it",
+        ),
         ("emitter.descriptions.fail", "check .", "`descriptions` of the emitter 'bad' failed: ZeroDivisionError: at"),
         ("emitter.descriptions.give_nothing", "check .", "`descriptions` of the emitter 'bad' failed: TypeError: it g"),
         ("reader.schema.fail", "schema table", "`schema` of the reader 'bad' failed: ZeroDivisionError: at work"),

@@ -89,6 +89,7 @@ def test_the_report_has_its_full_form(output: Path) -> None:
         "schema",
         "version",
         "exit_status",
+        "reproduction",
         "coverage",
         "simulator_notices",
         "manipulators",

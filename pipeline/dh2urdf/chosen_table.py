@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
@@ -134,3 +135,13 @@ def chosen_manipulator(
             )
         )
     return chosen
+
+
+def table_as_run_file(path: Path) -> Problem:
+    """What is said of a table where a run file is wanted."""
+    return Problem(
+        message="this is a table, not a run file",
+        mark=Mark(file=str(path)),
+        suggestion=f"`dh2urdf convert {shlex.quote(str(path))}` converts it; a run file names it: "
+        f"`inputs: {path.name}`",
+    )

@@ -10,7 +10,7 @@ from dh2urdf.described_files import described_files
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_answers import a_whole_record
-from dh2urdf.stages import Expansion, Finding, Inspection
+from dh2urdf.stages import Expansion, Finding, Inspection, Repair
 from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
@@ -122,6 +122,23 @@ def inspect_several(
         raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
     different = {(finding.rule, finding.mark, finding.message): finding for finding in reversed(findings)}
     return Inspections(tuple(path for path, _ in waiting), looked_at, consumers, tuple(reversed(different.values())))
+
+
+def repaired(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Repair:
+    """A file with what its emitter can fix.
+
+    Raises:
+        InputError: the file cannot be read.
+        ConfigError: files of the format are not fixed.
+        BrokenPluginError: the emitter is at fault.
+    """
+    emitter = _emitter(catalog, file, format_name, choice)
+    if emitter.fix is None:
+        message = f"files of the format {emitter.name!r} are not fixed"
+        suggestion = "fix them at the places that the findings name"
+        raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted="a URDF", suggestion=suggestion))
+    with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "fix"):
+        return a_whole_record(emitter.fix(file), Repair)
 
 
 def _emitter(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:

@@ -127,6 +127,7 @@ class ManipulatorEntry(TypedDict):
 class CoverageEntry(TypedDict):
     """How many manipulators of a run a loader was given, and what came of it [1]."""
 
+    simulator: str | None
     of: int
     passed: int
     failed: int
@@ -147,12 +148,42 @@ class SimulatorNotice(TypedDict):
     message: str
 
 
+class InputEntry(TypedDict):
+    """A file that a run read, and the hash of its bytes; None where it could not be read."""
+
+    path: str
+    sha256: str | None
+
+
+class VariationEntry(TypedDict):
+    """What a run drew: of which manipulator, how many, by which seed and sampling."""
+
+    name: str
+    of: str
+    count: int | None
+    seed: int
+    sampling: str
+
+
+class Reproduction(TypedDict):
+    """What is needed to do a run again."""
+
+    command: str | None
+    inputs: list[InputEntry]
+    inputs_left_out: int
+    versions: dict[str, str]
+    variations: list[VariationEntry]
+    joint_vectors: str
+    citation: str
+
+
 class RunReport(TypedDict):
     """The content of ``report.json``, which `dh2urdf.run` returns."""
 
     schema: Literal["dh2urdf-report/1"]
     version: str
     exit_status: Literal[0, 1]
+    reproduction: Reproduction
     coverage: dict[str, CoverageEntry]
     simulator_notices: list[SimulatorNotice]
     manipulators: list[ManipulatorEntry]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 import tempfile
 import time
@@ -20,7 +19,7 @@ from dh2urdf.attribution import Call, depending_on, fault, own_work
 from dh2urdf.batch_report import BatchReport
 from dh2urdf.batches import Batch, Doomed, Expected, batches
 from dh2urdf.cells import CellCall
-from dh2urdf.chosen_table import is_table
+from dh2urdf.chosen_table import is_table, table_as_run_file
 from dh2urdf.config import load_config
 from dh2urdf.conversion import Recipe
 from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
@@ -39,10 +38,11 @@ from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import Overview
+from dh2urdf.report.reproduction import command_line, reproduction
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_inputs import refuse_overwriting
 from dh2urdf.settings import ON_THE_COMMAND_LINE, Asked
-from dh2urdf.source import Mark, Problem, in_file_order, printable
+from dh2urdf.source import Problem, in_file_order, printable
 from dh2urdf.stage_answers import a_record, items_of
 from dh2urdf.stages import Executor, Lost, Reader
 from dh2urdf.stores import Store
@@ -78,6 +78,7 @@ class Plan:
         html: whether to write a page for people, where its packages are installed.
         meshes: mesh files that links are drawn and touched as.
         files: what the run reads besides: its run file.
+        command: the command that makes the same files; None where a program began the run.
     """
 
     inputs: tuple[tuple[Path, Call[Reader[Any]]], ...]
@@ -91,6 +92,7 @@ class Plan:
     html: bool = True
     meshes: tuple[MeshCall, ...] = ()
     files: tuple[Path, ...] = ()
+    command: str | None = None
     input_notices: Mapping[Path, Problem] = field(default_factory=dict)
 
 
@@ -161,19 +163,12 @@ def load_plan(
         config = load_config(path, overrides, root, asked)
     except ConfigError as error:
         if root is None and is_table(path, catalog):
-            raise ConfigError(_is_a_table(path)) from error
+            raise ConfigError(table_as_run_file(path)) from error
         raise
-    plan = replace(make_plan(config, catalog), files=(path,) if root is None else ())
+    plan = make_plan(config, catalog)
+    if root is None:
+        plan = replace(plan, files=(path,), command=command_line(path, overrides))
     return plan if output is None else replace(plan, store=open_store(output))
-
-
-def _is_a_table(path: Path) -> Problem:
-    return Problem(
-        message="this is a table, not a run file",
-        mark=Mark(file=str(path)),
-        suggestion=f"`dh2urdf convert {shlex.quote(str(path))}` converts it; a run file names it: "
-        f"`inputs: {path.name}`",
-    )
 
 
 def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
@@ -253,10 +248,12 @@ def execute(
         message = "a dry run makes everything anew and writes nothing, so that it has nothing to resume"
         raise ConfigError(Problem(message=message, field="resume", accepted="resume or dry_run, not both"))
     refuse_overwriting(plan)
+    files = (*plan.files, *(path for path, _ in plan.inputs))
+    told = reproduction(plan.command, files, plan.recipe, plan.variations)
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
-            ledger = Ledger(rows, tempfile.gettempdir())
+            ledger = Ledger(rows, tempfile.gettempdir(), told)
             _make(plan, Effect.LOOK, "", None, ledger, result, note, Exhibits(0))
             report = run_report(ledger, result)
         result.seconds["total"] = time.perf_counter() - started
@@ -267,8 +264,7 @@ def execute(
         path = folder / "manifest"
         exhibits = Exhibits()
         with path.open("w+b") as rows:
-            loaders = {call.stage.name: call.stage.name in plan.recipe.optional for call in plan.recipe.loaders}
-            ledger = Ledger(rows, f"{store}/{MANIFEST}", Verdicts(loaders))
+            ledger = Ledger(rows, f"{store}/{MANIFEST}", told, Verdicts.of(plan.recipe))
             if can_write_parquet():
                 ledger.table = ManifestTable(folder / TABLE, f"{store}/{TABLE}")
             if plan.html and can_write_html():
@@ -280,7 +276,7 @@ def execute(
                 raise
             report = write_reports(store, ledger, result)
             if ledger.overview:
-                write_html(store, ledger.overview, exhibits, plan.recipe, plan.layout)
+                write_html(store, ledger, exhibits, plan.recipe, plan.layout)
             else:
                 store.remove(PAGE)  # An older one would tell of another run.
             # While the old manifest stands there, as what is removed is known from it alone.

@@ -187,6 +187,19 @@ class Inspection:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Repair:
+    """A file in which something was fixed.
+
+    Attributes:
+        content: the whole file.
+        changes: what was fixed, as notices with the place in the file as it was.
+    """
+
+    content: bytes
+    changes: tuple[Problem, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Expansion:
     """How a description that holds macros is expanded.
 
@@ -230,6 +243,8 @@ class Emitter(Generic[O]):
             their numbers.
         check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
             findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
+        fix: the file with what is mechanical fixed, and every other byte as it was: `dh2urdf check --fix`. It raises
+            `dh2urdf.errors.InputError` where it cannot read the file. None where files of the format are not fixed.
         descriptions: of the files of a folder, each with the name of its outermost element of XML (empty where it has
             none), those that are whole descriptions of the format: `dh2urdf check FOLDER`. Files that are only a part
             of others are left out.
@@ -248,6 +263,7 @@ class Emitter(Generic[O]):
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
     check: Callable[..., Inspection] | None = None
+    fix: Callable[[Path], Repair] | None = None
     descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
     notices: Callable[[Robot, O], Sequence[Problem]] | None = None
 

@@ -16,9 +16,10 @@ from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, package_paths_option, table_options
 from dh2urdf.errors import ConfigError, InputError, TableError
-from dh2urdf.inspecting import given_arguments, inspect, inspect_several
+from dh2urdf.inspecting import given_arguments, inspect, inspect_several, repaired
 from dh2urdf.options import COMMAND_LINE
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.output import write_whole
+from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
 from dh2urdf.stages import Expansion
 from dh2urdf.textfiles import check_file
 
@@ -56,6 +57,8 @@ EXIT_STATUS = (
 @click.option(
     "--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text."
 )
+@click.option("--fix", "is_fixed", is_flag=True, help="Fix what is mechanical, write it to -o, and check that.")
+@click.option("-o", "--out", type=click.Path(path_type=Path), metavar="FILE", help="Where --fix writes.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],
@@ -66,11 +69,16 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     tip_link: str | None,
     format_name: str | None,
     form: str,
+    is_fixed: bool,  # noqa: FBT001 - click hands it over by name
+    out: Path | None,
     **flags: str | None,
 ) -> int:
     """Say what each simulator will do with FILE, a URDF, xacro, SDF or MJCF of any origin.
 
     FILE may also be a folder: all descriptions in it are checked. The findings of several files are grouped by rule.
+
+    With --fix, a URDF is written to -o with unit axes, limits in order, plain names, inertias for masses that have
+    none, and an XML declaration; every other byte stays. What was fixed is told, and the new file is checked.
 
     With --against, the description is also compared with a DH table, joint by joint: where they differ, it says by
     which base, tool, signs and offsets they would agree, in a form that can be put into the table. FILE or TABLE may
@@ -90,6 +98,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     arguments = [word for word in words if ":=" in word and not Path(word).exists()]
     files = [Path(word) for word in words if word not in arguments]
     expansion = Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths)
+    if is_fixed or out:
+        files = [_fixed(installed, files, format_name, out if is_fixed else None)]
     if len(files) != 1 or files[0].is_dir():
         _refuse_for_several(files, table)
         several = inspect_several(installed, files, format_name, "`--as NAME`", expansion)
@@ -121,6 +131,20 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
         print_findings(findings, consumers, comparison)
     return status
+
+
+def _fixed(catalog: Catalog, files: Sequence[Path], format_name: str | None, out: Path | None) -> Path:
+    """Writes a fixed file, and says what was fixed."""
+    if out is None or len(files) != 1 or str(files[0]) == DASH or files[0].is_dir():
+        message = "--fix takes one FILE, and writes to the file that -o names"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="--fix -o FIXED FILE"))
+    repair = repaired(catalog, files[0], format_name, "`--as NAME`")
+    write_whole(out, repair.content)
+    for change in repair.changes:
+        click.echo(printable(f"{change.mark}: fixed: {change.message}"), err=True)
+    count = len(repair.changes)
+    click.echo(printable(f"{count or 'no'} fix{'' if count == 1 else 'es'}; written to {out}"), err=True)
+    return out
 
 
 def _settled(findings: Iterable[Finding]) -> int:

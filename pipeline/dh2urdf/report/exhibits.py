@@ -14,7 +14,7 @@ from dh2urdf.conversion import make_item
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.outcome import Row
-from dh2urdf.robot import Link, Robot
+from dh2urdf.robot import Joint, Link, Robot
 from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
@@ -145,6 +145,14 @@ class Exhibit:
                 given = tuple(part for part in parts if row is not None and getattr(row, part) is not None)
                 masses.append(Mass(link, given, f"mass_{number}" in self.row["drawn"]))
         return masses
+
+    def computed(self, joint: Joint) -> list[str]:
+        """Which limits of a joint the transform computed, as its table does not say them."""
+        row = dict(self._rows()).get(joint.child, (0, None))[1]
+        given = row.limits if row is not None else None
+        names = ("lower", "upper", "velocity", "effort")
+        has = [name for name in names if getattr(joint.limits, name) is not None]
+        return [name for name in has if given is None or getattr(given, name) is None]
 
     @property
     def frames(self) -> list[str]:

@@ -24,6 +24,7 @@ from dh2urdf.number_text import format_number
 from dh2urdf.report.exhibits import Exhibit
 from dh2urdf.report.figures import ARMS, LARGEST, Workspace, arm_figure, bars_figure, without_warnings
 from dh2urdf.report.overview import MOST_DRAWN, checks
+from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion import Recipe
     from dh2urdf.layouts import Layout
     from dh2urdf.report.exhibits import Exhibits
+    from dh2urdf.report.ledger import Ledger
     from dh2urdf.report.overview import Overview
     from dh2urdf.stores import Store
 
@@ -50,12 +52,12 @@ def can_write_html() -> bool:
     return all(find_spec(package) for package in ("jinja2", "matplotlib", "PIL"))
 
 
-def write_html(store: Store, overview: Overview, exhibits: Exhibits, recipe: Recipe, layout: Layout) -> None:
+def write_html(store: Store, ledger: Ledger, exhibits: Exhibits, recipe: Recipe, layout: Layout) -> None:
     """Write `report.html`.
 
     Args:
         store: where it goes, and where the pictures of the simulators are.
-        overview: what was gathered from the rows of its manifest.
+        ledger: what was gathered from the rows of its manifest, an overview among it.
         exhibits: what the run's first manipulators are made of.
         recipe: what was done with every manipulator.
         layout: under which names the files lie.
@@ -64,13 +66,17 @@ def write_html(store: Store, overview: Overview, exhibits: Exhibits, recipe: Rec
         OutputError: it cannot be written.
     """
     with without_warnings():
-        content = page(overview, exhibits, recipe, store, layout)
+        content = page(ledger, exhibits, recipe, store, layout)
     store.write(PAGE, content)
 
 
-def page(overview: Overview, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:
+def page(ledger: Ledger, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:
     """The page of a run, of which an overview was gathered."""
     from markupsafe import Markup
+
+    overview = ledger.overview
+    if overview is None:
+        raise ValueError("no overview was gathered")
 
     environment, templates = _environment()
     style, script = (templates.get_source(environment, name)[0] for name in ("page.css", "page.js"))
@@ -82,6 +88,10 @@ def page(overview: Overview, exhibits: Exhibits, recipe: Recipe, store: Store, l
         version=__version__,
         overview=overview,
         most_drawn=MOST_DRAWN,
+        coverage=ledger.verdicts.coverage(),
+        covered=covered,
+        simulator_notices=list(map(notice_line, ledger.verdicts.notices())),
+        told=ledger.reproduction,
         shown=shown,
         shown_keys={exhibit.number: exhibit.key for exhibit in shown},
         stages=list(_stages(recipe)),

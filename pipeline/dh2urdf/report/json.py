@@ -38,6 +38,7 @@ def run_report(ledger: Ledger, result: Result) -> RunReport:
         "schema": SCHEMA,
         "version": __version__,
         "exit_status": result.exit_status,
+        "reproduction": ledger.reproduction,
         "coverage": ledger.verdicts.coverage(),
         "simulator_notices": ledger.verdicts.notices(),
         "manipulators": [orjson.loads(row) for row in islice(ledger.rows, REPORTED)],

@@ -13,6 +13,7 @@ from dh2urdf.report.verdicts import Verdicts
 if TYPE_CHECKING:
     from dh2urdf.manifest_table import ManifestTable
     from dh2urdf.report.overview import Overview
+    from dh2urdf.results import Reproduction
 
 
 class Ledger:
@@ -22,21 +23,23 @@ class Ledger:
 
     Attributes:
         rows: the manifest, open to write and to read.
+        reproduction: what is needed to do the run again.
         verdicts: what simulators say.
         index: what failed, and why.
         table: the manifest as a table, where there will be one.
         overview: what the page for people says, where there will be one.
     """
 
-    def __init__(self, rows: BinaryIO, place: str, verdicts: Verdicts | None = None) -> None:
+    def __init__(self, rows: BinaryIO, place: str, told: Reproduction, verdicts: Verdicts | None = None) -> None:
         """Begin a manifest.
 
         Args:
             rows: an empty file.
             place: where the manifest will be, which errors tell of.
+            told: what is needed to do the run again.
             verdicts: gathers what simulators say; None where none is asked.
         """
-        self.rows = rows
+        self.rows, self.reproduction = rows, told
         self.verdicts = verdicts or Verdicts({})
         self.index = FailureIndex()
         self.table: ManifestTable | None = None

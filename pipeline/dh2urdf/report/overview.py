@@ -32,6 +32,8 @@ _RANKS = 2**32
 _BARS = 24  # of a distribution
 _LOWEST, _HIGHEST = -18, 2  # powers of ten between which errors are counted [m]; below is as good as 0
 
+_FAILED = {"failed": "refused", "missing": "not installed"}
+
 _UNITS = {
     Dimension.LENGTH: "m",
     Dimension.ANGLE: "rad",
@@ -76,7 +78,12 @@ class Check:
 
     @property
     def verdict(self) -> str:
-        """``same arm``, ``other arm``, ``not measured``, or ``differs`` where the transform does not promise more."""
+        """``same arm``, ``other arm``, ``not measured``, or ``differs`` where the transform does not promise more.
+
+        Of a simulator that gave no report it is ``refused`` or ``not installed``.
+        """
+        if self.is_simulator and (failed := _FAILED.get(cast("LoadEntry", self.facts)["verdict"])):
+            return failed
         if self.facts is None or self.facts["position_error"] is None or self.facts["tolerance"] is None:
             return "not measured"
         angle = self.facts["angle_error"] or 0.0
@@ -119,7 +126,8 @@ class Errors:
         """Takes what is known of one manipulator."""
         if self.is_simulator:
             load = cast("LoadEntry", facts)
-            self.simulator = f"{load['simulator']} {load['version']}"
+            if load["verdict"] == "passed":
+                self.simulator = f"{load['simulator']} {load['version']}"
         error = facts["position_error"]
         if error is None:
             return
@@ -185,6 +193,7 @@ class Entry:
         source: the file it comes from.
         reason: the kind of its failure and the first error.
         errors: position errors by emitter and loader [m].
+        verdicts: what came of each loader, or why it was not asked.
         stays: whether it holds still in all simulators that tried.
         remarks: notices and findings.
         drawn: what was drawn for it.
@@ -196,6 +205,7 @@ class Entry:
     source: str
     reason: str
     errors: dict[str, float | None]
+    verdicts: dict[str, str]
     stays: bool | None
     remarks: int
     drawn: dict[str, Any]
@@ -285,6 +295,7 @@ class Overview:
             source=row["source"],
             reason=f"{row['kind']}: {told}" if row["kind"] else told,
             errors={check.name: check.position_error for check in checks(row)},
+            verdicts={name: load["verdict"] for name, load in row["loaders"].items()} | dict(row.get("not_loaded", {})),
             stays=all(stays) if stays else None,
             remarks=remarks,
             drawn={key: row["drawn"][key] for key in row["drawn"] if key in self.drawn},

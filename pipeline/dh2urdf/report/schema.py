@@ -18,6 +18,7 @@ def report_schema() -> dict[str, Any]:
             "schema": {"const": SCHEMA, "description": "name and version of this form"},
             "version": text("version of dh2urdf that wrote it"),
             "exit_status": {"enum": [0, 1], "description": "0 where all is done, 1 where a manipulator failed"},
+            "reproduction": _reproduction(),
             "coverage": {
                 "type": "object",
                 "additionalProperties": _coverage(),
@@ -137,9 +138,40 @@ def _row() -> dict[str, Any]:
     )
 
 
+def _reproduction() -> dict[str, Any]:
+    described = {"type": "string"}
+    entry = object_of(
+        {
+            "path": text("a file that the run read: its run file, or a table"),
+            "sha256": or_null({"type": "string", "pattern": "^[0-9a-f]{64}$", "description": "the hash of its bytes"}),
+        }
+    )
+    variation = object_of(
+        {
+            "name": text("what the names of its variants begin with"),
+            "of": text("the manipulator that is varied"),
+            "count": or_null(count("how many variants; null for as many as its grids have points")),
+            "seed": {"type": "integer", "description": "which of all samples"},
+            "sampling": text("how the sample spreads"),
+        }
+    )
+    return object_of(
+        {
+            "command": or_null(text("the command that makes the same files; null where a program began the run")),
+            "inputs": list_of(entry, "the run file and the tables, the first thousand"),
+            "inputs_left_out": count("how many more there are"),
+            "versions": {"type": "object", "additionalProperties": described, "description": "of all that had a part"},
+            "variations": list_of(variation, "what was drawn"),
+            "joint_vectors": text("at which joint vectors files and simulators were compared with the tables"),
+            "citation": text("how to cite dh2urdf"),
+        }
+    )
+
+
 def _coverage() -> dict[str, Any]:
     return object_of(
         {
+            "simulator": or_null(text("name and version of the simulator; null where it judged none")),
             "of": count("manipulators of the run"),
             "passed": count("whose file the simulator loaded as the arm that was written"),
             "failed": count("whose file it refused, or holds as another arm, or that ended it"),

@@ -15,6 +15,7 @@ from dh2urdf.source import Mark
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from dh2urdf.conversion import Recipe
     from dh2urdf.results import CoverageEntry, ManipulatorEntry, SimulatorNotice
 
 MOST_NOTICES = 200
@@ -45,6 +46,7 @@ class Verdicts:
         """
         self._coverage: dict[str, CoverageEntry] = {
             name: {
+                "simulator": None,
                 "of": 0,
                 "passed": 0,
                 "failed": 0,
@@ -57,6 +59,11 @@ class Verdicts:
         }
         self._groups: dict[tuple[str, str], _Group] = {}
 
+    @classmethod
+    def of(cls, recipe: Recipe) -> Verdicts:
+        """Those of the loaders of a run."""
+        return cls({call.stage.name: call.stage.name in recipe.optional for call in recipe.loaders})
+
     def add(self, row: ManipulatorEntry) -> None:
         """Takes one row of the manifest."""
         unasked = row.get("not_loaded", {})
@@ -67,6 +74,8 @@ class Verdicts:
                 continue
             load = row["loaders"][name]
             entry[load["verdict"]] += 1
+            if load["verdict"] == "passed":
+                entry["simulator"] = f"{load['simulator']} {load['version']}"
             problems = [*load["findings"], *(load["errors"] if load["optional"] else ())]
             # One manipulator counts once, however often its simulator says a thing.
             for kind, problem in {alike(problem["message"]): problem for problem in problems[::-1]}.items():
@@ -103,10 +112,10 @@ def alike(message: str) -> str:
 
 def coverage_line(coverage: Mapping[str, CoverageEntry]) -> str:
     """How many manipulators each simulator was given, in one line: ``drake 104 of 287 (sample)``."""
-    return ", ".join(f"{name} {_covered(entry)}" for name, entry in coverage.items())
+    return ", ".join(f"{name} {covered(entry)}" for name, entry in coverage.items())
 
 
-def _covered(entry: CoverageEntry) -> str:
+def covered(entry: CoverageEntry) -> str:
     """How many manipulators a loader judged, and why not all."""
     notes = []
     if entry["failed"]:

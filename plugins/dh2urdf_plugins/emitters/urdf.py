@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dh2urdf.columns import RobotColumns
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf.stages import Inspection
+    from dh2urdf.stages import Inspection, Repair
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,6 +97,17 @@ def check(path: Path) -> Inspection:
     return inspect_urdf(path)
 
 
+def fix(path: Path) -> Repair:
+    """A URDF of any origin with what is mechanical fixed.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    from dh2urdf_plugins.lint.fixing import fixed
+
+    return fixed(path)
+
+
 def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
     """The URDFs among the files of a folder."""
     from dh2urdf_plugins.lint.whole_files import urdfs
@@ -114,6 +125,7 @@ EMITTER = Emitter(
     emit_columns=emit_columns,
     read_columns=scan_columns,
     check=check,
+    fix=fix,
     descriptions=descriptions,
     notices=notices,
 )

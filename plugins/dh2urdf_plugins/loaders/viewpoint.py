@@ -7,7 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Box, Cylinder, Geometry, Sphere
+from dh2urdf.robot import Box, Cylinder, Geometry, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, add, rotate, scale, transpose
 from dh2urdf_plugins.loaders.measures import clipped
 
@@ -63,7 +63,12 @@ def best_view(robot: Robot, frames_at: Callable[[JointVector], Frames]) -> View:
         robot: the robot that was loaded.
         frames_at: puts the arm at a joint vector, and says the frames of its links in the world.
     """
-    q = max(_poses(robot), key=lambda pose: _quality(_corners(robot, frames_at(pose))))
+
+    def quality(pose: JointVector) -> float:
+        frames = frames_at(pose)
+        return _quality(_corners(robot, frames), frames[robot.root].translation[2])
+
+    q = max(_poses(robot), key=quality)
     points = _corners(robot, frames_at(q))
     low, high = (
         (choose(p[0] for p in points), choose(p[1] for p in points), choose(p[2] for p in points))
@@ -92,32 +97,34 @@ def _bent(joint: Joint, bend: float) -> float:
     return clipped(joint, bend)
 
 
-def _quality(points: Sequence[Vec3]) -> float:
+def _quality(points: Sequence[Vec3], base: float) -> float:
     """How well a pose shows the arm: by the area that it fills, less where it hangs below the base.
 
     Args:
-        points: the points that enclose the arm, the root's origin first [m].
+        points: the points that enclose the arm [m].
+        base: the height of the root [m].
     """
     seen = [rotate(_CAMERA, point) for point in points]
     width, height, _ = (max(values) - min(values) for values in zip(*seen, strict=True))
-    below = points[0][2] - min(point[2] for point in points)
+    below = base - min(point[2] for point in points)
     sinking = 4.0 * below / max(height, 1e-9)
     return float(width * height / (1.0 + sinking * sinking))
 
 
 def _corners(robot: Robot, frames: Frames) -> list[Vec3]:
-    """Points in the world that enclose all that is seen, and the links' origins [m]."""
+    """Points in the world that enclose all that is seen; the links' origins where there is nothing to see [m]."""
     points = []
     for link in robot.links:
         frame = frames[link.name]
-        points.append(frame.translation)
         for visual in link.visuals or link.collisions:  # simulators draw what touches where nothing is seen
+            if isinstance(visual.geometry, Mesh):  # It probably reaches from the link's origin to somewhere.
+                points.append(frame.translation)
             shape = frame @ visual.origin.transform
             half = _half_size(visual.geometry)
             for side in product((-1.0, 1.0), repeat=3):
                 corner = (side[0] * half[0], side[1] * half[1], side[2] * half[2])
                 points.append(add(shape.translation, rotate(shape.rotation, corner)))
-    return points
+    return points or [frame.translation for frame in frames.values()]
 
 
 def _half_size(geometry: Geometry) -> Vec3:

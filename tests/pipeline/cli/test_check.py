@@ -120,6 +120,43 @@ def test_a_format_without_a_check_is_refused() -> None:
         inspect(Catalog(), Path("arm.mine"), "mine", "`--as NAME`")  # type: ignore[arg-type]
 
 
+# --- Fixing -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_fixed_file_is_written_and_checked(cli: Cli, arm: Path) -> None:
+    """What was done is told with its place; the input stays, and the rest of the text too."""
+    right = arm.read_bytes()
+    swap_limits(arm)
+    wrong = arm.read_bytes()
+    answer = cli("check", arm.name, "--fix", "-o", "fixed.urdf")
+    (line, last) = answer.stderr.splitlines()
+    assert re.fullmatch(r"arm\.urdf:\d+:\d+: fixed: lower 1\S+ and upper -\S+ are exchanged", line)
+    assert last == "1 fix; written to fixed.urdf"
+    assert "swapped-limits" not in answer.stdout
+    assert "fixed.urdf:" in answer.stdout
+    assert arm.read_bytes() == wrong
+    assert len(arm.with_name("fixed.urdf").read_bytes().splitlines()) == len(right.splitlines())
+    cli("check", arm.name, "--fix", "--out", arm.name)  # It was named.
+    assert arm.read_bytes() == arm.with_name("fixed.urdf").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["arm.urdf", "--fix"], "--fix takes one FILE, and writes to the file that -o names"),
+        (["arm.urdf", "-o", "new.urdf"], "--fix takes one FILE"),
+        (["arm.urdf", "arm.xacro", "--fix", "-o", "new.urdf"], "--fix takes one FILE"),
+        ([".", "--fix", "-o", "new.urdf"], "--fix takes one FILE"),
+        (["arm.xacro", "--fix", "-o", "new.xacro"], "files of the format 'xacro' are not fixed"),
+    ],
+)
+def test_what_is_not_fixed_is_refused(cli: Cli, arm: Path, words: list[str], said: str) -> None:
+    """And nothing is written."""
+    arm.with_name("arm.xacro").write_bytes(arm.read_bytes())
+    assert said in " ".join(cli("check", *words, status=2).stderr.split())
+    assert not arm.with_name("new.urdf").exists()
+
+
 # --- Against a table --------------------------------------------------------------------------------------------------
 
 

@@ -32,6 +32,7 @@ from dh2urdf.report.figures import Workspace
 from dh2urdf.report.html import page
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
+from dh2urdf.report.reproduction import reproduction
 from dh2urdf.report.skeletons import arm_skeleton
 
 if TYPE_CHECKING:
@@ -332,14 +333,14 @@ class TestManyManipulators:
         def made(count: int) -> tuple[bytes, int]:
             with (tmp_path / "rows").open("w+b") as rows:
                 tracemalloc.start()
-                ledger = Ledger(rows, "rows")
-                ledger.overview = overview = Overview(FULL, ledger.index)
+                ledger = Ledger(rows, "rows", reproduction(None, [], plan.recipe, []))
+                ledger.overview = Overview(FULL, ledger.index)
                 for number in range(count):
                     row = bad if number % 10 == 0 else good
                     ledger.add(row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1)))
                 _, peak = tracemalloc.get_traced_memory()
                 tracemalloc.stop()
-            return page(overview, Exhibits(0), plan.recipe, plan.store, plan.layout), peak
+            return page(ledger, Exhibits(0), plan.recipe, plan.store, plan.layout), peak
 
         few, small = made(30_000)
         many, large = made(100_000)

@@ -30,13 +30,14 @@ def row(name: str, status: Any = "ok", **facts: Any) -> ManipulatorEntry:
     return make_row(**{"name": name, "status": status, **plain, **empty, **facts})
 
 
+TOLD: Any = {"command": "dh2urdf run arm.yaml"}
 ARM = row("arm")
 BAD = row("bad", "failed", kind="table", errors=[{"message": "'x' is no number", "line": 3}])
 
 
 def ledger(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = True) -> Ledger:
     """What was gathered from some rows."""
-    made = Ledger((folder / "rows").open("w+b"), "manifest.jsonl")
+    made = Ledger((folder / "rows").open("w+b"), "manifest.jsonl", TOLD)
     if with_table:
         made.table = ManifestTable(folder / "table", f"{folder}/manifest.parquet")
     made.add(b"".join(map(to_line, rows)))
@@ -44,7 +45,7 @@ def ledger(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = T
 
 
 def manifest(rows: Iterable[dict[str, Any]]) -> Ledger:
-    found = Ledger(io.BytesIO(), "manifest.jsonl")
+    found = Ledger(io.BytesIO(), "manifest.jsonl", TOLD)
     found.rows.write(b"".join(map(to_line, rows)))
     return found
 
@@ -67,6 +68,7 @@ def test_a_run_has_schema_version_status_and_manipulators() -> None:
         "schema": SCHEMA,
         "version": __version__,
         "exit_status": 1,
+        "reproduction": TOLD,
         "coverage": {},
         "simulator_notices": [],
         "manipulators": [ARM, BAD],

@@ -5,7 +5,8 @@
 Each file is a sound description, or a connected piece of one, with up to three faults. PyBullet, MuJoCo, Pinocchio,
 Drake, urdfdom and sdformat load it, each in a process of its own. A refusal that was predicted and does not happen is
 false, one that happens and was not predicted is missed. What is mispredicted is made as small as it can be, grouped by
-reader, rules and message, and written to the folder `--found`.
+reader, rules and message, and written to the folder `--found`. The figures and the largest groups are printed after
+every thousand files, and at the end, also where SIGINT (Ctrl-C) ends it early.
 """
 
 from __future__ import annotations
@@ -14,11 +15,12 @@ import argparse
 import json
 import multiprocessing
 import re
+import signal
 import sys
 import tempfile
 import time
 from collections import Counter
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
@@ -42,6 +44,7 @@ FATAL = {Outcome.REFUSES, Outcome.CRASHES}
 MOST_LINKS = 6
 """Links of a piece of a description [1]."""
 SECONDS_TO_SHRINK = 20
+GROUPS_PRINTED = 10
 
 
 class Case(NamedTuple):
@@ -225,7 +228,7 @@ def write_found(figures: Figures, seed: int, folders: Sequence[Path], folder: Pa
 
 
 def lines(figures: Figures) -> Iterator[str]:
-    """The figures as a table."""
+    """The figures as a table, and the largest groups of mispredictions with the number of the first file of each."""
     yield f"{'reader':10} {'files':>7} {'refused':>8} {'predicted':>10} {'false':>6} {'':>7} {'missed':>7}"
     total: Counter[str] = Counter()
     for consumer in READERS:
@@ -234,6 +237,9 @@ def lines(figures: Figures) -> Iterator[str]:
         total.update(row)
         yield _row(consumer, figures.files, row)
     yield _row("all", figures.predictions, total)
+    for wrong, found in sorted(figures.wrong.items(), key=lambda item: -len(item[1]))[:GROUPS_PRINTED]:
+        said = " ".join(wrong.said.split())
+        yield f"{len(found):6,} {wrong.kind} {wrong.consumer}, first {found[0]}: {', '.join(wrong.rules)} {said[:100]}"
 
 
 def _row(name: str, files: int, row: dict[str, int]) -> str:
@@ -248,7 +254,8 @@ _WORKER: dict[str, Any] = {}
 
 
 def _start(folders: Sequence[Path]) -> None:
-    """Start the readers of a worker; they end with it."""
+    """Start the readers of a worker; they end with it, and not by a Ctrl-C, after which the first process prints."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     _WORKER["stack"] = stack = ExitStack()
     _WORKER["bench"], _WORKER["robots"] = Bench(stack), sources(folders)
 
@@ -270,13 +277,14 @@ def main() -> int:
     given = parser.parse_args()
     start, figures, chunk = time.monotonic(), Figures(), 20
     tasks = [(given.seed, range(i, min(i + chunk, given.files))) for i in range(0, given.files, chunk)]
-    with multiprocessing.get_context("spawn").Pool(given.workers, _start, (given.descriptions,)) as pool:
+    workers = multiprocessing.get_context("spawn").Pool(given.workers, _start, (given.descriptions,))
+    with suppress(KeyboardInterrupt), workers as pool:
         for done in pool.imap_unordered(_examine, tasks):
             figures.add(done)
             if given.seconds and time.monotonic() - start > given.seconds:
                 break
             if figures.files % 1000 == 0:
-                print(f"{figures.files} files", file=sys.stderr, flush=True)
+                print(*lines(figures), sep="\n", file=sys.stderr, flush=True)
     print(*lines(figures), f"seconds {time.monotonic() - start:.0f}", sep="\n", flush=True)
     if given.found:
         write_found(figures, given.seed, given.descriptions, given.found)

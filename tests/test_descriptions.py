@@ -33,6 +33,7 @@ def test_a_wrong_rule_is_found_and_its_file_made_small(
     figures = descriptions.examine(bench, robots, SEED, range(FILES))
     assert {wrong.kind for wrong in figures.wrong} == {"missed"}
     wrong, (index, *_) = next((w, found) for w, found in figures.wrong.items() if w.consumer == "mujoco")
+    assert any(f"missed mujoco, first {index}:" in line for line in descriptions.lines(figures))
     first = descriptions.case(SEED, index, robots)
     smallest = bench.shrunk(first, wrong)
     assert 2 * len(smallest.tree.written()) < len(first.tree.written())

@@ -37,7 +37,7 @@ def _scales(description: Description) -> Iterator[Hit]:
     if scaled:
         first = shown(scaled[0].get("scale") or "")
         message = (
-            f"the scale of a mesh is {scale}" if len(scaled) == 1 else f"{len(scaled)} meshes have one, first {scale}"
+            f"the scale of a mesh is {first}" if len(scaled) == 1 else f"{len(scaled)} meshes have one, first {first}"
         )
         yield Hit("mesh-scale", scaled[0], message)
 

@@ -47,6 +47,8 @@ AS_THE_FILE_SAYS = {
     "file-address",
     "mesh-format",
     "material-without-name",
+    "negative-velocity",
+    "colour-out-of-range",
     "text-stl",
 }
 """Files in which there are other objects than in the sound one, and right ones."""
@@ -68,6 +70,10 @@ NOT_SEEN_IN_OBJECTS = {
     "tiny-size",
     "relative-mesh",
     "fixed-link",
+    "mimic-itself",
+    "mimic-without-joint",
+    "negative-friction",
+    "xacro-element",
     "unknown-attribute",
     "reference-to-nothing",
 }

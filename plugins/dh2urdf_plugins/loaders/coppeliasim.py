@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import socket
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from ipaddress import ip_address
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import MissingProgramError
 from dh2urdf.stages import Loader, LoadReport
 from dh2urdf_plugins.loaders.coppeliasim_arm import Arm, Connection
+from dh2urdf_plugins.loaders.coppeliasim_hold import Engine, hold
 from dh2urdf_plugins.loaders.packages import Packages
 from dh2urdf_plugins.loaders.turns import turn
 
@@ -42,6 +43,13 @@ class CoppeliaSimOptions:
     host: str = field(default="localhost", metadata={"help": "where CoppeliaSim runs"})
     port: int = field(default=PORT, metadata={"help": "port of its ZMQ remote API"})
     poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
+    engine: Engine | None = field(
+        default=None,
+        metadata={
+            "help": "engine of a hold test of two seconds, such as mujoco; none is done by default. "
+            "bullet, which CoppeliaSim takes by itself, was seen to let joints come apart"
+        },
+    )
 
     def __post_init__(self) -> None:
         if self.poses < 1:
@@ -85,7 +93,11 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
             raise _silent(options) from error
         client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * _time_limit(options) / 4))
         with closing(Arm(request, Connection(client), same_machine=same_machine)) as arm:
-            return arm.report()
+            report = arm.report()
+            if options.engine is None:
+                return report
+            held, findings = hold(arm, options.engine)
+            return replace(report, hold=held, findings=(*report.findings, *findings))
 
 
 def _silent(options: CoppeliaSimOptions) -> MissingProgramError:
@@ -109,7 +121,7 @@ def _time_limit(_options: CoppeliaSimOptions) -> float:
 
 LOADER = Loader(
     name="coppeliasim",
-    summary="has a running CoppeliaSim import a URDF, and compares the arm with the table",
+    summary="has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
     load=load,
     options=CoppeliaSimOptions,
     formats=("urdf",),

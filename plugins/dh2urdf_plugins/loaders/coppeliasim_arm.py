@@ -161,7 +161,7 @@ class Arm:
     def _report(self) -> LoadReport:
         start = hold_start(self.robot)
         frames = link_frames(self.robot, start)
-        self._put(start)
+        self.put(start)
         child = {joint.name: frames[joint.child] for joint in self.robot.moving_joints}
         joints = tuple(self._held_joint(name, child.get(name, IDENTITY)) for name in self.joints)
         if problems := [*self.comparison.joints(joints), *self._lost_tips()]:
@@ -260,7 +260,7 @@ class Arm:
 
     # Joints
 
-    def _put(self, q: Sequence[float]) -> None:
+    def put(self, q: Sequence[float]) -> None:
         """Put the arm at a joint vector."""
         for joint, value in zip(self.robot.moving_joints, q, strict=True):
             if joint.name in self.joints:
@@ -323,9 +323,17 @@ class Arm:
 
     def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
         """The frames of some links without shapes of their own at a joint vector."""
-        self._put(q)
+        self.put(q)
+        return self.held_frames(links)
+
+    def held_frames(self, links: Sequence[str]) -> dict[str, RigidTransform]:
+        """The frames of some links without shapes of their own, as CoppeliaSim has them now."""
         shapes = {name: self._shape(name) for name in links}
         return {name: self._frame(shape) for name, shape in shapes.items() if shape is not None}
+
+    def told_frames(self, q: Sequence[float]) -> dict[str, RigidTransform]:
+        """The frames of all links where joints have the values that they tell [rad or m]."""
+        return link_frames(self.robot, q)
 
     # Findings
 

@@ -38,10 +38,17 @@ class Peer:
         dies_at: a function at which it falls silent.
         blind: whether it sees no files, as in a container.
         old: whether it is a version whose importer has no `importFile`.
+        engine: the engine that is chosen; only Bullet and MuJoCo are there, as in the build of 4.10.0 that was tried.
+        stepping: whether the simulation waits to be told of each step.
+        time: for how long it has run [s].
     """
+
+    BULLET, MUJOCO, NEWTON = 0, 4, 3
+    STEP = 0.05
 
     def __init__(self, *, running: bool = False, dies_at: str = "", blind: bool = False, old: bool = False) -> None:
         self.running, self.dies_at, self.blind, self.old = running, dies_at, blind, old
+        self.engine, self.stepping, self.time = self.BULLET, False, 0.0
         self.calls: list[str] = []
         self.options = 0
         self.scene = Scene({14: Thing(SHAPE, "Floor"), 15: Thing(SHAPE, "tool0_respondable", mass=9.0)})
@@ -116,6 +123,10 @@ class Peer:
                 "joint_prismatic": PRISMATIC,
                 "handle_scene": -12,
                 "simulation_stopped": 0,
+                "intparam_dynamic_engine": 8,
+                "physics_bullet": self.BULLET,
+                "physics_newton": self.NEWTON,
+                "physics_mujoco": self.MUJOCO,
                 "intparam_program_full_version": 16,
                 "jointfloatparam_maxvel": 2017,
                 "shapeintparam_static": 3003,
@@ -132,7 +143,55 @@ class Peer:
         return [17 if self.running else 0]
 
     def sim_get_int32_param(self, parameter: int) -> list[Any]:
-        return [{16: 4100000}[parameter]]
+        return [{16: 4100000, 8: self.engine}[parameter]]
+
+    # A simulation, as it was seen of a UR5: MuJoCo holds it where it is, Bullet has the last link drift off by 1.58 m in
+    # two seconds while the joints tell of 0.09 rad, and an engine that is not there moves nothing and says nothing.
+
+    def sim_set_int32_param(self, parameter: int, value: int) -> list[Any]:
+        if parameter != 8:
+            raise ValueError("no such parameter")
+        self.engine = value
+        return []
+
+    def sim_set_stepping(self, enable: bool) -> list[Any]:  # noqa: FBT001
+        self.stepping = enable
+        return []
+
+    def sim_start_simulation(self) -> list[Any]:
+        self.running, self.time = True, 0.0
+        self._at_rest = {handle: (thing.local.copy(), thing.position) for handle, thing in self.scene.things.items()}
+        return []
+
+    def sim_get_simulation_time(self) -> list[Any]:
+        return [self.time]
+
+    def sim_is_dynamically_enabled(self, handle: int) -> list[Any]:
+        return [self.running and self.engine in (self.BULLET, self.MUJOCO) and self.scene.things[handle].kind == JOINT]
+
+    def sim_step(self) -> list[Any]:
+        if not (self.running and self.stepping):
+            raise ValueError("no simulation that is stepped")
+        self.time += self.STEP
+        if self.engine == self.BULLET:
+            joints = [thing for thing in self.scene.things.values() if thing.kind == JOINT]
+            *_, last = (thing for thing in self.scene.things.values() if thing.alias.startswith("tool0_"))
+            joints[0].move(joints[0].position + 0.0858 * self.STEP / 2.0)
+            last.local[0, 3] += 1.58 * self.STEP / 2.0
+        return []
+
+    def sim_stop_simulation(self) -> list[Any]:
+        self.running = False
+        for handle, (local, position) in self._at_rest.items():
+            thing = self.scene.things[handle]
+            if thing.kind == JOINT:
+                thing.move(position)
+            thing.local = local
+        return []
+
+    def sim_set_joint_target_position(self, handle: int, _position: float) -> list[Any]:
+        self._joint(handle)
+        return []
 
     def sim_get_objects_in_tree(self, tree: int) -> list[Any]:
         return [list(self.scene.things) if tree == -12 else self.scene.tree(tree)]

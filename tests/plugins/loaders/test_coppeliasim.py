@@ -67,8 +67,8 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(coppeliasim, "_time_limit", lambda _options: 1.0)
 
 
-def run(peer: Any, request: LoadRequest) -> LoadReport:
-    return load(request, CoppeliaSimOptions(host="127.0.0.1", port=peer.port))
+def run(peer: Any, request: LoadRequest, **options: Any) -> LoadReport:
+    return load(request, CoppeliaSimOptions(host="127.0.0.1", port=peer.port, **options))
 
 
 def refusal(peer: Any, request: LoadRequest) -> LoaderError:
@@ -367,3 +367,31 @@ def test_options_are_checked(options: dict[str, int], message: str) -> None:
     """There is at least one pose to measure, and a port that there can be."""
     with pytest.raises(ValueError, match=message):
         CoppeliaSimOptions(**options)
+
+
+class TestHold:
+    """The hold test of an engine that is asked for."""
+
+    def test_an_arm_that_stands_still(self, peer: Any, request_for: Any) -> None:
+        """With MuJoCo the arm stays, and engine and scene are as they were before."""
+        report = run(peer, request_for(), engine="mujoco")
+        assert (report.hold["stayed"], report.hold["largest_displacement"], report.hold["seconds"]) == (True, 0.0, 2.0)
+        assert [finding for finding in report.findings if "engine" in finding.message] == []
+        assert (peer.engine, peer.stepping, peer.running) == (peer.BULLET, False, False)
+        assert sorted(thing.alias for thing in peer.scene.things.values()) == ["Floor", "tool0_respondable"]
+
+    def test_joints_that_come_apart(self, peer: Any, request_for: Any) -> None:
+        """What counts is where the tip is, not what the joints tell of themselves."""
+        report = run(peer, request_for(), engine="bullet")
+        assert not report.hold["stayed"]
+        assert report.hold["largest_displacement"] == pytest.approx(0.0858)
+        (apart,) = [finding for finding in report.findings if "come apart" in finding.message]
+        assert apart.severity == "notice"
+        assert float(re.search(r"'tool0' got (\S+) m away", apart.message)[1]) > 1.0  # type: ignore[index]
+
+    def test_an_engine_that_is_not_there(self, peer: Any, request_for: Any) -> None:
+        """CoppeliaSim says nothing of it, and the arm just stands still: that is no hold test that was passed."""
+        with pytest.raises(LoaderError, match="has no engine newton"):
+            run(peer, request_for(), engine="newton")
+        assert (peer.engine, peer.running) == (peer.BULLET, False)
+        assert sorted(thing.alias for thing in peer.scene.things.values()) == ["Floor", "tool0_respondable"]

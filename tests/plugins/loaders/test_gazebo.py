@@ -264,3 +264,19 @@ def test_options_are_checked() -> None:
     """There is at least one pose to measure."""
     with pytest.raises(ValueError, match="from 1 on"):
         GazeboOptions(poses=0)
+
+
+def test_a_centre_of_mass_far_from_its_link(cli: Any, tmp_path: Path) -> None:
+    """sdformat lumps by way of the link's origin: of a small inertia 11 m from there fewer digits are left."""
+    (tmp_path / "far.csv").write_text(
+        "# convention: standard\n"
+        "a,alpha,d,mass,comx,comy,comz,ixx,iyy,izz,ixy,ixz,iyz\n"
+        "0.3,0.7,0.1,1.3,11.1,0.37,-2.3,1e-3,1.2e-3,1.1e-3,1e-5,2e-5,3e-5\n"
+        "5.3,0.3,0.2,1.3,-11.1,3.37,-2.3,1e-3,1.2e-3,1.1e-3,1e-5,2e-5,3e-5\n"
+    )
+    (tmp_path / "run.yaml").write_text(
+        "inputs: far.csv\nemitters: [{stage: urdf, options: {profile: gazebo}}]\nloaders: [gazebo]\noutput: out\n"
+    )
+    cli("run", tmp_path / "run.yaml")
+    (arm,) = json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))["manipulators"]
+    assert arm["loaders"]["gazebo"]["inertia_error"] < 1e-13

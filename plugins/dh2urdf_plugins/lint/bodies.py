@@ -5,17 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import inertia_problem
+from dh2urdf.mass_properties import inertia_problem, principal_moments
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.description import MOVING, Hit, few
+from dh2urdf_plugins.lint.gazebo import kept
+from dh2urdf_plugins.lint.gazebo import merged as merged_by_gazebo
 from dh2urdf_plugins.lint.merged import ELEMENTS, head_of, inertial_of, merged_inertial
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from dh2urdf.robot import Inertial
     from dh2urdf_plugins.lint.description import Description, LinkNode
     from dh2urdf_plugins.lint.tree import Element
 
+_ROUNDING = 1e-9
+_SMALLEST = 1e-15
+"""Principal moment that MuJoCo takes for 0 [kg·m²]."""
 _NO_INERTIA = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
 _ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
 
@@ -44,7 +50,7 @@ def _root(description: Description, root: LinkNode) -> Iterator[Hit]:
         yield Hit("root-without-inertial", root.element, f"the root link {shown(root.name)} has no inertial")
     elif root.mass != 0.0:
         yield Hit("root-with-inertial", root.element, f"the root link {shown(root.name)} has an inertial")
-    if description.is_body_weightless(root):
+    if not any(kept(description)):
         message = f"the root link {shown(root.name)} weighs nothing, nor does what is fixed to it"
         yield Hit("weightless-root", root.element, message)
 
@@ -77,7 +83,8 @@ def _mass(description: Description, link: LinkNode, inertial: Element) -> Iterat
         return
     value = mass.number("value")
     if value is not None and value < 0.0:
-        yield Hit("negative-mass", mass, f"{about} has the mass {value:g}")
+        of = set(_ALL) if _moves(description, link) else _ALL - {"mujoco"}
+        yield Hit("negative-mass", mass, f"{about} has the mass {value:g}", of - _gazebo_takes(description, link))
     elif value == 0.0 and _moves(description, link):
         of = _ALL if description.is_body_weightless(link) else {"drake"}
         yield Hit("zero-mass", mass, f"{about} moves and has the mass 0", of)
@@ -90,21 +97,46 @@ def _inertia(description: Description, link: LinkNode, inertial: Element) -> Ite
             yield Hit("mass-without-inertia", inertial, f"{about} has a mass and no inertia")
         return
     if missing := [name for name in ELEMENTS if inertia.get(name) is None]:
-        of = _ALL - {"pybullet", "drake"}  # They take 0 for what is missing.
+        of = _ALL - {"drake"}  # It takes 0 for what is missing, and PyBullet for products of inertia.
+        if not {"ixx", "iyy", "izz"} & set(missing):
+            of -= {"pybullet"}
         yield Hit("mass-without-inertia", inertia, f"the inertia of {about} has no {', '.join(missing)}", of)
         return
     body = inertial_of(inertial)
-    if body is None or body.mass <= 0.0:
+    if body is None:
         return
-    head = head_of(description, link)
-    merged = merged_inertial(description, head)
     if body.inertia == _NO_INERTIA:
-        if _moves(description, head) and merged is not None and merged.inertia == _NO_INERTIA:
+        merged = merged_inertial(description, head := head_of(description, link))
+        if body.mass > 0.0 and _moves(description, head) and merged is not None and merged.inertia == _NO_INERTIA:
             yield Hit("zero-inertia", inertia, f"{about} has a mass and the inertia 0")
-    elif problem := inertia_problem(body.inertia):
-        rule = "inertia-triangle-inequality" if "triangle" in problem else "inertia-not-positive-definite"
-        of = _ALL if merged is None or inertia_problem(merged.inertia) else _ALL - {"gazebo"}
-        yield Hit(rule, inertia, f"{about}: {problem}", of)
+    else:
+        yield from _moments(description, link, inertia, body)
+
+
+def _moments(description: Description, link: LinkNode, inertia: Element, body: Inertial) -> Iterator[Hit]:
+    about, (low, middle, high) = f"link {shown(link.name)}", principal_moments(body.inertia)
+    what = f"the principal moments of its inertia are {low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
+    moments = f"{about}: {inertia_problem(body.inertia) or what}"
+    of = _ALL - _gazebo_takes(description, link) if body.mass > 0.0 else frozenset({"mujoco"})
+    if low < -_ROUNDING * high:
+        yield Hit("inertia-not-positive-definite", inertia, moments, of)
+    elif low + middle < high * (1.0 - _ROUNDING):
+        yield Hit("inertia-triangle-inequality", inertia, moments, of)
+    elif low < _SMALLEST:
+        yield Hit("inertia-semidefinite", inertia, moments)
+
+
+def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:
+    """Gazebo, where it drops a link, or where what is fixed to the link makes it right."""
+    for body in kept(description):
+        if link in body:
+            merged = merged_by_gazebo(description, body)
+            if merged is None:
+                return set()
+            low, middle, high = principal_moments(merged.inertia)
+            wrong = merged.mass < 0.0 or low < -_ROUNDING * high or low + middle < high * (1.0 - _ROUNDING)
+            return set() if wrong else {"gazebo"}
+    return {"gazebo"}
 
 
 def _weightless_chain(description: Description, link: LinkNode) -> Iterator[Hit]:

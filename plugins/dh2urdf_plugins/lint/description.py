@@ -13,10 +13,20 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping
     from pathlib import Path
 
+ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
+"""The readers that were tried with every rule."""
 MOVING = ("revolute", "continuous", "prismatic", "floating", "planar")
 TURNING_OR_SLIDING = ("revolute", "continuous", "prismatic")
 """The types of joints that have an axis and one value."""
 TYPES = (*MOVING, "fixed")
+SHAPES = {
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+    "capsule": ("radius", "length"),
+    "mesh": ("filename",),
+}
+"""Shapes with the attributes that they need."""
 _FEW = 4
 
 
@@ -147,7 +157,11 @@ class Description:
 
     def reached(self) -> set[str]:
         """Names of the links below the roots, these included."""
-        waiting, seen = [root.name for root in self.roots], set[str]()
+        return self.below(*(root.name for root in self.roots))
+
+    def below(self, *names: str) -> set[str]:
+        """Names of the links that hang from some links, these included."""
+        waiting, seen = [*names], set[str]()
         while waiting:
             name = waiting.pop()
             if name not in seen:

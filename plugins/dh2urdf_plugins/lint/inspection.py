@@ -9,11 +9,23 @@ from dh2urdf.errors import InputError, ProofError
 from dh2urdf.source import Mark
 from dh2urdf.stages import Expansion, Finding, Inspection
 from dh2urdf.textfiles import read_bytes
-from dh2urdf_plugins.lint import bodies, joints, plausibility, references, shapes, structure, text
+from dh2urdf_plugins.lint import (
+    bodies,
+    coppeliasim,
+    joints,
+    materials,
+    numbers,
+    plausibility,
+    references,
+    shapes,
+    structure,
+    text,
+)
 from dh2urdf_plugins.lint.description import Description, Hit
+from dh2urdf_plugins.lint.parsing import NotXmlError, parse
 from dh2urdf_plugins.lint.reading import robot_of
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
-from dh2urdf_plugins.lint.tree import Element, NotXmlError, parse
+from dh2urdf_plugins.lint.tree import Element
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 
@@ -75,18 +87,16 @@ def _inspection(
         parsed = parse(content)
     except NotXmlError as error:
         at = Element("", {}, error.line, error.column)
-        return _only(Hit("not-xml", at, f"this is not XML: {error.reason}"), _origins(path))
+        return _only(Hit("not-xml", at, f"no reader takes this: {error.reason}"), _origins(path))
     origin = _origins(path) if places is None else _origins_in_sources(path, parsed.root, places)
-    hits: list[Hit] = []
-    if parsed.declarations is not None:
-        what = "declares entities; nothing below could be checked" if parsed.entities else "has declarations of its own"
-        hits.append(Hit("document-type", parsed.declarations, f"the document type {what}"))
+    hits = [Hit(oddity.rule, Element("", {}, oddity.line, oddity.column), oddity.message) for oddity in parsed.oddities]
     robot: Robot | None = None
     if parsed.root.tag != "robot":
         hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
-    elif not parsed.entities:
+    else:
         description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path), packages)
-        for finder in (text, structure, joints, bodies, shapes, plausibility, references):
+        finders = (text, numbers, structure, joints, bodies, shapes, materials, plausibility, references, coppeliasim)
+        for finder in finders:
             hits.extend(finder.hits(description))
         robot = robot_of(description)
     findings = [finding for hit in sorted(hits, key=_order) if (finding := _finding(hit, origin)).effects]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import MOVING, TURNING_OR_SLIDING, Hit, few
+from dh2urdf_plugins.lint.description import ALL, MOVING, TURNING_OR_SLIDING, Hit, few
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,36 +16,73 @@ if TYPE_CHECKING:
 
 UNIT = 1e-5
 """How far the length of an axis may be from 1 [1]: what rounding to six digits makes of it."""
-_SMALLEST_AXIS = 1e-10
+_SMALLEST_AXIS = {
+    "pybullet": 1e-100,
+    "mujoco": 1e-6,
+    "pinocchio": 1e-100,
+    "drake": 1e-8,
+    "ros": 1e-100,
+    "gazebo": 1e-6,
+    "coppeliasim": 1e-100,
+}
+"""Length of an axis that a reader takes for a direction [1]."""
 
 
 def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of every joint."""
     kinds = {joint.name: joint.kind for joint in description.joints}
+    roots = {root.name for root in description.roots}
     for joint in description.joints:
-        yield from _type(joint)
+        yield from _type(joint, roots)
         yield from _axis(joint)
         yield from _limits(joint)
+        yield from _dynamics(joint)
         yield from _mimic(joint, kinds)
+    yield from _transmissions(description, kinds)
     yield from _of_many(description)
 
 
-def _type(joint: JointNode) -> Iterator[Hit]:
+def _transmissions(description: Description, kinds: dict[str, str]) -> Iterator[Hit]:
+    """Drake reads those of the type that it knows, and passes over the others."""
+    for transmission in description.root.all("transmission"):
+        kind = transmission.first("type")
+        if kind is None:
+            yield Hit("transmission-incomplete", transmission, "a transmission has no type")
+        elif not kind.text:
+            yield Hit("transmission-type-empty", kind, "a transmission has an empty type")
+        elif "SimpleTransmission" in kind.text:
+            joint, actuator = transmission.first("joint"), transmission.first("actuator")
+            if joint is None or actuator is None:
+                missing = "joint" if joint is None else "actuator"
+                yield Hit("transmission-incomplete", transmission, f"a transmission has no {missing}")
+            elif not joint.get("name") or not actuator.get("name"):
+                yield Hit(
+                    "transmission-incomplete", transmission, "a transmission has a joint or actuator without a name"
+                )
+            elif joint.get("name") not in kinds:
+                message = f"a transmission is of joint {shown(joint.get('name') or '')}, and there is no such joint"
+                yield Hit("transmission-incomplete", joint, message)
+
+
+def _type(joint: JointNode, roots: set[str]) -> Iterator[Hit]:
     if joint.kind in {"floating", "planar"}:
-        yield Hit(f"{joint.kind}-joint", joint.element, f"joint {shown(joint.name)} is {joint.kind}")
+        of = ALL - {"mujoco"} if joint.kind == "floating" and joint.parent in roots else None
+        yield Hit(f"{joint.kind}-joint", joint.element, f"joint {shown(joint.name)} is {joint.kind}", of)
 
 
 def _axis(joint: JointNode) -> Iterator[Hit]:
     if joint.kind not in MOVING or joint.kind == "floating":
         return
     axis = joint.element.first("axis")
-    if axis is None or axis.get("xyz") is None:
-        yield Hit("missing-axis", axis or joint.element, f"joint {shown(joint.name)} has no axis")
+    if axis is None:
+        yield Hit("missing-axis", joint.element, f"joint {shown(joint.name)} has no axis")
+    elif axis.get("xyz") is None:
+        yield Hit("axis-without-direction", axis, f"the axis of joint {shown(joint.name)} has no xyz")
     elif numbers := axis.numbers("xyz", 3):
         x, y, z = numbers
         length = norm((x, y, z))
-        if length < _SMALLEST_AXIS:
-            yield Hit("axis-zero", axis, f"the axis of joint {shown(joint.name)} has the length 0")
+        if of := {reader for reader, smallest in _SMALLEST_AXIS.items() if length < smallest}:
+            yield Hit("axis-zero", axis, f"the axis of joint {shown(joint.name)} has the length {length:g}", of)
         elif abs(length - 1.0) > UNIT:
             yield Hit("axis-not-unit", axis, f"the axis of joint {shown(joint.name)} has the length {length:.6g}")
         if z < 0.0 and not (x or y):
@@ -59,24 +96,56 @@ def _limits(joint: JointNode) -> Iterator[Hit]:
         if needs_range:
             yield Hit("missing-limit", joint.element, f"{about} is {joint.kind} and has no limit")
         return
-    if joint.kind not in MOVING:
-        return
-    missing = [name for name in ("lower", "upper") if limit.get(name) is None]
-    if needs_range and missing:
-        yield Hit("missing-range", limit, f"the limit of {about} has no {' and no '.join(missing)}")
+    if joint.kind in MOVING:
+        missing = [name for name in ("lower", "upper") if limit.get(name) is None]
+        if needs_range and missing:
+            yield Hit("missing-range", limit, f"the limit of {about} has no {' and no '.join(missing)}")
     for name in ("effort", "velocity"):
         if limit.get(name) is None:
             yield Hit(f"missing-{name}", limit, f"the limit of {about} has no {name}")
+        elif (value := limit.number(name)) is not None and value < 0.0 and joint.kind in MOVING:
+            yield Hit(f"negative-{name}", limit, f"the {name} of {about} is {value:g}")
+    if joint.kind in TURNING_OR_SLIDING:
+        yield from _range(joint, limit)
+
+
+def _range(joint: JointNode, limit: Element) -> Iterator[Hit]:
+    about, needs_range = f"joint {shown(joint.name)}", joint.kind in {"revolute", "prismatic"}
     lower, upper = limit.number("lower"), limit.number("upper")
-    if needs_range and lower is not None and upper is not None and lower > upper:
-        yield Hit("swapped-limits", limit, f"{about} has lower {lower:g} and upper {upper:g}")
+    if lower is None or upper is None:
+        return
+    if lower > upper:
+        of = None if needs_range else {"drake"}
+        yield Hit("swapped-limits", limit, f"{about} has lower {lower:g} and upper {upper:g}", of)
+    elif lower == upper and needs_range:
+        yield Hit("equal-limits", limit, f"{about} has lower and upper {lower:g}")
+
+
+def _dynamics(joint: JointNode) -> Iterator[Hit]:
+    about = f"joint {shown(joint.name)}"
+    if dynamics := joint.element.first("dynamics"):
+        if dynamics.get("damping") is None and dynamics.get("friction") is None:
+            yield Hit("empty-dynamics", dynamics, f"the dynamics of {about} have neither damping nor friction")
+        for name in ("damping", "friction"):
+            if (value := dynamics.number(name)) is not None and value < 0.0 and joint.kind in MOVING:
+                yield Hit(f"negative-{name}", dynamics, f"the {name} of {about} is {value:g}")
+    safety = joint.element.first("safety_controller")
+    if safety and safety.get("k_velocity") is None:
+        yield Hit("safety-without-velocity", safety, f"the safety controller of {about} has no k_velocity")
 
 
 def _mimic(joint: JointNode, kinds: dict[str, str]) -> Iterator[Hit]:
     if (mimic := joint.element.first("mimic")) is None:
         return
-    leader = mimic.get("joint") or ""
+    leader = mimic.get("joint")
+    if leader is None:
+        of = ALL - {"pybullet", "mujoco"} if joint.kind == "fixed" else None
+        yield Hit("mimic-without-joint", mimic, f"joint {shown(joint.name)} follows no joint", of)
+        return
     message = f"joint {shown(joint.name)} follows joint {shown(leader)}"
+    if leader == joint.name:
+        yield Hit("mimic-itself", mimic, message, {"drake"} if joint.kind == "fixed" else None)
+        return
     if leader not in kinds:
         near = did_you_mean(leader, kinds)
         message = f"{message}, and there is no such joint"

@@ -1,14 +1,16 @@
-"""Rules about shapes, materials and mesh files."""
+"""Rules about shapes and mesh files."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
-from urllib.parse import unquote
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import Hit
+from dh2urdf_plugins.lint.description import ALL, SHAPES, Hit
+from dh2urdf_plugins.lint.numbers import drake_numbers, mujoco_numbers
+from dh2urdf_plugins.lint.rules import rules
+from dh2urdf_plugins.lint.tree import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,20 +18,16 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.description import Description
     from dh2urdf_plugins.lint.tree import Element
 
-SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ("filename",)}
 SMALLEST = 1e-3
 """The size that CoppeliaSim makes of a smaller one [m]."""
 _COUNT = {"size": 3}
-_EXTENSIONS = ("capsule", "plane", "cdf")
-"""Shapes that PyBullet or Drake has besides those of URDF."""
-
 _TAKES = {
-    "pybullet": {".stl", ".obj", ".dae"},
+    "pybullet": {".stl", ".obj", ".dae", ".vtk", ".cdf"},
     "mujoco": {".stl", ".obj"},
     "drake": {".obj", ".vtk", ".gltf"},
 }
 """The formats of meshes that a reader takes: Drake, of collisions; it draws what it can of the others."""
-_PACKAGE, _FILE = "package://", "file://"
+_PACKAGE, _MODEL, _FILE = "package://", "model://", "file://"
 _STL_HEADER = 84  # bytes: 80 of any text, then the number of triangles in 4
 _STL_TRIANGLE = 50
 
@@ -42,64 +40,92 @@ class _Use(NamedTuple):
     address: str
 
 
-class _Found(NamedTuple):
-    """The file that an address means, whether there is one or not.
-
-    Attributes:
-        path: the file.
-        is_above: whether its package is in a folder above the description: PyBullet looks nowhere else.
-    """
-
-    path: Path
-    is_above: bool = True
-
-
 def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of every shape."""
     meshes: list[_Use] = []
+    compiler = description.root.first("mujoco", "compiler")
+    draws = compiler is not None and compiler.get("discardvisual") == "false"
+    capsules: list[Element] = []
     for link in description.links:
+        friction = link.element.first("contact", "lateral_friction")
+        if friction and friction.get("value") is None:
+            yield Hit("friction-without-value", friction, f"lateral_friction of link {shown(link.name)} has no value")
         for shape in link.shapes:
-            geometry = shape.first("geometry")
-            about = f"a {shape.tag} of link {shown(link.name)}"
-            if geometry is None or not geometry.children:
-                yield Hit("missing-geometry", shape, f"{about} has no shape")
-                continue
-            body = geometry.children[0]
-            yield from _sizes(body, about)
-            if body.tag == "mesh" and (address := body.get("filename")):
-                meshes.append(_Use(body, shape.tag == "collision", address))
+            hidden: frozenset[str] = frozenset() if draws or shape.tag == "collision" else frozenset({"mujoco"})
+            for hit in _of_shape(shape, f"a {shape.tag} of link {shown(link.name)}"):
+                of = rules()[hit.rule].outcomes.keys() if hit.of is None else frozenset(hit.of)
+                if of - hidden:
+                    yield hit._replace(of=of - hidden)
+            for body in [body for geometry in shape.all("geometry")[:1] for body in geometry.children[:1]]:
+                if body.tag == "capsule":
+                    capsules.append(body)
+                if body.tag == "mesh" and (address := body.get("filename")):
+                    meshes.append(_Use(body, shape.tag == "collision", address))
+    if capsules:
+        yield Hit("capsule", capsules[0], f"{len(capsules)} capsules" if len(capsules) > 1 else "a capsule")
     yield from _tiny(description)
-    yield from _materials(description)
-    yield from _meshes(description, meshes)
+    yield from _meshes(description, meshes, draws=draws)
+
+
+def _of_shape(shape: Element, about: str) -> Iterator[Hit]:
+    geometries = shape.all("geometry")
+    if len(geometries) > 1:
+        yield Hit("repeated-element", geometries[1], f"{about} has a second geometry", {"mujoco"})
+    if not geometries or not geometries[0].children:
+        yield Hit("missing-geometry", shape, f"{about} has no shape")
+        return
+    bodies = geometries[0].children
+    tags = [body.tag for body in bodies]
+    if again := next((body for i, body in enumerate(bodies) if body.tag in SHAPES and body.tag in tags[:i]), None):
+        yield Hit("repeated-element", again, f"{about} has a second {again.tag}", {"mujoco"})
+    first = bodies[0]
+    if first.tag not in SHAPES:
+        near = did_you_mean(first.tag, SHAPES)
+        message = f"{about} is {shown(first.tag)}"
+        knows = {"mujoco", "drake"} if any(tag in SHAPES for tag in tags) else set()  # They look for what they know.
+        of = ALL - knows - ({"pybullet"} if first.tag == "plane" and first.get("normal") else set())
+        yield Hit("unknown-geometry", first, f"{message}: {near}" if near else message, of)
+    for index, body in enumerate(bodies):
+        for hit in _sizes(body, about):
+            said_of = frozenset(hit.of or rules()[hit.rule].outcomes)
+            if left := said_of & {"mujoco", "drake"} if index else said_of:
+                yield hit._replace(of=left)
 
 
 def _sizes(body: Element, about: str) -> Iterator[Hit]:
-    names = SIZES.get(body.tag)
-    if names is None:
-        if body.tag not in _EXTENSIONS:
-            near = did_you_mean(body.tag, SIZES)
-            message = f"{about} is {shown(body.tag)}"
-            yield Hit("unknown-geometry", body, f"{message}: {near}" if near else message)
-        return
-    if missing := [name for name in names if not body.get(name)]:
-        yield Hit("missing-size", body, f"the {body.tag} of {about} has no {', no '.join(missing)}")
+    names = SHAPES.get(body.tag, ())
+    if missing := [name for name in names if body.get(name) is None]:
+        of = {"pybullet", "mujoco", "drake"} if body.tag == "capsule" else None
+        yield Hit("missing-size", body, f"the {body.tag} of {about} has no {', no '.join(missing)}", of)
+    elif body.tag == "mesh" and not body.get("filename"):
+        of = {"pybullet", "mujoco", "gazebo", "coppeliasim"} | ({"drake"} if "collision" in about else set())
+        yield Hit("empty-mesh-name", body, f"the mesh of {about} has an empty filename", of)
     if body.tag == "mesh":
         scale = body.numbers("scale", 3)
         if scale and 0.0 in scale:
-            yield Hit(
-                "size-not-positive",
-                body,
-                f"the scale of {about} is {shown(body.get('scale') or '')}",
-                {"mujoco", "drake"},
-            )
+            message = f"the scale of {about} is {shown(body.get('scale') or '')}"
+            yield Hit("scale-zero", body, message)
         return
     for name in names:
-        numbers = body.numbers(name, _COUNT.get(name, 1))
-        if numbers and min(numbers) <= 0.0:
-            of = (
-                {"mujoco", "coppeliasim"} if body.tag == "sphere" and min(numbers) == 0.0 else None
-            )  # to Drake, a point
-            yield Hit("size-not-positive", body, f"{name} of {about} is {shown(body.get(name) or '')}", of)
+        text = body.get(name)
+        if text is None:
+            continue
+        count, about_it = _COUNT.get(name, 1), f"{name} of {about} is {shown(text)}"
+        of = {reader for reader, values in _read_as(text, count).items() if values and not min(values) > 0.0}
+        if body.tag == "sphere" and "drake" in of and min(drake_numbers(text)) == 0.0:
+            of -= {"drake"}  # To Drake, a point.
+        if of:
+            yield Hit("size-not-positive", body, about_it, of)
+
+
+def _read_as(text: str, count: int) -> dict[str, tuple[float, ...]]:
+    """The numbers that each reader reads which minds them; none where it refuses the text."""
+    plain, drake = numbers_of(text, count) or (), drake_numbers(text)
+    return {
+        "mujoco": mujoco_numbers(text, count) or (),
+        "drake": drake if len(drake) == count else (),
+        "coppeliasim": plain,
+    }
 
 
 def _tiny(description: Description) -> Iterator[Hit]:
@@ -109,7 +135,7 @@ def _tiny(description: Description) -> Iterator[Hit]:
         for shape in link.shapes
         for geometry in shape.all("geometry")[:1]
         for body in geometry.children[:1]
-        for name in SIZES.get(body.tag, ())
+        for name in SHAPES.get(body.tag, ())
         if (numbers := body.numbers(name, _COUNT.get(name, 1))) and 0.0 < min(numbers) < SMALLEST
     ]
     if tiny:
@@ -117,89 +143,55 @@ def _tiny(description: Description) -> Iterator[Hit]:
         yield Hit("tiny-size", tiny[0], f"{count} smaller than 1 mm")
 
 
-# Materials.
-
-
-def _materials(description: Description) -> Iterator[Hit]:
-    defined: dict[str, str] = {}
-    for material in description.root.all("material"):
-        name = material.get("name") or ""
-        if name and name in defined:
-            yield Hit("duplicate-material", material, f"material {shown(name)} is defined a second time")
-        defined[name] = _colour(material)
-    for link in description.links:
-        for shape in link.shapes:
-            if shape.tag == "visual" and (used := shape.first("material")):
-                yield from _use_of_material(used, defined)
-
-
-def _use_of_material(material: Element, defined: dict[str, str]) -> Iterator[Hit]:
-    """A visual's material, which may define what later ones name; an empty name is none, and all take it so."""
-    name = material.get("name")
-    if name is None:
-        yield Hit("material-without-name", material, "a material has no name")
-    elif name and material.first("color") is None and material.first("texture") is None:
-        if name not in defined:
-            near = did_you_mean(name, defined)
-            message = f"material {shown(name)} is defined nowhere above"
-            yield Hit("undefined-material", material, f"{message}: {near}" if near else message)
-    elif name and (colour := _colour(material)) != defined.setdefault(name, colour):
-        message = f"material {shown(name)} is defined a second time, with another colour"
-        yield Hit("duplicate-material", material, message, {"drake"})
-
-
-def _colour(material: Element) -> str:
-    colour, texture = material.first("color"), material.first("texture")
-    numbers = colour.numbers("rgba", 4) if colour else None
-    return f"{numbers} {texture.get('filename') if texture else None}"
-
-
 # Meshes.
 
 
-def _meshes(description: Description, uses: list[_Use]) -> Iterator[Hit]:
+def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Iterator[Hit]:
     """What is wrong with a file is said of every mesh; what is so with a format or a form of address, once."""
-    compiler = description.root.first("mujoco", "compiler")
-    draws = compiler is not None and compiler.get("discardvisual") == "false"
     formats: dict[tuple[str, tuple[str, ...]], list[_Use]] = {}
-    found: list[tuple[_Use, _Found]] = []
+    forms: dict[str, list[_Use]] = {}
     for use in uses:
         read_by_mujoco = use.is_collision or draws
         rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"}
         rest |= {"mujoco"} if read_by_mujoco else set()
-        file = _resolved(use.address, description)
-        if file is None:
-            # Of an address without a package, PyBullet looks for the path alone, in the folders above.
-            of = rest if not use.address.startswith(f"{_PACKAGE}/") else rest - {"pybullet"}
-            yield Hit("unresolved-package", use.element, f"the package of {shown(use.address)} is not found", of)
+        path = resolved(use.address, description)
+        in_pybullet = _is_found_by_pybullet(use.address, description.path)
+        if path is None or not is_there(path, is_file=True):
+            rule, what = "missing-mesh", f"there is no mesh file {shown(use.address)}"
+            if path is None:
+                rule, what = "unresolved-package", f"the package of {shown(use.address)} is not found"
+            else:
+                forms.setdefault(_form(use.address), []).append(use)
+            yield Hit(rule, use.element, what, rest - {"pybullet"} if in_pybullet else rest)
             continue
-        path = file.path
-        found.append((use, file))
-        if not _is_there(path, is_file=True):
-            yield Hit("missing-mesh", use.element, f"there is no mesh file {shown(use.address)}", rest)
+        forms.setdefault(_form(use.address), []).append(use)
+        if not in_pybullet and not use.address.startswith(_PACKAGE):
+            message = f"there is no mesh file {shown(use.address)} in the folders above the description"
+            yield Hit("missing-mesh", use.element, message, {"pybullet"})
             continue
         if path.suffix.lower() == ".stl" and not _is_binary_stl(path):
             yield Hit("text-stl", use.element, f"the mesh {shown(use.address)} is an STL of text", rest)
         if of := _strangers(path, use, read_by_mujoco=read_by_mujoco):
             formats.setdefault((path.suffix.lower(), tuple(sorted(of))), []).append(use)
-    for (name, of_names), strange in formats.items():
-        yield Hit("mesh-format", strange[0].element, f"{_count_of(strange, 'is', 'are')} {shown(name)}", of_names)
-    yield from _addresses(found, draws=draws)
+    for (name, of_names), found in formats.items():
+        yield Hit("mesh-format", found[0].element, f"{_count_of(found, 'is', 'are')} {shown(name)}", of_names)
+    yield from _addresses(forms, description, draws=draws)
 
 
-def _addresses(found: list[tuple[_Use, _Found]], *, draws: bool) -> Iterator[Hit]:
-    forms: dict[str, list[tuple[_Use, _Found]]] = {}
-    for use, file in found:
-        forms.setdefault(_form(use.address), []).append((use, file))
-    for form, of_form in forms.items():
+def _addresses(forms: dict[str, list[_Use]], description: Description, *, draws: bool) -> Iterator[Hit]:
+    for form, found in forms.items():
         of = set() if form in {"", "file-address"} else {"drake", "pinocchio", "coppeliasim"}
-        if form and (draws or any(use.is_collision for use, _ in of_form)):
+        if form and (draws or any(use.is_collision for use in found)):
             of.add("mujoco")
-        if any(not file.is_above for _, file in of_form):
+        there = [
+            use.address
+            for use in found
+            if (file := resolved(use.address, description)) and is_there(file, is_file=True)
+        ]
+        if form == "package-address" and not all(_is_found_by_pybullet(each, description.path) for each in there):
             of.add("pybullet")
         if of:
-            uses = [use for use, _ in of_form]
-            yield Hit(form, uses[0].element, f"{_count_of(uses, 'has', 'have')} such an address", of)
+            yield Hit(form, found[0].element, f"{_count_of(found, 'has', 'have')} such an address", of)
 
 
 def _count_of(uses: list[_Use], one: str, many: str) -> str:
@@ -216,31 +208,36 @@ def _form(address: str) -> str:
     return "" if os.path.isabs(address) else "relative-mesh"  # noqa: PTH117 - a text that may be no path
 
 
-def _resolved(address: str, description: Description) -> _Found | None:
-    """The file that an address means; None where its package is not found."""
+def resolved(address: str, description: Description) -> Path | None:
+    """The file that an address means, whether there is one or not; None where its package is not found."""
     folder = Path(os.path.abspath(description.path)).parent  # noqa: PTH100 - links in the path stay
     if not address.startswith(_PACKAGE):
-        return _Found(folder / Path(unquote(address.removeprefix(_FILE)) if address.startswith(_FILE) else address))
+        return folder / address.removeprefix(_FILE)
     package, _, rest = address.removeprefix(_PACKAGE).partition("/")
     if not package:
         return None
-    above = [place for inner in (folder, *folder.parents) for place in (inner, inner.parent / package)]
-    elsewhere = [
+    searched = [
+        *(place for inner in (folder, *folder.parents) for place in (inner, inner.parent / package)),
         *(Path(entry) / package for entry in _entries("ROS_PACKAGE_PATH")),
         *(Path(entry) / "share" / package for entry in _entries("AMENT_PREFIX_PATH")),
     ]
-    searched = [(place, is_above) for is_above in (True, False) for place in (above if is_above else elsewhere)]
-    found = [
-        _Found(place / rest, is_above)
-        for place, is_above in searched
-        if place.name == package and _is_there(place, is_file=False)
-    ]
+    found = [place / rest for place in searched if place.name == package and is_there(place, is_file=False)]
     if package in description.packages:
-        found.append(_Found(description.packages[package] / rest, is_above=False))
-    return next((file for file in found if _is_there(file.path, is_file=True)), found[0] if found else None)
+        found.append(description.packages[package] / rest)
+    return next((file for file in found if is_there(file, is_file=True)), found[0] if found else None)
 
 
-def _is_there(path: Path, *, is_file: bool) -> bool:
+def _is_found_by_pybullet(address: str, description: Path) -> bool:
+    """PyBullet knows no packages: it looks for the path behind `package://` in the folder and in all above it."""
+    if address.startswith(_FILE):
+        return is_there(Path(address.removeprefix(_FILE)), is_file=True)
+    rest = address.removeprefix(_PACKAGE).removeprefix(_MODEL).lstrip("/")
+    folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
+    places = [above / rest for above in (folder, *folder.parents)]
+    return is_there(Path(address), is_file=True) or any(is_there(place, is_file=True) for place in places)
+
+
+def is_there(path: Path, *, is_file: bool) -> bool:
     """Whether there is such a file or folder; a text that can be no path leads to nothing."""
     try:
         return path.is_file() if is_file else path.is_dir()

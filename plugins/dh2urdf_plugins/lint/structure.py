@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import MOVING, TYPES, Hit, few
+from dh2urdf_plugins.lint.description import ALL, MOVING, TYPES, Hit, few
 from dh2urdf_plugins.lint.merged import head_of
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.description import Description
     from dh2urdf_plugins.lint.tree import Element
 
+WORLD = "world"
 LONGEST_NAME = 1000
 """Characters of a name [1]."""
 MOST_MOVING, MOST_JOINTS = 121, 127
@@ -25,6 +26,7 @@ _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 
 def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of names and of the tree."""
+    yield from _robot_name(description)
     yield from _names(description)
     yield from _shared_names(description)
     yield from _ends(description)
@@ -32,18 +34,31 @@ def hits(description: Description) -> Iterator[Hit]:
     yield from _too_many(description)
 
 
-def _names(description: Description) -> Iterator[Hit]:
+def _robot_name(description: Description) -> Iterator[Hit]:
     root = description.root
     if not root.get("name"):
-        yield Hit("robot-without-name", root, "the robot has no name")
+        of = ALL if root.get("name") is None else frozenset({"drake", "gazebo"})
+        yield Hit("robot-without-name", root, "the robot has no name", of)
+    elif not (root.get("name") or "").strip():
+        yield Hit("robot-without-name", root, "the name of the robot is blank", {"gazebo"})
+
+
+def _names(description: Description) -> Iterator[Hit]:
+    root = description.root
     owners: dict[tuple[str, str], Element] = {}
     for element in root.children:
         kind, name = element.tag, element.get("name")
         if kind not in {"link", "joint"}:
             continue
         if not name:
-            yield Hit("missing-name", element, f"a {kind} has no name")
+            alone = kind == "link" and len(root.all("link")) == 1  # urdfdom calls it by the empty name then
+            takers = {"pinocchio", "ros"} if alone else set()
+            if kind == "link" and name is not None:
+                takers.add("mujoco")
+            yield Hit("missing-name", element, f"a {kind} has no name", ALL - takers)
             continue
+        if not name.strip():
+            yield Hit("missing-name", element, f"the name of a {kind} is blank", {"gazebo"})
         if (kind, name) in owners:
             message = f"{kind} {shown(name)} has the name of the {kind} in {description.place(owners[kind, name])}"
             yield Hit(f"duplicate-{kind}", element, message)
@@ -71,10 +86,17 @@ def _ends(description: Description) -> Iterator[Hit]:
         if joint.kind not in TYPES:
             near = did_you_mean(joint.kind, TYPES)
             message = f"{about} has the type {shown(joint.kind)}" if joint.kind else f"{about} has no type"
-            yield Hit("unknown-joint-type", joint.element, f"{message}: {near}" if near else message)
+            refusing = ALL - {"pybullet", "mujoco"} if joint.kind == "spherical" else ALL
+            if joint.element.get("type") == "":
+                refusing -= {"drake"}
+            yield Hit("unknown-joint-type", joint.element, f"{message}: {near}" if near else message, refusing)
         for end, name in (("parent", joint.parent), ("child", joint.child)):
             if not name:
-                yield Hit("missing-parent-or-child", joint.element, f"{about} has no {end}")
+                found = joint.element.first(end)
+                of = (
+                    ALL - {"drake"} if found and found.get("link") is not None else None
+                )  # Drake takes it for its world
+                yield Hit("missing-parent-or-child", joint.element, f"{about} has no {end}", of)
             elif name not in description.link:
                 near = did_you_mean(name, description.link)
                 message = f"the {end} of {about} is {shown(name)}, and there is no such link"
@@ -82,6 +104,7 @@ def _ends(description: Description) -> Iterator[Hit]:
                     "undefined-link",
                     joint.element.first(end) or joint.element,
                     f"{message}: {near}" if near else message,
+                    ALL - {"drake"} if name == WORLD else None,
                 )
 
 
@@ -94,10 +117,10 @@ def _tree(description: Description) -> Iterator[Hit]:
             continue
         message = f"no joint connects link {shown(root.name)} with {shown(description.roots[0].name)}"
         yield Hit("several-roots", root.element, message)
-    for name, joints in description.holders.items():
-        for joint in joints[1:]:
-            message = f"joint {shown(joint.name)} moves link {shown(name)}, as joint {shown(joints[0].name)} does"
-            yield Hit("several-parents", joint.element, message)
+    if description.link and not description.roots:
+        yield Hit("no-root", description.links[0].element, "every link hangs from another, in a circle")
+        return
+    yield from _several_parents(description)
     reached = description.reached()
     circle = [
         joint for joint in description.joints if joint.child in description.holders and joint.child not in reached
@@ -108,6 +131,36 @@ def _tree(description: Description) -> Iterator[Hit]:
             circle[0].element,
             f"the links {few(joint.child for joint in circle)} hang from each other in a circle",
         )
+
+
+def _several_parents(description: Description) -> Iterator[Hit]:
+    reached = description.reached()
+    for name, joints in description.holders.items():
+        for joint in joints[1:]:
+            message = f"joint {shown(joint.name)} moves link {shown(name)}, as joint {shown(joints[0].name)} does"
+            if name in reached and any(other.parent in description.below(name) for other in joints):
+                yield Hit("cycle-from-root", joint.element, f"{message}, and hangs from it")
+            else:
+                closes = _closes_a_loop(description)
+                yield Hit("several-parents", joint.element, message, None if closes else ALL - {"drake"})
+
+
+def _closes_a_loop(description: Description) -> bool:
+    """Whether joints connect links in a ring, whichever end of a joint is called its parent."""
+    group = {name: name for name in description.link}
+
+    def head(name: str) -> str:
+        while group[name] != name:
+            name = group[name]
+        return name
+
+    for joints in description.holders.values():
+        for joint in joints:
+            parent, child = head(joint.parent), head(joint.child)
+            if parent == child:
+                return True
+            group[child] = parent
+    return False
 
 
 def _too_many(description: Description) -> Iterator[Hit]:

@@ -6,13 +6,14 @@ import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import Hit
+from dh2urdf_plugins.lint.description import ALL, Hit
+from dh2urdf_plugins.lint.numbers import XACRO
+from dh2urdf_plugins.lint.tree import Element
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf_plugins.lint.description import Description
-    from dh2urdf_plugins.lint.tree import Element
 
 LONGEST_LINE = 8191
 """Bytes of a line that PyBullet reads at once [1]."""
@@ -34,6 +35,7 @@ CHILDREN = {
     "link": ("inertial", "visual", "collision", "sensor", "contact", "self_collision_checking", "audio_source"),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"),
     "inertial": ("origin", "mass", "inertia"),
+    "material": ("color", "texture"),
     "visual": _SHAPE,
     "collision": _SHAPE,
     "geometry": ("box", "cylinder", "sphere", "mesh", "capsule", "plane", "cdf"),
@@ -43,25 +45,20 @@ ONCE = {
     "link": ("inertial",),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
     "inertial": ("origin", "mass", "inertia"),
-    "visual": ("origin", "geometry"),
-    "collision": ("origin", "geometry"),
+    "material": ("color", "texture"),
+    "visual": ("origin",),
+    "collision": ("origin",),
 }
-NUMBERS = {
-    "origin": {"xyz": 3, "rpy": 3},
-    "axis": {"xyz": 3},
-    "limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
-    "dynamics": {"damping": 1, "friction": 1},
-    "mimic": {"multiplier": 1, "offset": 1},
-    "mass": {"value": 1},
-    "inertia": {"ixx": 1, "ixy": 1, "ixz": 1, "iyy": 1, "iyz": 1, "izz": 1},
-    "box": {"size": 3},
-    "cylinder": {"radius": 1, "length": 1},
-    "sphere": {"radius": 1},
-    "mesh": {"scale": 3},
-    "color": {"rgba": 4},
-}
+_OF_NUMBERS = frozenset(
+    {
+        *("xyz", "rpy", "size", "scale", "rgba", "lower", "upper", "effort", "velocity", "damping", "friction"),
+        *("multiplier", "offset", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "radius", "length"),
+    }
+)
+"""Attributes that hold numbers."""
+_VERSION = re.compile(r"\s*0*1\.0+")
+_CARRIAGE_RETURN = re.compile(rb"\r(?!\n)")
 _READ = ("link", "joint", "material")
-_XACRO = re.compile(r"\$[{(]")
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -72,11 +69,28 @@ def hits(description: Description) -> Iterator[Hit]:
         b"\xfe\xff",
     }:
         yield Hit("no-xml-declaration", description.root, "the file does not begin with <?xml")
-    if is_xacro := next(_of_xacro(description.root), None):
-        yield is_xacro
+    yield from _of_xacro(description.root)
+    version = description.root.get("version")
+    if version is not None and not _VERSION.fullmatch(version):
+        of = ALL - {"pinocchio"} if version in {"1.1", "1.2"} else None
+        yield Hit("unknown-version", description.root, f"the version of the robot is {shown(version)}", of)
+    if found := _CARRIAGE_RETURN.search(description.content):
+        line = description.content.count(b"\n", 0, found.start()) + 1
+        yield Hit("carriage-returns", line, "the line ends with a carriage return alone")
+    compiler = description.root.first("mujoco", "compiler")
+    draws = compiler is not None and compiler.get("discardvisual") == "false"
     for element in _elements(description.root):
-        yield from _wrong_children(element)
-        yield from _wrong_numbers(element)
+        for hit in _wrong_children(element):
+            is_mimic = isinstance(hit.at, Element) and hit.at.tag == "mimic" and element.get("type") == "fixed"
+            hidden = hit.rule == "repeated-element" and ((element.tag == "visual" and not draws) or is_mimic)
+            yield hit._replace(of=ALL - {"mujoco"}) if hidden else hit
+    extensions = description.root.all("mujoco")
+    if len(extensions) > 1:
+        yield Hit("repeated-element", extensions[1], "the robot has a second mujoco", {"mujoco"})
+    for extension in extensions:
+        tags = [child.tag for child in extension.children]
+        if again := next((child for i, child in enumerate(extension.children) if child.tag in tags[:i]), None):
+            yield Hit("repeated-element", again, f"a mujoco has a second {again.tag}", {"mujoco"})
 
 
 def _lines(description: Description) -> Iterator[Hit]:
@@ -86,12 +100,16 @@ def _lines(description: Description) -> Iterator[Hit]:
 
 
 def _of_xacro(root: Element) -> Iterator[Hit]:
+    """Said once of elements, which readers pass over, and once of expressions, which are no numbers."""
     for element in root.walk():
         if element.tag.startswith("xacro:"):
-            yield Hit("unexpanded-xacro", element, f"the element {shown(element.tag)} is one of xacro")
+            yield Hit("xacro-element", element, f"the element {shown(element.tag)} is one of xacro")
+            break
+    for element in root.walk():
         for name, text in element.attributes.items():
-            if _XACRO.search(text):
+            if XACRO.search(text) and name in _OF_NUMBERS:
                 yield Hit("unexpanded-xacro", element, f"{name} of {shown(element.tag)} is {shown(text)}")
+                return
 
 
 def _elements(root: Element) -> Iterator[Element]:
@@ -117,13 +135,3 @@ def _wrong_children(element: Element) -> Iterator[Hit]:
             continue
         message = f"a {element.tag} has no element {shown(child.tag)}"
         yield Hit("unknown-element", child, f"{message}: {near}" if near else message)
-
-
-def _wrong_numbers(element: Element) -> Iterator[Hit]:
-    for name, count in NUMBERS.get(element.tag, {}).items():
-        text = element.get(name)
-        if text is None or _XACRO.search(text) or element.numbers(name, count) is not None:
-            continue
-        what = "one finite number" if count == 1 else f"{count} finite numbers"
-        rule = "invalid-number" if count == 1 else "invalid-vector"
-        yield Hit(rule, element, f"{name} of {element.tag} is {shown(text)}, not {what}")

@@ -1,7 +1,6 @@
 """A robot description as it stands in the file: elements with their places, nothing mended and nothing refused.
 
-The parser is expat, which knows the line and the column where every element begins. A file comes from a stranger:
-entities are not expanded, nothing is fetched, and no depth of nesting is recursed into.
+`parsing` makes the tree.
 """
 
 from __future__ import annotations
@@ -9,7 +8,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-from xml.parsers import expat
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,6 +26,7 @@ class Element:
         line: the line where it begins, from 1.
         column: the column where it begins, from 1.
         children: the elements in it.
+        text: the text at its beginning, without blanks around it.
     """
 
     tag: str
@@ -35,6 +34,7 @@ class Element:
     line: int
     column: int
     children: list[Element] = field(default_factory=list)
+    text: str = ""
 
     def get(self, attribute: str) -> str | None:
         """The text of an attribute."""
@@ -79,93 +79,3 @@ def numbers_of(text: str | None, count: int) -> tuple[float, ...] | None:
     except ValueError:
         return None
     return found if all(map(math.isfinite, found)) else None
-
-
-class NotXmlError(Exception):
-    """The text is not well-formed XML.
-
-    Attributes:
-        reason: what expat says.
-        line: where, from 1.
-        column: where, from 1.
-    """
-
-    def __init__(self, reason: str, line: int, column: int) -> None:
-        self.reason, self.line, self.column = reason, line, column
-        super().__init__(reason, line, column)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Parsed:
-    """A text as a tree.
-
-    Attributes:
-        root: the outermost element.
-        declarations: the line of a document type that has declarations of its own; None where there is none.
-        entities: whether these declare entities; the tree then ends before them, and `root` is empty.
-    """
-
-    root: Element
-    declarations: int | None
-    entities: bool
-
-
-class _EntitiesError(Exception):
-    pass
-
-
-def parse(content: bytes) -> Parsed:
-    """The tree of a text.
-
-    Raises:
-        NotXmlError: it is not well-formed XML.
-    """
-    builder = _Builder()
-    try:
-        builder.parser.Parse(content, True)
-    except _EntitiesError:
-        return Parsed(
-            root=Element("robot", {}, builder.declarations or 1, 1), declarations=builder.declarations, entities=True
-        )
-    except expat.ExpatError as error:
-        raise NotXmlError(expat.ErrorString(error.code), error.lineno, error.offset + 1) from None
-    except (ValueError, LookupError) as error:  # an encoding that Python does not know, or that is no 8-bit one
-        raise NotXmlError(str(error), 1, 1) from None
-    return Parsed(root=builder.top.children[0], declarations=builder.declarations, entities=False)
-
-
-class _Builder:
-    """Builds the tree while expat reads."""
-
-    def __init__(self) -> None:
-        self.top = Element("", {}, 0, 0)
-        self.declarations: int | None = None
-        self._open = [self.top]
-        self._too_deep = 0
-        self.parser = parser = expat.ParserCreate()
-        parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        parser.StartDoctypeDeclHandler = self._doctype
-        parser.EntityDeclHandler = self._entity
-
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if len(self._open) > DEEPEST:
-            self._too_deep += 1
-            return
-        element = Element(tag, attributes, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
-        self._open[-1].children.append(element)
-        self._open.append(element)
-
-    def _end(self, _tag: str) -> None:
-        if self._too_deep:
-            self._too_deep -= 1
-        else:
-            self._open.pop()
-
-    def _doctype(self, _name: str, _system: str | None, _public: str | None, has_declarations: bool) -> None:  # noqa: FBT001 - expat's signature
-        if has_declarations:
-            self.declarations = self.parser.CurrentLineNumber
-
-    def _entity(self, *_what: object) -> None:
-        raise _EntitiesError

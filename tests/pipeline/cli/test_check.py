@@ -46,7 +46,7 @@ def test_a_file_of_ours_is_taken_by_all(cli: Cli, arm: Path) -> None:
     assert ": note: " in answer.stdout
     assert not {": error: ", ": warning: "} & set(answer.stdout.split("["))
     last = answer.stdout.splitlines()[-1]
-    assert last == "2 notes for pybullet, mujoco, pinocchio, drake, ros, gazebo, coppeliasim"
+    assert last == "3 notes for pybullet, mujoco, pinocchio, drake, ros, gazebo, coppeliasim"
 
 
 def test_an_error_is_told_with_its_place_and_its_mend(cli: Cli, arm: Path) -> None:
@@ -59,7 +59,7 @@ def test_an_error_is_told_with_its_place_and_its_mend(cli: Cli, arm: Path) -> No
     assert lines[index + 1] == "    pybullet (warning), mujoco (warning): leaves the joint without limits"
     assert "    drake: ends the interpreter with SystemExit" in lines
     assert "    mend: exchange them" in lines
-    assert lines[-1].startswith("1 error, 2 notes for ")
+    assert lines[-1].startswith("1 error, 3 notes for ")
 
 
 def test_one_simulator_is_asked_for(cli: Cli, arm: Path) -> None:
@@ -106,7 +106,7 @@ def test_what_cannot_be_read_ends_with_2(cli: Cli, arm: Path, words: list[str], 
 def test_the_format_may_be_said(cli: Cli, arm: Path) -> None:
     """Where the suffix does not say it."""
     arm.rename(arm.with_suffix(".txt"))
-    assert "2 notes" in cli("check", "arm.txt", "--as", "urdf").stdout
+    assert "3 notes" in cli("check", "arm.txt", "--as", "urdf").stdout
 
 
 def test_a_format_without_a_check_is_refused() -> None:
@@ -208,7 +208,7 @@ def test_the_same_as_json(cli: Cli, arm: Path) -> None:
     told = json.loads(cli("check", arm.name, "--format", "json", status=1).stdout)
     assert set(told) == {"schema", "version", "file", "consumers", "counts", "findings"}
     assert told["schema"] == "dh2urdf-check/1"
-    assert told["counts"] == {"error": 1, "warning": 0, "note": 2}
+    assert told["counts"] == {"error": 1, "warning": 0, "note": 3}
     (finding,) = [finding for finding in told["findings"] if finding["severity"] == "error"]
     assert set(finding) == {
         "rule",
@@ -233,7 +233,7 @@ def test_the_same_as_sarif(cli: Cli, arm: Path) -> None:
     (run,) = log["runs"]
     driver = run["tool"]["driver"]
     assert {"name", "semanticVersion", "rules"} == set(driver)
-    assert len(run["results"]) == 3
+    assert len(run["results"]) == 4
     for result in run["results"]:
         assert result["ruleId"] == driver["rules"][result["ruleIndex"]]["id"]
         assert result["level"] in {"error", "warning", "note"}
@@ -289,5 +289,5 @@ def test_a_table_on_a_terminal(arm: Path, monkeypatch: pytest.MonkeyPatch, capfd
     found = inspect_urdf(arm)
     module.print_findings(found.findings, found.consumers, None)
     out = capfd.readouterr().out
-    for word in ("swapped-limits", "exchange them", "ends the interpreter", "1 error, 2 notes"):
+    for word in ("swapped-limits", "exchange them", "ends the interpreter", "1 error, 3 notes"):
         assert word in out

@@ -1,28 +1,31 @@
 """What the consumers themselves do with files: each in a process of its own, and each file in a fork of that.
 
-`python consumers.py CONSUMER FILE…` prints a JSON line for each file.
+`python consumers.py CONSUMER` reads paths, a line each, and prints a JSON line for each.
 """
 
 from __future__ import annotations
 
 import ctypes
+import ctypes.util
 import json
 import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from types import TracebackType
 
-SECONDS = 240
+SECONDS = 60
+"""How long a consumer may take for one file; one that is not ready then counts as crashed."""
 _OTHERS = [folder for folder in os.get_exec_path() if Path(folder) != Path(sys.executable).parent]
 CHECK_URDF = shutil.which("check_urdf", path=os.pathsep.join(_OTHERS))
 """urdfdom's command as a system has it. Pinocchio brings a newer one along, urdfdom 6, which takes document types."""
@@ -50,21 +53,50 @@ class Behaviour:
     extra: dict[str, Any] = field(default_factory=dict)
 
 
+class Reader:
+    """A consumer in a process that waits for files."""
+
+    def __init__(self, consumer: str) -> None:
+        self.consumer = consumer
+        self._folder = tempfile.TemporaryDirectory()  # MuJoCo writes a log into the folder where it is called
+        self._process = subprocess.Popen(
+            [sys.executable, str(Path(__file__).resolve()), consumer],
+            cwd=self._folder.name,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def behaviour(self, path: Path) -> Behaviour:
+        """What the consumer does with a file."""
+        self.ask(path)
+        return self.answer()
+
+    def ask(self, path: Path) -> None:
+        """Hand over a file; `answer` says what became of it."""
+        assert self._process.stdin
+        self._process.stdin.write(f"{path.resolve()}\n")
+        self._process.stdin.flush()
+
+    def answer(self) -> Behaviour:
+        """What the consumer did with the file that was handed over."""
+        assert self._process.stdout
+        return Behaviour(**json.loads(self._process.stdout.readline()))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._process.communicate()
+        self._folder.cleanup()
+
+
 def behaviours(consumer: str, paths: Sequence[Path]) -> list[Behaviour]:
     """What a consumer does with some files."""
-    if consumer in COMMANDS:
-        with ThreadPoolExecutor(2) as threads:
-            return list(threads.map(COMMANDS[consumer], paths))
-    with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes a log into the folder where it is called
-        done = subprocess.run(
-            [sys.executable, str(Path(__file__).resolve()), consumer, *(str(path.resolve()) for path in paths)],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=SECONDS,
-        )
-    return [Behaviour(**json.loads(line)) for line in done.stdout.splitlines()]
+    with Reader(consumer) as reader:
+        return [reader.behaviour(path) for path in paths]
 
 
 # --- Python packages --------------------------------------------------------------------------------------------------
@@ -73,7 +105,6 @@ def behaviours(consumer: str, paths: Sequence[Path]) -> list[Behaviour]:
 def pybullet(path: str) -> Behaviour:
     import pybullet as p
 
-    p.connect(p.DIRECT)
     robot = p.loadURDF(path, useFixedBase=True, flags=p.URDF_USE_INERTIA_FROM_FILE)
     found = Behaviour("loads")
     found.masses[p.getBodyInfo(robot)[0].decode()] = p.getDynamicsInfo(robot, -1)[0]
@@ -179,6 +210,7 @@ def drake(path: str) -> Behaviour:
             found.joints[joint.name()] = None
     numbers = [x for body in bodies for x in plant.EvalBodyPoseInWorld(context, body).translation()]
     found.finite = all(map(math.isfinite, numbers))
+    found.extra["actuators"] = plant.num_actuators()
     found.extra["constraints"] = plant.num_constraints()
     found.extra["inertias"] = {
         body.name(): body.default_rotational_inertia().get_moments().tolist() for body in bodies if body.default_mass()
@@ -187,51 +219,10 @@ def drake(path: str) -> Behaviour:
     return found
 
 
-READERS: dict[str, Callable[[str], Behaviour]] = {
-    "pybullet": pybullet,
-    "mujoco": mujoco,
-    "pinocchio": pinocchio,
-    "drake": drake,
-}
+# --- Programs and libraries of C++ ---------------------------------------------------------------------------------------------------------
 
 
-def _each_in_a_fork(consumer: str, paths: list[str]) -> None:
-    """Everything that it prints goes to a file, through C too; the answer to standard output."""
-    __import__({"drake": "pydrake.multibody.plant"}.get(consumer, consumer))
-    if consumer == "drake":
-        __import__("pydrake.multibody.parsing")
-    for path in paths:
-        with tempfile.TemporaryDirectory() as folder:
-            printed, answer = Path(folder, "printed"), Path(folder, "answer")
-            child = os.fork()
-            if child == 0:
-                target = os.open(printed, os.O_CREAT | os.O_WRONLY)
-                os.dup2(target, 1)
-                os.dup2(target, 2)
-                try:
-                    found = READERS[consumer](path)
-                except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the answer
-                    end = "crashes" if isinstance(error, SystemExit) else "refuses"
-                    found = Behaviour(end, extra={"raised": f"{type(error).__name__}: {error}"})
-                sys.stdout.flush()
-                ctypes.CDLL(None).fflush(None)  # what a library of C has printed, and `_exit` would drop
-                answer.write_text(json.dumps(found.__dict__))
-                os._exit(0)
-            _, status = os.waitpid(child, 0)
-            if os.WIFSIGNALED(status):
-                found = Behaviour("crashes", extra={"signal": os.WTERMSIG(status)})
-            elif answer.exists():
-                found = Behaviour(**json.loads(answer.read_text()))
-            else:
-                found = Behaviour("refuses", extra={"status": os.WEXITSTATUS(status)})
-            found.printed = printed.read_text(errors="replace")
-        print(json.dumps(found.__dict__), flush=True)  # noqa: T201 - this is a program
-
-
-# --- Programs ---------------------------------------------------------------------------------------------------------
-
-
-def check_urdf(path: Path) -> Behaviour:
+def check_urdf(path: str) -> Behaviour:
     done = subprocess.run(
         [str(CHECK_URDF), path],
         capture_output=True,
@@ -244,40 +235,88 @@ def check_urdf(path: Path) -> Behaviour:
     return Behaviour(end, printed=done.stderr, extra={"stdout": done.stdout, "status": done.returncode})
 
 
-def sdformat(path: Path) -> Behaviour:
-    command = shutil.which("gz") or shutil.which("ign")
-    assert command
+SDFORMAT = next((name for v in range(15, 11, -1) if (name := ctypes.util.find_library(f"sdformat{v}"))), None)
+"""The library behind the command ``gz sdf`` (of old ``ign sdf``), which calls these two functions of it."""
+
+
+def sdformat(path: str) -> Behaviour:
+    library, out = ctypes.CDLL(SDFORMAT), Path("sdf")
     found = Behaviour("loads")
-    for option in ("--check", "--print"):
-        done = subprocess.run(
-            [command, "sdf", option, path],
-            capture_output=True,
-            text=True,
-            errors="replace",
-            check=False,
-            timeout=SECONDS,
-        )
-        found.printed += done.stderr
-        found.extra[option] = (done.returncode, done.stdout[:300])
-        if done.returncode < 0:
-            found.end = "crashes"
-        elif done.returncode or not done.stdout.strip():
+    for function in ("cmdCheck", "cmdPrint"):
+        sys.stdout.flush()
+        before, target = os.dup(1), os.open(out, os.O_CREAT | os.O_WRONLY | os.O_TRUNC)
+        os.dup2(target, 1)
+        status = library[function](path.encode())
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(before, 1)
+        printed = out.read_text("utf-8", errors="replace")
+        found.extra[function] = (status, printed[:300])
+        if status or not printed.strip():
             found.end = "refuses"
     if found.end == "loads":
-        for link in re.finditer(r"<link name='(.*?)'.*?</link>", done.stdout, re.DOTALL):
+        for link in re.finditer(r"<link name='(.*?)'.*?</link>", printed, re.DOTALL):
             mass = re.search(r"<mass>(.*?)</mass>", link[0])
             found.masses[link[1]] = float(mass[1]) if mass else math.nan
-        for joint in re.finditer(r"<joint name='(.*?)' type='(.*?)'.*?</joint>", done.stdout, re.DOTALL):
+        for joint in re.finditer(r"<joint name='(.*?)' type='(.*?)'.*?</joint>", printed, re.DOTALL):
             ends = [re.search(rf"<{word}>(.*?)</{word}>", joint[0]) for word in ("lower", "upper")]
             found.joints[joint[1]] = [float(end[1]) if end else None for end in ends]
-        found.finite = "nan" not in done.stdout
-    found.printed = "\n".join(
-        line for line in re.sub(r"\x1b\[[0-9;]*m", "", found.printed).splitlines() if "backtrace" not in line
-    )
+        found.finite = "nan" not in printed
     return found
 
 
-COMMANDS: dict[str, Callable[[Path], Behaviour]] = {"ros": check_urdf, "gazebo": sdformat}
+READERS: dict[str, Callable[[str], Behaviour]] = {
+    "pybullet": pybullet,
+    "mujoco": mujoco,
+    "pinocchio": pinocchio,
+    "drake": drake,
+    "ros": check_urdf,
+    "gazebo": sdformat,
+}
+MODULES = {
+    "pybullet": ["pybullet"],
+    "mujoco": ["mujoco"],
+    "pinocchio": ["pinocchio"],
+    "drake": ["pydrake.multibody.plant", "pydrake.multibody.parsing", "pydrake.multibody.tree"],
+}
+"""What a consumer imports, once for all files."""
+
+
+def _serve(consumer: str) -> None:
+    """Everything that it prints goes to a file, through C too; the answer to standard output."""
+    for module in MODULES.get(consumer, ()):
+        __import__(module)
+    if consumer == "pybullet":
+        sys.modules["pybullet"].connect(sys.modules["pybullet"].DIRECT)
+    if consumer == "gazebo":
+        ctypes.CDLL(SDFORMAT)
+    printed, answer = Path("printed"), Path("answer")
+    for line in sys.stdin:
+        answer.unlink(missing_ok=True)
+        child = os.fork()
+        if child == 0:
+            signal.alarm(SECONDS)
+            target = os.open(printed, os.O_CREAT | os.O_WRONLY | os.O_TRUNC)
+            os.dup2(target, 1)
+            os.dup2(target, 2)
+            try:
+                found = READERS[consumer](line.rstrip("\n"))
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the answer
+                end = "crashes" if isinstance(error, SystemExit) else "refuses"
+                found = Behaviour(end, extra={"raised": f"{type(error).__name__}: {error}"})
+            sys.stdout.flush()
+            ctypes.CDLL(None).fflush(None)  # what a library of C has printed, and `_exit` would drop
+            answer.write_text(json.dumps(found.__dict__))
+            os._exit(0)
+        _, status = os.waitpid(child, 0)
+        if os.WIFSIGNALED(status):
+            found = Behaviour("crashes", extra={"signal": os.WTERMSIG(status)})
+        elif answer.exists():
+            found = Behaviour(**json.loads(answer.read_text()))
+        else:
+            found = Behaviour("refuses", extra={"status": os.WEXITSTATUS(status)})
+        found.printed += re.sub(r"\x1b\[[0-9;]*m", "", printed.read_text("utf-8", errors="replace"))
+        print(json.dumps(found.__dict__), flush=True)  # noqa: T201 - this is a program
+
 
 if __name__ == "__main__":
-    _each_in_a_fork(sys.argv[1], sys.argv[2:])
+    _serve(sys.argv[1])

@@ -125,6 +125,14 @@ BASE_BODY = """    <inertial>
     </inertial>
 """
 BOX = '<box size="0.1 0.05 0.05"/>'
+VISUAL = f"""    <visual>
+      <origin xyz="0.1 0 0" rpy="0 0 0"/>
+      <geometry>
+        {BOX}
+      </geometry>
+      <material name="grey"/>
+    </visual>
+"""
 CYLINDER = '<cylinder radius="0.02" length="0.05"/>'
 LINK_1_BODY = """    <inertial>
       <origin xyz="0.1 0 0.05" rpy="0 0 0"/>
@@ -189,6 +197,16 @@ LONG_NAME = "n" * 1200
 
 FAULTS: dict[str, Fault] = {
     "not-xml": Fault('  <link name="base_link"/>\n', '  <link name="base_link">\n', "</robot>"),
+    "loose-xml": Fault('  <link name="base_link"/>\n', '  <link name="base_link"/>\n  <?note here?>\n', "<?note"),
+    "not-strict-xml": Fault(
+        '  <link name="base_link"/>\n', '  <!-- base -- inertia -->\n  <link name="base_link"/>\n', "<!-- base"
+    ),
+    "wrong-encoding": Fault('<robot name="arm">', '<robot name="arm" author="Jos\udce9">', "<robot"),
+    "nul-byte": Fault('  <link name="base_link"/>\n', '  <link name="base_link"/>\n\0\n', "\0"),
+    "bad-character-reference": Fault('<robot name="arm">', '<robot name="arm" author="&#xZZ;">', "<robot"),
+    "carriage-returns": Fault('  <link name="base_link"/>\n', '  <link name="base_link"/>\r', "\r"),
+    "robot-not-first": Fault('<robot name="arm">', '<notes/>\n<robot name="arm">', "<notes"),
+    "unknown-version": Fault('<robot name="arm">', '<robot name="arm" version="2.0">', "<robot"),
     "not-a-robot": Fault(SOUND, '<?xml version="1.0"?>\n<sdf version="1.9">\n  <model name="arm"/>\n</sdf>\n', "<sdf"),
     "document-type": Fault(
         '<?xml version="1.0" encoding="utf-8"?>\n',
@@ -197,14 +215,42 @@ FAULTS: dict[str, Fault] = {
     ),
     "no-xml-declaration": Fault('<?xml version="1.0" encoding="utf-8"?>\n', "", "<robot"),
     "long-line": Fault('<mass value="1"/>', '<mass value="' + "0" * 8500 + '1"/>', '<mass value="000'),
-    "unexpanded-xacro": Fault('effort="20"', 'effort="${2*10}"', "${2*10}"),
+    "unexpanded-xacro": Fault(
+        'effort="20"', 'effort="${2*10}"', "${2*10}", besides=("invalid-number", "misread-number")
+    ),
+    "xacro-element": Fault(
+        '  <link name="base_link"/>\n',
+        '  <xacro:property name="a" value="1"/>\n  <link name="base_link"/>\n',
+        "<xacro",
+        besides=("not-strict-xml",),
+    ),
     "robot-without-name": Fault('<robot name="arm">', "<robot>", "<robot"),
     "missing-name": Fault('<joint name="elbow"', "<joint", '<joint type="revolute"'),
     "no-link": Fault(SOUND, '<?xml version="1.0"?>\n<robot name="arm">\n</robot>\n', "<robot"),
     "repeated-element": Fault('<mass value="1"/>', '<mass value="1"/>\n      <mass value="5"/>', '<mass value="5"/>'),
     "unknown-element": Fault(ELBOW_AXIS, f'{ELBOW_AXIS}\n    <limits lower="0"/>', "<limits"),
-    "invalid-number": Fault('lower="-2" upper="2"', 'lower="-2" upper="1,5"', '"1,5"'),
-    "invalid-vector": Fault('<origin xyz="0.3 0 0" rpy="0 0 0"/>', '<origin xyz="0.3 0" rpy="0 0 0"/>', 'xyz="0.3 0"'),
+    "invalid-number": Fault(
+        'lower="-2" upper="2"',
+        'lower="-2" upper="1,5"',
+        '"1,5"',
+        besides=("misread-number",),
+        of=("mujoco", "pinocchio", "ros", "gazebo", "coppeliasim"),
+    ),
+    "misread-number": Fault(
+        'lower="-2" upper="2"',
+        'lower="-2" upper="1,5"',
+        '"1,5"',
+        besides=("invalid-number",),
+        of=("pybullet", "drake"),
+    ),
+    "invalid-vector": Fault(ELBOW_AXIS, '<axis xyz="0 1"/>', 'xyz="0 1"', besides=("misread-vector",)),
+    "misread-vector": Fault(
+        '<origin xyz="0.1 0 0" rpy="0 0 0"/>\n      <geometry>\n        <box',
+        '<origin xyz="0.1 0" rpy="0 0 0"/>\n      <geometry>\n        <box',
+        'xyz="0.1 0"',
+        besides=("invalid-vector",),
+        of=("pybullet", "pinocchio", "ros", "gazebo"),
+    ),
     "duplicate-link": Fault(END, f"{body('link_2')}{END}", '<link name="link_2"', 2),
     "duplicate-joint": Fault('<joint name="link_2-tool0"', '<joint name="elbow"', '<joint name="elbow"', 2),
     "joint-named-like-link": Fault('<joint name="elbow"', '<joint name="link_2"', '<joint name="link_2"'),
@@ -215,6 +261,18 @@ FAULTS: dict[str, Fault] = {
         END,
         body("one") + body("two") + joint("one-two", "two", parent="one") + joint("two-one", "one", parent="two") + END,
         '<joint name="one-two"',
+    ),
+    "no-root": Fault(
+        END,
+        joint("closing", "base_link", kind="continuous", inner=f"    {ELBOW_AXIS}\n") + END,
+        '<link name="base_link"',
+        besides=("missing-inertial", "continuous-joint"),
+    ),
+    "cycle-from-root": Fault(
+        END,
+        joint("closing", "link_1", kind="continuous", inner=f"    {ELBOW_AXIS}\n") + END,
+        '<joint name="closing"',
+        besides=("continuous-joint",),
     ),
     "several-parents": Fault(END, joint("second", "tool0", parent="link_1") + END, '<joint name="second"'),
     "undefined-link": Fault('<parent link="link_1"/>', '<parent link="link_9"/>', "link_9"),
@@ -240,6 +298,25 @@ FAULTS: dict[str, Fault] = {
     "mimic-of-fixed": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <mimic joint="link_2-tool0"/>', "<mimic"),
     "axis-not-unit": Fault(ELBOW_AXIS, '<axis xyz="0 2 0"/>', "0 2 0"),
     "axis-zero": Fault(ELBOW_AXIS, '<axis xyz="0 0 0"/>', '<axis xyz="0 0 0"/>'),
+    "axis-without-direction": Fault(ELBOW_AXIS, "<axis/>", "<axis/>"),
+    "equal-limits": Fault('lower="-2" upper="2"', 'lower="0" upper="0"', 'lower="0"'),
+    "negative-effort": Fault('effort="20"', 'effort="-20"', "-20"),
+    "negative-velocity": Fault('effort="20" velocity="3"', 'effort="20" velocity="-3"', 'velocity="-3"'),
+    "friction-without-value": Fault(
+        LINK_2_BODY, f"{LINK_2_BODY}    <contact>\n      <lateral_friction/>\n    </contact>\n", "<lateral"
+    ),
+    "empty-dynamics": Fault(ELBOW_LIMIT, f"{ELBOW_LIMIT}\n    <dynamics/>", "<dynamics"),
+    "negative-damping": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <dynamics damping="-1"/>', "<dynamics"),
+    "negative-friction": Fault(
+        ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <dynamics friction="-1"/>', "<dynamics", besides=("joint-friction",)
+    ),
+    "safety-without-velocity": Fault(ELBOW_LIMIT, f"{ELBOW_LIMIT}\n    <safety_controller/>", "<safety"),
+    "mimic-without-joint": Fault(ELBOW_LIMIT, f"{ELBOW_LIMIT}\n    <mimic/>", "<mimic"),
+    "mimic-itself": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <mimic joint="elbow"/>', "<mimic"),
+    "transmission-incomplete": Fault(
+        END, "  <transmission>\n    <type>SimpleTransmission</type>\n  </transmission>\n" + END, "<transmission"
+    ),
+    "transmission-type-empty": Fault(END, "  <transmission>\n    <type/>\n  </transmission>\n" + END, "<type"),
     "axis-along-minus-z": Fault(ELBOW_AXIS, '<axis xyz="0 0 -1"/>', '<axis xyz="0 0 -1"/>'),
     "missing-axis": Fault(f"    {ELBOW_AXIS}\n", "", '<joint name="elbow"'),
     "missing-limit": Fault(f"    {ELBOW_LIMIT}\n", "", '<joint name="elbow"'),
@@ -259,6 +336,11 @@ FAULTS: dict[str, Fault] = {
     "zero-inertia": Fault(LINK_2_INERTIA, '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0.0"/>', 'izz="0.0"'),
     "inertia-not-positive-definite": Fault(LINK_2_INERTIA, LINK_2_INERTIA.replace("0.005", "-0.005"), "-0.005"),
     "inertia-triangle-inequality": Fault(LINK_2_INERTIA, LINK_2_INERTIA.replace("0.007", "0.07"), "0.07"),
+    "inertia-semidefinite": Fault(
+        LINK_2_INERTIA,
+        '<inertia ixx="0.005" ixy="0" ixz="0" iyy="0.005" iyz="0" izz="0"/>',
+        'iyy="0.005" iyz="0" izz="0"',
+    ),
     "root-with-inertial": Fault(
         '<link name="base_link"/>', f'<link name="base_link">\n{BASE_BODY}  </link>', '<link name="base_link"'
     ),
@@ -271,10 +353,26 @@ FAULTS: dict[str, Fault] = {
         '      <geometry>\n        <box size="0.1 0.05 0.05"/>\n      </geometry>\n', "", "<visual"
     ),
     "unknown-geometry": Fault(BOX, '<cone radius="0.1"/>', "<cone"),
+    "capsule": Fault(CYLINDER, '<capsule radius="0.02" length="0.05"/>', "<capsule"),
+    "empty-mesh-name": Fault(BOX, '<mesh filename=""/>', "<mesh", of=("pybullet", "mujoco", "gazebo", "coppeliasim")),
+    "scale-zero": Fault(BOX, '<mesh filename="part.obj" scale="1 0 1"/>', "<mesh", besides=("relative-mesh",)),
+    "colour-out-of-range": Fault(
+        '<material name="grey"/>', '<material name="red">\n <color rgba="255 0 0 1"/>\n</material>', "<color", 2
+    ),
+    "colour-without-components": Fault(
+        '<material name="grey"/>', '<material name="red">\n <color/>\n</material>', "<color/>"
+    ),
+    "missing-texture": Fault(
+        '<material name="grey"/>', '<material name="red">\n <texture filename="nowhere.png"/>\n</material>', "<texture"
+    ),
+    "material-without-colour": Fault(
+        '  <link name="base_link"/>\n', '  <material name="red"/>\n  <link name="base_link"/>\n', '<material name="red"'
+    ),
     "material-without-name": Fault(
         '      <material name="grey"/>',
         '      <material>\n        <color rgba="1 0 0 1"/>\n      </material>',
         "<material>",
+        of=("pybullet", "pinocchio", "ros", "gazebo"),
     ),
     "duplicate-material": Fault(
         '  <link name="base_link"/>\n',
@@ -292,6 +390,8 @@ FAULTS: dict[str, Fault] = {
         of=("mujoco", "pinocchio", "drake", "coppeliasim"),
     ),
     "file-address": Fault(BOX, '<mesh filename="file://FOLDER/part.obj"/>', "<mesh"),
+    "mesh-scale": Fault(BOX, '<mesh filename="part.obj" scale="2 2 2"/>', "<mesh", besides=("relative-mesh",)),
+    "collision-without-visual": Fault(VISUAL, "", "<collision"),
     "relative-mesh": Fault(BOX, '<mesh filename="part.obj"/>', "<mesh"),
     "mesh-format": Fault(
         BOX, '<mesh filename="part.glb"/>', "<mesh", besides=("relative-mesh",), of=("pybullet", "mujoco")
@@ -305,10 +405,29 @@ FAULTS: dict[str, Fault] = {
 }
 
 
-def write_all(folder: Path) -> dict[str, Path]:
-    """The sound file, as ``sound``, and every faulty one, by its rule, with the meshes beside them."""
-    folder = folder / "robots"
-    folder.mkdir()
+ELBOW = '<joint name="elbow" type="revolute">'
+OTHER = """<link name="more">
+    <inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+  </link>
+  <joint name="other" type="revolute">
+    <parent link="link_2"/><child link="more"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="elbow"/>"""
+IMPLAUSIBLE = {
+    "limits-in-degrees": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-180" upper="180"')),
+    "angles-in-degrees": ('rpy="0 1.5707963267948966 0"', 'rpy="0 90 0"'),
+    "length-in-millimetres": (BOX, '<box size="100 50 50"/>'),
+    "inertia-of-a-larger-body": (LINK_1_BODY, LINK_1_BODY.replace("0.01", "10")),
+    "centre-of-mass-far-off": (LINK_1_BODY, LINK_1_BODY.replace("0.1 0 0.05", "100 0 50")),
+    "zero-velocity": (ELBOW_LIMIT, ELBOW_LIMIT.replace('velocity="3"', 'velocity="0"')),
+    "mimic-circle": (ELBOW_LIMIT, f'{ELBOW_LIMIT}<mimic joint="other"/></joint>{OTHER}'),
+    "unknown-attribute": (ELBOW_AXIS, '<axis xyz="0 1 0"/><dynamics damping="0.1" frictoin="0.2"/>'),
+    "reference-to-nothing": (END, f'<gazebo reference="elbows"/>{END}'),
+}
+"""By rule of plausibility.yaml: a text of the sound description, and what is hardly meant in its place."""
+
+
+def write_meshes(folder: Path) -> None:
+    """A part in the formats that the faults name, and a folder that is empty of it."""
     corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
     faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
     obj = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
@@ -323,8 +442,15 @@ def write_all(folder: Path) -> dict[str, Path]:
     )
     (folder / "text.stl").write_text(f"solid part\n{text}endsolid part\n")
     (folder / "part.glb").write_bytes(b"glTF")
+
+
+def write_all(folder: Path) -> dict[str, Path]:
+    """The sound file, as ``sound``, and every faulty one, by its rule, with the meshes beside them."""
+    folder = folder / "robots"
+    folder.mkdir()
+    write_meshes(folder)
     texts = {"sound": SOUND} | {rule: fault.text.replace("FOLDER", str(folder)) for rule, fault in FAULTS.items()}
     paths = {name: folder / f"{name}.urdf" for name in texts}
     for name, path in paths.items():
-        path.write_text(texts[name], "utf-8")
+        path.write_bytes(texts[name].encode("utf-8", "surrogateescape"))
     return paths

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from faulty_files import FAULTS, write_all
+from faulty_files import FAULTS, IMPLAUSIBLE, SOUND, write_all
 
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.rules import Outcome, rules
@@ -46,6 +46,9 @@ AS_THE_FILE_SAYS = {
     "inertia-triangle-inequality",
     "file-address",
     "mesh-format",
+    "material-without-name",
+    "negative-velocity",
+    "colour-out-of-range",
     "text-stl",
 }
 """Files in which there are other objects than in the sound one, and right ones."""
@@ -67,8 +70,16 @@ NOT_SEEN_IN_OBJECTS = {
     "tiny-size",
     "relative-mesh",
     "fixed-link",
+    "mimic-itself",
+    "mimic-without-joint",
+    "negative-friction",
+    "xacro-element",
+    "unknown-attribute",
+    "reference-to-nothing",
 }
 """What it alters is nothing of the sound robot: a part is ignored, or the value that it takes is the sound one."""
+OF_THE_SOUND_FILE = {"root-without-inertial", "named-colour"}
+"""Rules that the sound file breaks, too."""
 TAKEN = {
     "zero-mass": 1.0,
     "negative-mass": 1.0,
@@ -113,8 +124,10 @@ def described(sim: Any, handle: int) -> list[Any]:
         found += [sim.getObjectFloatParam(handle, sim.jointfloatparam_maxvel)]
     elif kind == sim.sceneobject_shape:
         static = bool(sim.getObjectInt32Param(handle, sim.shapeintparam_static))
-        moments = sim.getShapeInertia(handle)[0]
+        moments, body = sim.getShapeInertia(handle)
+        colour = sim.getShapeColor(handle, None, sim.colorcomponent_ambient_diffuse)[1]
         found += [static, *(round(number, 9) + 0.0 for number in (sim.getShapeMass(handle), *moments))]
+        found += [round(number, 6) + 0.0 for number in (*body[3::4], *sim.getShapeBB(handle)[0], *colour)]
     return found
 
 
@@ -129,7 +142,19 @@ def compared(found: Mapping[str, Any], sound: Mapping[str, Any]) -> dict[str, An
         kept["others"].insert(0, f"{found['models']} models")
     if link := objects.get("link_2_respondable"):
         kept["mass of link_2"] = link[14]
+    link = objects.get("link_1_visual")
+    if link and (found is sound or "link_1_visual" in names):
+        kept["link_1_visual"] = {"static": link[13], "mass": link[14], "size": link[-6:-3], "colour": link[-3:]}
     return kept
+
+
+def write_files(folder: Path) -> dict[str, Path]:
+    """The sound file, and one for every rule that a URDF can break."""
+    paths = write_all(folder)
+    for rule, (old, new) in IMPLAUSIBLE.items():
+        paths[rule] = paths["sound"].with_name(f"{rule}.urdf")
+        paths[rule].write_text(SOUND.replace(old, new), "utf-8")
+    return paths
 
 
 def read_record() -> dict[str, dict[str, Any]]:
@@ -143,7 +168,7 @@ def test_the_real_one_does_what_is_kept(tmp_path: Path, *, renew: bool) -> None:
         return
     found = {}
     with Real() as real:
-        for name, path in write_all(tmp_path).items():
+        for name, path in write_files(tmp_path).items():
             found[name] = ask(real.port, path)
             if found[name]["end"] == "crashes":
                 real.end()
@@ -157,16 +182,16 @@ def test_the_real_one_does_what_is_kept(tmp_path: Path, *, renew: bool) -> None:
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return write_all(tmp_path_factory.mktemp("coppeliasim"))
+    return write_files(tmp_path_factory.mktemp("coppeliasim"))
 
 
 def test_the_table_says_what_it_did(files: dict[str, Path]) -> None:
     """It refuses, crashes or imports as the table has it; and where objects are others, the table says something."""
     record, wrong = read_record(), []
     for rule, kept in record.items():
-        if rule not in FAULTS:
+        if rule == "sound":
             continue
-        broken = {rule, *FAULTS[rule].besides}
+        broken = {rule, *(FAULTS[rule].besides if rule in FAULTS else ())}
         named = [finding for finding in inspect_urdf(files[rule]).findings if finding.rule in broken]
         outcomes = [
             rules()[finding.rule].outcomes["coppeliasim"]
@@ -183,14 +208,36 @@ def test_the_table_says_what_it_did(files: dict[str, Path]) -> None:
     assert wrong == []
 
 
-def test_a_rule_that_names_it_was_tried() -> None:
-    """The table says nothing of CoppeliaSim that was not seen there."""
-    record = read_record()
-    named = {name for name, rule in rules().items() if "coppeliasim" in rule.outcomes}
-    assert named - record.keys() <= {"xacro-fails"}  # Without a description there is nothing to import.
+def test_every_rule_was_tried() -> None:
+    """An empty cell means that CoppeliaSim was seen to take the file, never that nobody tried."""
+    assert rules().keys() - read_record().keys() == {
+        *OF_THE_SOUND_FILE,
+        "xacro-fails",  # Without a description there is nothing to import.
+    }
 
 
 @pytest.mark.parametrize("rule", TAKEN)
 def test_masses_are_those_that_the_table_says(rule: str) -> None:
     """Whatever the file says."""
     assert read_record()[rule]["mass of link_2"] == TAKEN[rule]
+
+
+def test_a_colour_that_is_named_is_white() -> None:
+    """One in the visual's own material is not."""
+    record = read_record()
+    assert record["sound"]["link_1_visual"]["colour"] == [1.0, 1.0, 1.0]
+    assert record["material-without-name"]["link_1_visual"]["colour"] == [1.0, 0.0, 0.0]
+
+
+def test_a_collision_shape_without_a_visual_is_a_second_body() -> None:
+    """It is not static, and has the mass of the link again."""
+    record = read_record()
+    assert record["sound"]["link_1_visual"]["static"]
+    copy = record["collision-without-visual"]["link_1_visual"]
+    assert (copy["static"], copy["mass"]) == (False, 2.0)
+
+
+def test_a_scale_of_2_is_ignored() -> None:
+    """The mesh has the size of its file."""
+    record = read_record()
+    assert record["mesh-scale"]["link_1_visual"]["size"] == record["relative-mesh"]["link_1_visual"]["size"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours
-from faulty_files import BOX, CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, LINK_1_BODY, SOUND
+from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, IMPLAUSIBLE, SOUND
 
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.rules import Outcome, plausibility_rules
@@ -16,24 +16,6 @@ from dh2urdf_plugins.lint.rules import Outcome, plausibility_rules
 if TYPE_CHECKING:
     from dh2urdf.stages import Finding
 
-ELBOW = '<joint name="elbow" type="revolute">'
-OTHER = """<link name="more">
-    <inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
-  </link>
-  <joint name="other" type="revolute">
-    <parent link="link_2"/><child link="more"/><axis xyz="0 0 1"/>
-    <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="elbow"/>"""
-FAULTS = {
-    "limits-in-degrees": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-180" upper="180"')),
-    "angles-in-degrees": ('rpy="0 1.5707963267948966 0"', 'rpy="0 90 0"'),
-    "length-in-millimetres": (BOX, '<box size="100 50 50"/>'),
-    "inertia-of-a-larger-body": (LINK_1_BODY, LINK_1_BODY.replace("0.01", "10")),
-    "centre-of-mass-far-off": (LINK_1_BODY, LINK_1_BODY.replace("0.1 0 0.05", "100 0 50")),
-    "zero-velocity": (ELBOW_LIMIT, ELBOW_LIMIT.replace('velocity="3"', 'velocity="0"')),
-    "mimic-circle": (ELBOW_LIMIT, f'{ELBOW_LIMIT}<mimic joint="other"/></joint>{OTHER}'),
-    "unknown-attribute": (ELBOW_AXIS, '<axis xyz="0 1 0"/><dynamics damping="0.1" frictoin="0.2"/>'),
-    "reference-to-nothing": (END, f'<gazebo reference="elbows"/>{END}'),
-}
 NOT_MEANT_OTHERWISE = {
     "no limits": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-100" upper="100"')),
     "many turns": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-25.13274" upper="25.13274"')),
@@ -58,13 +40,13 @@ def found(path: Path) -> list[Finding]:
 
 
 def test_every_rule_has_a_file_that_breaks_it() -> None:
-    assert set(FAULTS) == set(plausibility_rules())
+    assert set(IMPLAUSIBLE) == set(plausibility_rules())
 
 
-@pytest.mark.parametrize("rule", FAULTS)
+@pytest.mark.parametrize("rule", IMPLAUSIBLE)
 def test_a_fault_is_found(tmp_path: Path, rule: str) -> None:
     """Once, as a warning, and nothing else of its kind is."""
-    (finding,) = found(write(tmp_path, rule, *FAULTS[rule]))
+    (finding,) = found(write(tmp_path, rule, *IMPLAUSIBLE[rule]))
     assert finding.rule == rule
     assert finding.severity == "warning"
     assert finding.mark is not None
@@ -77,7 +59,7 @@ def test_what_may_be_meant_is_not_spoken_of(tmp_path: Path, name: str) -> None:
 
 
 def test_the_probable_attribute_is_told(tmp_path: Path) -> None:
-    (finding,) = found(write(tmp_path, "arm", *FAULTS["unknown-attribute"]))
+    (finding,) = found(write(tmp_path, "arm", *IMPLAUSIBLE["unknown-attribute"]))
     assert finding.message == "dynamics has no attribute 'frictoin': did you mean 'friction'?"
 
 
@@ -95,7 +77,7 @@ def test_a_ground_may_be_large(tmp_path: Path) -> None:
 def test_the_table_says_what_happens(tmp_path: Path, consumer: str) -> None:
     """Each consumer loads or refuses the files as the table has it."""
     rules = plausibility_rules()
-    paths = {rule: write(tmp_path, rule, *FAULTS[rule]) for rule in rules}
+    paths = {rule: write(tmp_path, rule, *IMPLAUSIBLE[rule]) for rule in rules}
     ends = {rule: each.end for rule, each in zip(paths, behaviours(consumer, list(paths.values())), strict=True)}
     said = {rule: rules[rule].outcomes.get(consumer) for rule in rules}
     assert ends == {

@@ -1,0 +1,90 @@
+"""What sdformat keeps of the links: those that weigh something, with what is fixed to them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import compound, placed
+from dh2urdf.robot import Inertial
+from dh2urdf.rotations import IDENTITY
+from dh2urdf_plugins.lint.merged import ELEMENTS, pose_of
+from dh2urdf_plugins.lint.numbers import urdfdom_numbers
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf_plugins.lint.description import Description, LinkNode
+    from dh2urdf_plugins.lint.tree import Element
+
+WORLD = "world"
+_NOTHING = 1e-6
+"""Mass that sdformat takes for 0 [kg]."""
+
+
+def mass_of(inertial: Element | None) -> float:
+    """The mass that urdfdom reads [kg]: 0 where it cannot read the origin or the mass."""
+    mass = inertial.first("mass") if inertial else None
+    if inertial is None or mass is None or _has_wrong_origin(inertial):
+        return 0.0
+    numbers = urdfdom_numbers(mass.get("value") or "", 1)
+    return numbers[0] if numbers else 0.0
+
+
+def kept(description: Description) -> Iterator[list[LinkNode]]:
+    """The bodies that are left, each a link with those that are fixed to it; below one that weighs nothing, none."""
+    if not description.roots:
+        return
+    root = description.roots[0]
+    heads = [root]
+    if root.name == WORLD:
+        heads = [description.link[joint.child] for joint in description.held.get(WORLD, ())]
+    seen = set[str]()
+    for head in heads:
+        if head.name in seen:
+            continue
+        body = description.body(head)
+        seen |= {node.name for node in body}
+        if abs(sum(mass_of(node.inertial) for node in body)) <= _NOTHING:
+            continue
+        yield body
+        joints = [joint for node in body for joint in description.held.get(node.name, ()) if joint.kind != "fixed"]
+        heads.extend(description.link[joint.child] for joint in joints)
+
+
+def merged(description: Description, body: list[LinkNode]) -> Inertial | None:
+    """Mass and inertia of a body, as urdfdom reads those of its links; None where that cannot be said."""
+    poses: dict[str, RigidTransform] = {body[0].name: IDENTITY}
+    parts: list[Inertial] = []
+    for node in body:
+        holder = description.holder(node)
+        if node is not body[0]:
+            step = pose_of(holder.element.first("origin")) if holder else None
+            above = poses.get(holder.parent) if holder else None
+            if step is None or above is None:
+                return None
+            poses[node.name] = above @ step
+        if node.inertial and (part := _inertial(node.inertial)):
+            parts.append(placed(part, poses[node.name]))
+    try:
+        return compound(parts)
+    except (ValueError, IndexError):  # no mass, or no body
+        return None
+
+
+def _inertial(inertial: Element) -> Inertial | None:
+    pose, mass, inertia = pose_of(inertial.first("origin")), mass_of(inertial), inertial.first("inertia")
+    if pose is None or not mass:
+        return None
+    read = [urdfdom_numbers(inertia.get(name) or "", 1) for name in ELEMENTS] if inertia else [None]
+    ixx, ixy, ixz, iyy, iyz, izz = (
+        numbers[0] if numbers else 0.0 for numbers in (6 * [None] if None in read else read)
+    )
+    return placed(Inertial(mass=mass, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)), pose)
+
+
+def _has_wrong_origin(inertial: Element) -> bool:
+    origin = inertial.first("origin")
+    texts = [origin.get(name) for name in ("xyz", "rpy")] if origin else []
+    return any(text is not None and urdfdom_numbers(text, 3) is None for text in texts)

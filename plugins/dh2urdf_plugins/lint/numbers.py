@@ -1,0 +1,186 @@
+"""Numbers as each reader makes them of a text, and what becomes of a file where a text is none."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.source import shown
+from dh2urdf_plugins.lint.description import SHAPES, Hit
+from dh2urdf_plugins.lint.tree import numbers_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf_plugins.lint.description import Description
+    from dh2urdf_plugins.lint.tree import Element
+
+_DECIMAL = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+_WHOLE = re.compile(rf"\s*({_DECIMAL})", re.ASCII)
+_STREAM = re.compile(rf"\s*({_DECIMAL})(?![0-9]*[eE][-+]?(?![0-9]))", re.ASCII)
+_STRTOD = re.compile(
+    rf"{_DECIMAL}|[-+]?(?:nan|inf|infinity|0x[0-9a-f]+\.?[0-9a-f]*(?:p[-+]?[0-9]+)?)", re.ASCII | re.IGNORECASE
+)
+XACRO = re.compile(r"\$[{(]")
+
+_URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
+"""The readers that have urdfdom."""
+_ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
+
+
+def urdfdom_numbers(text: str, count: int) -> tuple[float, ...] | None:
+    """Numbers as urdfdom takes them: decimal, finite, with blanks between them; None where it refuses them."""
+    words = [text] if count == 1 else [word for word in text.split(" ") if word]
+    matches = [_WHOLE.fullmatch(word) for word in words]
+    numbers = tuple(float(match[1]) for match in matches if match)
+    return numbers if len(numbers) == len(words) == count and all(map(math.isfinite, numbers)) else None
+
+
+def drake_numbers(text: str) -> tuple[float, ...]:
+    """The numbers that a text begins with: what follows them is ignored."""
+    numbers: list[float] = []
+    at = 0
+    while (match := _STREAM.match(text, at)) and math.isfinite(number := float(match[1])):
+        numbers.append(number)
+        at = match.end()
+    return tuple(numbers)
+
+
+def mujoco_numbers(text: str, count: int) -> tuple[float, ...] | None:
+    """Numbers as MuJoCo takes them: also hexadecimal, infinite and NaN; None where it refuses them."""
+    words = text.split()
+    if len(words) != count or not all(_STRTOD.fullmatch(word) for word in words):
+        return None
+    numbers = tuple(float.fromhex(word) if "x" in word.lower() else float(word) for word in words)
+    overflows = any(math.isinf(n) and "i" not in word.lower() for n, word in zip(numbers, words, strict=True))
+    return None if overflows else numbers
+
+
+class _Place(NamedTuple):
+    """Numbers that readers read.
+
+    Attributes:
+        element: where they stand.
+        attribute: the attribute.
+        size: how many numbers it needs.
+        inside: the element that urdfdom leaves out where it cannot read them: of a joint, that is the robot.
+        readers: who reads them.
+        required: whether MuJoCo refuses an empty text.
+    """
+
+    element: Element
+    attribute: str
+    size: int
+    inside: str
+    readers: frozenset[str] = _ALL
+    required: bool = False
+
+
+def hits(description: Description) -> Iterator[Hit]:
+    """What there is to say of every number."""
+    for place in _places(description):
+        text = place.element.get(place.attribute)
+        if text is not None and None in {numbers_of(text, place.size), urdfdom_numbers(text, place.size)}:
+            yield from _said(place, text)
+
+
+def _said(place: _Place, text: str) -> Iterator[Hit]:
+    element, count = place.element, place.size
+    refused = set()
+    if "mujoco" in place.readers and mujoco_numbers(text, count) is None and (place.required or text.strip()):
+        refused.add("mujoco")
+    allowed = {1, 3} if place.attribute == "scale" else {count}
+    if "drake" in place.readers and len(drake_numbers(text)) not in allowed:
+        refused.add("drake")
+    is_urdfdom = urdfdom_numbers(text, count) is None
+    if is_urdfdom and place.inside == "joint":
+        refused |= _URDFDOM
+    if "pybullet" in place.readers and element.tag == "axis" and len([w for w in text.split(" ") if w]) < count:
+        refused.add("pybullet")
+    what = "one finite number" if count == 1 else f"{count} finite numbers"
+    message = f"{place.attribute} of {element.tag} is {shown(text)}, not {what}"
+    kind = "number" if count == 1 else "vector"
+    if numbers_of(text, count) is not None:
+        message = f"{place.attribute} of {element.tag} is {shown(text)}: urdfdom takes blanks between numbers alone"
+        refused &= _URDFDOM
+    if kind == "number" and numbers_of(text, count) is None and "pybullet" in place.readers:
+        yield Hit("invalid-number", element, message, (refused & place.readers) | {"coppeliasim"})
+    elif refused & place.readers:
+        yield Hit(f"invalid-{kind}", element, message, refused & place.readers)
+    if misread := (place.readers - refused) - (set() if is_urdfdom else _URDFDOM):
+        misread &= _URDFDOM if numbers_of(text, count) is not None else _ALL
+        if misread:
+            yield Hit(f"misread-{kind}", element, message, misread)
+
+
+def _places(description: Description) -> Iterator[_Place]:
+    compiler = description.root.first("mujoco", "compiler")
+    draws = compiler is not None and compiler.get("discardvisual") == "false"
+    for material in description.root.all("material"):
+        yield from _of_material(material)
+    for link in description.root.all("link"):
+        if inertial := link.first("inertial"):
+            yield from _of_origin(inertial, "inertial")
+            if mass := inertial.first("mass"):
+                yield _Place(mass, "value", 1, "inertial", required=True)
+            if inertia := inertial.first("inertia"):
+                for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
+                    yield _Place(inertia, name, 1, "inertial", required=True)
+        for shape in (*link.all("visual"), *link.all("collision")):
+            for place in _of_shape(shape):
+                hidden = shape.tag == "visual" and not draws and place.inside != "material"
+                yield place._replace(readers=place.readers - {"mujoco"}) if hidden else place
+    for joint in description.root.all("joint"):
+        yield from _of_joint(joint)
+
+
+def _of_shape(shape: Element) -> Iterator[_Place]:
+    yield from _of_origin(shape, "shape")
+    if geometry := shape.first("geometry"):
+        yield from _of_geometry(geometry)
+    if shape.tag == "visual" and (material := shape.first("material")):
+        yield from _of_material(material)
+
+
+def _of_origin(parent: Element, inside: str) -> Iterator[_Place]:
+    if origin := parent.first("origin"):
+        for name in ("xyz", "rpy"):
+            yield _Place(origin, name, 3, inside)
+
+
+def _of_material(material: Element) -> Iterator[_Place]:
+    if colour := material.first("color"):
+        yield _Place(colour, "rgba", 4, "material", required=True)
+
+
+def _of_geometry(geometry: Element) -> Iterator[_Place]:
+    for index, body in enumerate(geometry.children):
+        readers = frozenset({"mujoco", "drake"}) if index else _ALL
+        for name in SHAPES.get(body.tag, ()):
+            if body.tag != "mesh":
+                yield _Place(body, name, 3 if name == "size" else 1, "shape", readers, required=True)
+        if body.tag == "mesh":
+            yield _Place(body, "scale", 3, "shape", readers, required=True)
+
+
+def _of_joint(joint: Element) -> Iterator[_Place]:
+    kind = joint.get("type")
+    at_rest = {"mujoco"} if kind == "fixed" else set()
+    yield from _of_origin(joint, "joint")
+    if kind not in {"fixed", "floating"} and (axis := joint.first("axis")):
+        yield _Place(axis, "xyz", 3, "joint", required=True)
+    if limit := joint.first("limit"):
+        moving = kind not in {"fixed", "floating"}
+        readers = _ALL if moving else _URDFDOM
+        for name in ("lower", "upper", "effort", "velocity"):
+            yield _Place(limit, name, 1, "joint", readers - {"mujoco"} if name == "velocity" else readers)
+    if dynamics := joint.first("dynamics"):
+        for name in ("damping", "friction"):
+            yield _Place(dynamics, name, 1, "joint", _ALL - at_rest)
+    if mimic := joint.first("mimic"):
+        for name in ("multiplier", "offset"):
+            yield _Place(mimic, name, 1, "joint", _ALL - at_rest)
+    if safety := joint.first("safety_controller"):
+        for name in ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"):
+            yield _Place(safety, name, 1, "joint", _URDFDOM)

@@ -183,12 +183,7 @@ def _addresses(forms: dict[str, list[_Use]], description: Description, *, draws:
         of = set() if form in {"", "file-address"} else {"drake", "pinocchio", "coppeliasim"}
         if form and (draws or any(use.is_collision for use in found)):
             of.add("mujoco")
-        there = [
-            use.address
-            for use in found
-            if (file := resolved(use.address, description)) and is_there(file, is_file=True)
-        ]
-        if form == "package-address" and not all(_is_found_by_pybullet(each, description.path) for each in there):
+        if form == "package-address" and any(_is_lost_in_pybullet_alone(use.address, description) for use in found):
             of.add("pybullet")
         if of:
             yield Hit(form, found[0].element, f"{_count_of(found, 'has', 'have')} such an address", of)
@@ -235,6 +230,11 @@ def _is_found_by_pybullet(address: str, description: Path) -> bool:
     folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
     places = [above / rest for above in (folder, *folder.parents)]
     return is_there(Path(address), is_file=True) or any(is_there(place, is_file=True) for place in places)
+
+
+def _is_lost_in_pybullet_alone(address: str, description: Description) -> bool:
+    file = resolved(address, description)
+    return file is not None and is_there(file, is_file=True) and not _is_found_by_pybullet(address, description.path)
 
 
 def is_there(path: Path, *, is_file: bool) -> bool:

@@ -72,8 +72,10 @@ def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, 
     enter([Path(__file__).parent], seconds)
     try:
         return forms_of(content, suffix, scale, how)
-    except (ImportError, MemoryError):
+    except ImportError:
         raise
+    except MemoryError:
+        raise MemoryError from None  # That of numpy cannot be handed to another process.
     except Exception as error:  # noqa: BLE001 - what readers of other people's files raise is anything
         raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from None
 

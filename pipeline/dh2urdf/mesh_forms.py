@@ -75,9 +75,10 @@ def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, 
     except ImportError:
         raise
     except MemoryError:
-        raise MemoryError from None  # That of numpy cannot be handed to another process.
+        pass  # What took it is let go of before anything else is done.
     except Exception as error:  # noqa: BLE001 - what readers of other people's files raise is anything
         raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from None
+    raise MemoryError  # That of numpy cannot be handed to another process.
 
 
 def _warm_up(suffix: str, how: MeshConversion) -> None:

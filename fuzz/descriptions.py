@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 FATAL = {Outcome.REFUSES, Outcome.CRASHES}
 MOST_LINKS = 6
-"""Links of a piece of a description [1]."""
+"""Links of a piece of a description."""
 SECONDS_TO_SHRINK = 20
 GROUPS_PRINTED = 10
 

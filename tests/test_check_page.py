@@ -40,7 +40,7 @@ def lines(rules: Mapping[str, Rule], readers: Iterable[str]) -> Iterator[str]:
             together.setdefault(f"{effect.text} ({rule.outcomes[effect.consumer]})", []).append(f"`{effect.consumer}`")
         for text, consumers in together.items():
             yield f"- {', '.join(consumers)}: {text}"
-        yield f"\nMend: {rule.mend}."
+        yield f"\nFix: {rule.fix}."
 
 
 TABLES = {
@@ -51,7 +51,7 @@ TABLES = {
 
 @pytest.mark.parametrize("name", TABLES)
 def test_every_rule_is_in_the_page(name: str, *, renew: bool) -> None:
-    """With what every consumer does, and how to mend it."""
+    """With what every consumer does, and how to fix it."""
     page, generated = PAGE.read_text("utf-8"), "\n".join(lines(*TABLES[name])) + "\n\n"
     pattern = re.compile(PATTERN.format(name), re.DOTALL)
     if renew:
@@ -75,7 +75,7 @@ QUOTED = re.compile(r"^(?P<file>\w+\.urdf):\d+:\d+: error: (?P<message>.*)\n(?P<
 
 
 def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
-    """Findings, effects and mends; the lines may be others in another version of the package."""
+    """Findings, effects and fixes; the lines may be others in another version of the package."""
     try:
         files = importlib.metadata.files("example-robot-data") or ()
     except importlib.metadata.PackageNotFoundError:
@@ -85,7 +85,7 @@ def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
     assert len(quotes) == 4
     for quote in quotes:
         finding = next(each for each in inspect_urdf(paths[quote["file"]]).findings if quote["message"] in each.message)
-        said = [f"mend: {finding.mend}"]
+        said = [f"fix: {finding.mend}"]
         for effect in finding.effects:
             severity = "" if effect.severity == finding.severity else f" ({effect.severity})"
             said.append(f"{effect.consumer}{severity}: {effect.text}")

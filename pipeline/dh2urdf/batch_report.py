@@ -87,7 +87,7 @@ class Tally:
         self.statuses[outcome.status] += 1
         if outcome.kind:
             self._kinds[outcome.kind] += 1
-        # What simulators notice is alike for many manipulators: it is told at the end, grouped.
+        # What simulators notice is alike for many manipulators: the end of a run reports it, grouped.
         findings = [finding for load in outcome.loads.values() for finding in load.report.findings]
         graver = [finding for finding in findings if finding.severity == "error"]
         problems = (*outcome.notices, *graver, *outcome.errors)

@@ -142,7 +142,7 @@ def load_in_child(loader: Loader[O], request: LoadRequest, options: O, who: str 
     folder = f"{request.path.parent}{os.sep}"
 
     def plain(problems: Iterable[Problem], simulator: str = "") -> tuple[Problem, ...]:
-        """The problems without the folder, each with a name of whoever found it in its message."""
+        """The problems without the folder, each with the name of the simulator in its message."""
         told = (replace(problem, message=problem.message.replace(folder, "")) for problem in problems)
         return tuple(_named(problem, simulator or loader.name, loader.name) for problem in told)
 

@@ -192,6 +192,6 @@ def _refusal(name: str, reason: str) -> EmitterError:
     return EmitterError(
         Problem(
             message=f"the mesh {name} cannot be converted: {reason}",
-            suggestion="mend the mesh; or leave meshes as they are, with `convert: never`",
+            suggestion="fix the mesh; or leave meshes as they are, with `convert: never`",
         )
     )

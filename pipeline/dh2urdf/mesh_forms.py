@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import Vec3
 
 CONCAVITY = 0.05
-"""Concavity of a part at which CoACD stops cutting: its `threshold`, over half of the mesh's longest edge [1]."""
+"""Concavity of a part at which CoACD stops cutting: its `threshold`, over half of the mesh's longest edge."""
 COVER = 0.05
-"""How far parts of a decomposition may stand off from the mesh, over its longest edge [1]."""
+"""How far parts of a decomposition may stand off from the mesh, over its longest edge."""
 
 _ROUNDING = 1e-9  # of places over the longest edge, and of volumes
 _CLOSE = 1e-7  # of points to the planes of a hull, over the longest edge: Qhull's own precision
@@ -59,7 +59,7 @@ def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, 
     Args:
         content: the file.
         suffix: one of `dh2urdf.mesh_triangles.FORMATS`.
-        scale: factors along the axes of the mesh [1].
+        scale: factors along the axes of the mesh.
         how: what is made of it.
         seconds: computing time that is left [s].
 

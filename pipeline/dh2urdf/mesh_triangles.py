@@ -142,7 +142,7 @@ def read_parts(content: bytes, suffix: str, scale: tuple[float, float, float]) -
     Args:
         content: the file.
         suffix: one of `FORMATS`.
-        scale: factors along the axes of the mesh [1].
+        scale: factors along the axes of the mesh.
 
     Raises:
         ImportError: as `load_scene`.

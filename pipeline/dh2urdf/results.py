@@ -125,7 +125,7 @@ class ManipulatorEntry(TypedDict):
 
 
 class CoverageEntry(TypedDict):
-    """How many manipulators of a run a loader was given, and what came of it [1]."""
+    """How many manipulators of a run a loader was given, and what came of it."""
 
     simulator: str | None
     of: int

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import Vec3
 
 NUDGE = 1e-30
-"""What is added to an axis along -z across it [1]: the importer turns z to the axis about the vector across both, and
+"""What is added to an axis along -z across it: the importer turns z to the axis about the vector across both, and
 leaves z as it is where that is zero, below 1e-162. With 1e-30 nobody else's double changes, and no float underflows."""
 
 

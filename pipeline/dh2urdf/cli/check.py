@@ -78,7 +78,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     FILE may also be a folder: all descriptions in it are checked. The findings of several files are grouped by rule.
 
     With --fix, a URDF is written to -o with unit axes, limits in order, plain names, inertias for masses that have
-    none, and an XML declaration; every other byte stays. What was fixed is told, and the new file is checked.
+    none, and an XML declaration; every other byte stays. The command prints what it fixed, and checks the new file.
 
     With --against, the description is also compared with a DH table, joint by joint: where they differ, it says by
     which base, tool, signs and offsets they would agree, in a form that can be put into the table. FILE or TABLE may

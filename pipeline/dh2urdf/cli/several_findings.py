@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Finding
 
 MOST_OF_A_FILE = 3
-"""Findings of one rule in one file that are printed [1]; of the others, how many there are."""
+"""Findings of one rule in one file that are printed; the others are counted."""
 
 
 def print_grouped(several: Inspections, findings: Sequence[Finding], consumers: Mapping[str, str]) -> None:
@@ -44,4 +44,4 @@ def _lines(rule: str, findings: Sequence[Finding]) -> Iterator[str]:
             yield f"    {file}: and {count - MOST_OF_A_FILE} more"
     for line in dict.fromkeys(line for finding in findings for line in said(finding)):
         yield f"        {line}"
-    yield f"        mend: {findings[0].mend}"
+    yield f"        fix: {findings[0].mend}"

@@ -20,7 +20,7 @@ MOST_ROWS = 40
 """Rows that a summary shows [1]; of a longer run it shows the failures first and counts the rest."""
 
 MOST_NOTICES = 20
-"""Notices of simulators that a summary shows [1], each with the number of manipulators that it is about."""
+"""Notices of simulators that a summary shows, each with the number of manipulators that it is about."""
 
 MANY = 100
 """Manipulators of a run that is told how many it made per second [1]."""

@@ -155,7 +155,7 @@ def as_sarif(findings: Sequence[Finding]) -> str:
 def _result(finding: Finding, rule_index: int) -> dict[str, Any]:
     mark = finding.mark
     text = f"{finding.message} ({mark.place})" if mark and mark.place else finding.message
-    said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"mend: {finding.mend}"]
+    said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"fix: {finding.mend}"]
     result = {
         "ruleId": finding.rule,
         "ruleIndex": rule_index,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dh2urdf.variations import VariationCall
 
 MOST_INPUTS = 1000
-"""Input files that are hashed and listed [1]; of a longer list the first ones."""
+"""Input files that are hashed and listed; of a longer list the first ones."""
 CITATION = (
     f"The dh2urdf authors, dh2urdf {__version__}: Denavit-Hartenberg tables as robot descriptions that are provably "
     "the same arm, software under the MIT licence, 2026"

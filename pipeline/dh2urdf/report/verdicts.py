@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dh2urdf.results import CoverageEntry, ManipulatorEntry, SimulatorNotice
 
 MOST_NOTICES = 200
-"""Different notices of simulators that are counted one by one [1]; the manifest has the others too."""
+"""Different notices of simulators that are counted one by one; the manifest has the others too."""
 
 _QUOTED = re.compile(r"'[^']*'")
 _NUMBER = re.compile(r"[-+]?\b\d[\w.+-]*")

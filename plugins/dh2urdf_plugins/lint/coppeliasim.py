@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.description import Description
 
 LARGEST_SCALE = 0.99999
-"""Scales whose factors have a product above this are ignored [1]; seen: 0.999995 is, 0.99998 is not."""
+"""Scales whose factors have a product above this are ignored; seen: 0.999995 is, 0.99998 is not."""
 
 
 def hits(description: Description) -> Iterator[Hit]:

@@ -25,7 +25,7 @@ _SMALLEST_AXIS = {
     "gazebo": 1e-6,
     "coppeliasim": 1e-100,
 }
-"""Length of an axis that a reader takes for a direction [1]."""
+"""Length of an axis that a reader takes for a direction."""
 
 
 def hits(description: Description) -> Iterator[Hit]:

@@ -31,9 +31,9 @@ _STEP = 0.5
 _NO_LIMIT = {100.0, 200.0, 500.0}
 """Round numbers that are written for no limit [rad]."""
 TOO_WIDE = 2.0
-"""How much wider than the shapes a body may be: shapes are simplified, and motors have no shape [1]."""
+"""How much wider than the shapes a body may be: shapes are simplified, and motors have no shape."""
 TOO_FAR = 2.0
-"""How many diagonals of its shapes a centre of mass may be outside of them [1]."""
+"""How many diagonals of its shapes a centre of mass may be outside of them."""
 SMALLEST = 0.05
 """What a body without larger shapes may measure [m]: a rotor that is not drawn, a frame with a placeholder."""
 

@@ -58,14 +58,14 @@ class Rule:
     Attributes:
         name: its name, which stays.
         fault: what is at fault where it is broken.
-        mend: what to do about it.
+        fix: what to do about it.
         outcomes: what becomes of the file, by consumer; one that is not named takes it as it stands.
         effects: the same as findings say it.
     """
 
     name: str
     fault: str
-    mend: str
+    fix: str
     outcomes: dict[str, Outcome]
     effects: tuple[Effect, ...]
 
@@ -89,7 +89,7 @@ def _table(name: str) -> dict[str, Rule]:
 
 
 def rule_of(
-    name: str, known: Mapping[str, str], *, fault: str, mend: str, consumers: Mapping[str, tuple[str, str]]
+    name: str, known: Mapping[str, str], *, fault: str, fix: str, consumers: Mapping[str, tuple[str, str]]
 ) -> Rule:
     """A rule as an entry of a table says it; `known` are the consumers of the table, in their order."""
     outcomes = {consumer: Outcome(word) for consumer, (word, _) in consumers.items()}
@@ -98,4 +98,4 @@ def rule_of(
         for consumer in known
         if consumer in consumers
     )
-    return Rule(name=name, fault=fault, mend=mend, outcomes=outcomes, effects=effects)
+    return Rule(name=name, fault=fault, fix=fix, outcomes=outcomes, effects=effects)

@@ -61,7 +61,7 @@ class Precision(NamedTuple):
         position: a position, as a share of the arm's reach [1].
         angle: an orientation [rad].
         name: in words.
-        com: besides, a centre of mass, where it is told in the world [m].
+        com: besides, a centre of mass, where the simulator has it in the world frame [m].
         inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
             link's origin, where the simulator holds the inertia about that [1].
     """
@@ -255,7 +255,7 @@ class Comparison:
         return hold, tuple(self._hold_findings(weakest, largest, loads, contacts))
 
     def _largest_share(self, loads: Sequence[float]) -> float | None:
-        """The largest share of an effort that gravity asks [1]; None where it loads a joint without an effort."""
+        """The largest share of an effort that gravity asks; None where it loads a joint without an effort."""
         shares = [0.0]
         for joint, load in zip(self.robot.moving_joints, loads, strict=True):
             effort = joint.limits.effort

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 TIME_STEP = 1 / 240
 """PyBullet's usual time step [s]."""
 SOFTNESS = 1e-9
-"""Added to the diagonal of the direct solver's matrix [1], which is singular for joints that move no mass."""
+"""Added to the diagonal of the direct solver's matrix, which is singular for joints that move no mass."""
 MARGIN = 0.001
 """By how much Bullet thickens a cylinder or a mesh in its search for contacts [m]."""
 SEARCHED = 0.01

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Limits
 
 MAX_JOINTS = 5000
-"""Joints of one manipulator [1]: a hundred times those of the longest arms that are built, and made in seconds."""
+"""Joints of one manipulator: a hundred times those of the longest arms that are built, and made in seconds."""
 MEASURABLE_ARM = 1e9
 """Length of an arm beyond which a double cannot tell micrometres apart [m]."""
 

@@ -259,7 +259,7 @@ def _remarks(file: MeshFile) -> tuple[tuple[str, str], ...]:
     if suffix == ".dae":
         try:
             asset = asset_of(content, suffix)
-        except ValueError:  # It is no COLLADA; whoever reads it says so.
+        except ValueError:  # It is no COLLADA; its reader reports that.
             return ()
         if asset.unit != 1.0:
             remarks.append((f"says that its unit is {asset.unit:.6g} m", "in metres"))

@@ -49,7 +49,7 @@ def test_a_file_of_ours_is_taken_by_all(cli: Cli, arm: Path) -> None:
     assert last == "3 notes for pybullet, mujoco, pinocchio, drake, ros, gazebo, coppeliasim"
 
 
-def test_an_error_is_told_with_its_place_and_its_mend(cli: Cli, arm: Path) -> None:
+def test_an_error_is_printed_with_its_place_and_its_fix(cli: Cli, arm: Path) -> None:
     """File, line, column, severity, what stands there, the rule; what each consumer does; what to do. Exit status 1."""
     swap_limits(arm)
     lines = cli("check", arm.name, status=1).stdout.splitlines()
@@ -58,7 +58,7 @@ def test_an_error_is_told_with_its_place_and_its_mend(cli: Cli, arm: Path) -> No
     assert lines[index].startswith(f"arm.urdf:{number}:5: error: joint 'first' has lower ")
     assert lines[index + 1] == "    pybullet (warning), mujoco (warning): leaves the joint without limits"
     assert "    drake: ends the interpreter with SystemExit" in lines
-    assert "    mend: exchange them" in lines
+    assert "    fix: exchange them" in lines
     assert lines[-1].startswith("1 error, 3 notes for ")
 
 
@@ -124,7 +124,7 @@ def test_a_format_without_a_check_is_refused() -> None:
 
 
 def test_a_fixed_file_is_written_and_checked(cli: Cli, arm: Path) -> None:
-    """What was done is told with its place; the input stays, and the rest of the text too."""
+    """What was done is printed with its place; the input stays, and the rest of the text too."""
     right = arm.read_bytes()
     swap_limits(arm)
     wrong = arm.read_bytes()

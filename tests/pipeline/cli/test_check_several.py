@@ -46,7 +46,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_folder_is_checked_by_what_is_in_its_files(cli: Cli, folder: Path) -> None:
-    """Whole descriptions are found whatever their suffix; a rule is told once, with the files that break it."""
+    """Whole descriptions are found whatever their suffix; a rule is printed once, with the files that break it."""
     assert folder.is_dir()
     lines = cli("check", "robots", "--for", "ros", status=1).stdout.splitlines()
     (index,) = [number for number, line in enumerate(lines) if line == "error: [duplicate-link] in 3 files"]
@@ -135,7 +135,7 @@ def test_arguments_reach_the_xacros_of_a_folder(cli: Cli, folder: Path) -> None:
 
 
 def test_the_packages_of_a_folder_are_known_to_its_files(cli: Cli, folder: Path) -> None:
-    """By the names that they give themselves, to a URDF and a xacro of another package; alone, a file is told of them."""
+    """By the names that they give themselves, to a URDF and a xacro of another package; a single file needs the option."""
     mesh = '<visual><geometry><mesh filename="package://parts/part.obj"/></geometry></visual>'
     (folder / "parts_of_all").mkdir()
     (folder / "parts_of_all" / "package.xml").write_text("<package><name>parts</name></package>")

@@ -34,7 +34,7 @@ def test_sarif_has_as_much_of_a_place_as_is_known(line: int | None, column: int 
     log = json.loads(as_sarif([finding(MILD, line=line, column=column)]))
     (result,) = log["runs"][0]["results"]
     assert result["locations"][0]["physicalLocation"].get("region") == region
-    assert result["message"]["text"] == "it is so\none: says so\nmend: make it otherwise"
+    assert result["message"]["text"] == "it is so\none: says so\nfix: make it otherwise"
 
 
 def test_sarif_addresses_are_uris(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("rule", FAULTS)
 def test_a_fault_is_fixed_at_its_place(tmp_path: Path, rule: str) -> None:
-    """Quotes, spaces and comments stay; the rule is broken no more, and what was done is told once."""
+    """Quotes, spaces and comments stay; the rule is broken no more, and what was done is printed once."""
     old, wrong, right = FAULTS[rule]
     text = SOUND.replace("<link name", "<!-- a  comment\t-->\n  <link name", 1)
     path = tmp_path / "arm.urdf"

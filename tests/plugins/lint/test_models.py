@@ -45,7 +45,7 @@ def test_the_tables_are_in_order() -> None:
             assert re.fullmatch(rf"{name}(-[a-z]+)+", rule.name)
             assert rule.effects
             assert set(rule.outcomes) <= set(CONSUMERS[name])
-            for text in (rule.fault, rule.mend, *(effect.text for effect in rule.effects)):
+            for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)):
                 assert text == text.strip()
                 assert not text.endswith(".")
 
@@ -68,7 +68,7 @@ def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
     assert finding.mark is not None
     assert finding.mark.file == str(files[rule])
     assert finding.mark.line == FAULTS[rule].line(SOUND[name])
-    assert finding.mend == model_rules(name)[rule].mend
+    assert finding.mend == model_rules(name)[rule].fix
 
 
 MEASURED = [(name, consumer) for name in CONSUMERS for consumer in CONSUMERS[name]]
@@ -159,7 +159,7 @@ def test_the_schema_is_that_of_mujoco() -> None:
 
 
 def test_what_is_included_is_part_of_the_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Names may be defined in another file, and a fault there is told with that file and its line."""
+    """Names may be defined in another file, and a fault there is reported with that file and its line."""
     (tmp_path / "part.obj").touch()
     asset = MJCF[MJCF.index("  <asset>") : MJCF.index("  <worldbody>")]
     path, inner = tmp_path / "arm.xml", tmp_path / "assets.xml"

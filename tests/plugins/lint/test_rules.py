@@ -74,18 +74,18 @@ def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
     if finding.mark.column is not None and rule not in IN_THE_TEXT:
         line = fault.text.splitlines()[fault.line - 1]
         assert line[finding.mark.column - 1] == "<"
-    assert finding.mend == rules()[rule].mend
+    assert finding.mend == rules()[rule].fix
     of = fault.of or tuple(rules()[rule].outcomes)
     assert [effect.consumer for effect in finding.effects] == [name for name in CONSUMERS if name in of]
 
 
 def test_the_table_is_in_order() -> None:
-    """Names are in kebab-case; every fault, mend and sentence is a phrase without a full stop."""
+    """Names are in kebab-case; every fault, fix and sentence is a phrase without a full stop."""
     for rule in rules().values():
         assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
         assert rule.effects
         assert set(rule.outcomes) <= set(CONSUMERS)
-        for text in (rule.fault, rule.mend, *(effect.text for effect in rule.effects)):
+        for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)):
             assert text == text.strip()
             assert not text.endswith(".")
 

@@ -4,8 +4,8 @@
 
 Each file is a sound description, or a connected piece of one, with up to three faults. PyBullet, MuJoCo, Pinocchio,
 Drake, urdfdom and sdformat load it, each in a process of its own. A refusal that was predicted and does not happen is
-false, one that happens and was not predicted is missed. What is mispredicted is made as small as it can be, grouped by
-reader, rules and message, and written to the folder `--found`. The figures and the largest groups are printed after
+false, one that happens and was not predicted is missed; an exception of `check` itself is a failure too. What is
+mispredicted is made as small as it can be, grouped by reader, rules and message, and written to the folder `--found`. The figures and the largest groups are printed after
 every thousand files, and at the end, also where SIGINT (Ctrl-C) ends it early.
 """
 
@@ -146,9 +146,16 @@ class Bench:
         tried.write(self.path)
         for consumer in consumers:
             self.readers[consumer].ask(self.path)
-        told = predicted(self.path)
+        told, raised = dict[str, list[str]](), ""
+        try:
+            told = predicted(self.path)
+        except Exception as error:  # noqa: BLE001 - whatever `check` raises is what is looked for
+            raised = f"{type(error).__name__}: {error}"
         for consumer in consumers:
             behaviour = self.readers[consumer].answer()
+            if raised:
+                yield Wrong(consumer, "check raised", (), raised), consumer, False, behaviour.end != "loads"
+                continue
             yield (
                 compared(consumer, told[consumer], behaviour),
                 consumer,
@@ -290,7 +297,8 @@ def main() -> int:
         write_found(figures, given.seed, given.descriptions, given.found)
     false, missed = (sum(figures.count(consumer, kind) for consumer in READERS) for kind in ("false", "missed"))
     shares = (false / max(figures.predicted.total(), 1), missed / max(figures.refused.total(), 1))
-    return int(max(shares) > given.allowed / 100)
+    raised = any(wrong.kind == "check raised" for wrong in figures.wrong)
+    return int(raised or max(shares) > given.allowed / 100)
 
 
 if __name__ == "__main__":

@@ -126,7 +126,7 @@ def _mass(link: LinkNode, inertial: Element, corners: list[Vec3]) -> Iterator[Hi
         return
     # No point of a body is farther from its centre of mass than its radius of gyration asks for: I = m·k², k ≤ r.
     reach = TOO_WIDE * max(*(math.dist(corner, com) for corner in corners), SMALLEST)
-    gyration = math.sqrt(max(principal_moments(body.inertia)) / body.mass)
+    gyration = math.sqrt(max(*principal_moments(body.inertia), 0.0) / body.mass)
     if gyration > reach:
         message = (
             f"the inertia of {about} is that of {body.mass:g} kg at a distance of {gyration:.3g} m, "

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours
-from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, IMPLAUSIBLE, SOUND
+from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, IMPLAUSIBLE, LINK_1_BODY, SOUND
 
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.rules import Outcome, plausibility_rules
@@ -71,6 +71,15 @@ def test_a_ground_may_be_large(tmp_path: Path) -> None:
         "</collision></link></robot>"
     )
     assert found(path) == []
+
+
+def test_an_inertia_of_negative_moments_is_no_larger_body(tmp_path: Path) -> None:
+    """It is found by another rule, and it has no radius of gyration."""
+    moments = 'ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"'
+    body = LINK_1_BODY.replace(moments, 'ixx="-1" ixy="0" ixz="0" iyy="-1" iyz="0" izz="-1"')
+    path = write(tmp_path, "arm", LINK_1_BODY, body)
+    assert found(path) == []
+    assert "inertia-not-positive-definite" in {finding.rule for finding in inspect_urdf(path).findings}
 
 
 @pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])

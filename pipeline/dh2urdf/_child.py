@@ -1,8 +1,12 @@
-"""What runs in a child process of `dh2urdf.isolation`: one call, whose outcome goes back to the parent.
+"""What runs in an interpreter that `dh2urdf.interpreter` starts: the calls of its parent, one after the other.
 
-It is started by its path and needs the standard library alone, so it works wherever the interpreter does. The call
-arrives on standard input, the outcome leaves on what was standard output, and everything that anybody prints, from
-C too, goes to standard error.
+It is started by its path and needs the standard library alone, so it works wherever the interpreter does. Messages are
+pickles. The first one is ``sys.path``. Each further one is a call, ``(function, arguments)``, both pickled once more;
+without a function it is the function of the call before, and without arguments the function is imported and not
+called. None ends the interpreter.
+
+Calls arrive on standard input. Each answer leaves on what was standard output: a word and its data. Everything that
+anybody prints, from C too, goes to standard error, between two marks for each call.
 """
 
 from __future__ import annotations
@@ -15,21 +19,40 @@ import sys
 import threading
 import traceback
 from pathlib import Path
-from typing import Any
+from queue import SimpleQueue
+from typing import IO, Any
 
 
-def main() -> None:
-    """Takes the call from the parent, makes it, and sends the outcome."""
-    parent, outcome = os.dup(0), os.dup(1)
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM came during a call: an interrupt like Ctrl-C, and no fault of what it interrupts."""
+
+
+def main(begin: bytes, end: bytes) -> None:
+    """Answer the calls of the parent until it sends the last one, or is gone.
+
+    Args:
+        begin: what is written to standard error before a call.
+        end: what is written there after it.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's affair.
+    messages, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     with Path(os.devnull).open("rb") as nothing:
         os.dup2(nothing.fileno(), 0)
     _print_at_once()
-    with os.fdopen(parent, "rb", closefd=False) as job:
-        sys.path[:], call = pickle.load(job)  # noqa: S301 - our own parent sent it
-    threading.Thread(target=_leave_with_parent, args=(parent,), daemon=True).start()
-    with os.fdopen(outcome, "wb") as result:
-        pickle.dump(_outcome(call), result)
+    received: SimpleQueue[Any] = SimpleQueue()
+    threading.Thread(target=_receive, args=(messages, received), daemon=True).start()
+    sys.path[:] = received.get()
+    function: Any = None
+    while (call := received.get()) is not None:
+        os.write(2, begin)
+        function, answer = _answer(function, *call)
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
+                stream.flush()
+        os.write(2, end)
+        pickle.dump(answer, answers)
+        answers.flush()
 
 
 def _print_at_once() -> None:
@@ -44,26 +67,46 @@ def _print_at_once() -> None:
         libc.setvbuf(ctypes.c_void_p.in_dll(libc, "stdout"), None, unbuffered, 0)
 
 
-def _leave_with_parent(parent: int) -> None:
-    """Ends this process, and all that it started, as soon as the parent is gone, however it went."""
-    os.read(parent, 1)  # The parent sends nothing more: this returns when its end of the pipe closes.
-    if hasattr(os, "killpg"):
-        os.killpg(0, signal.SIGKILL)
-    os._exit(1)
+def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
+    """Takes what the parent sends; its end is the parent's: this process and all that it started leave at once.
 
-
-def _outcome(call: bytes) -> tuple[Any, ...]:
-    """Makes the call; says what came of it, as a word and its data."""
+    A run that was killed may be resumed in the next moment, and must not meet its own past.
+    """
     try:
-        function, args = pickle.loads(call)  # noqa: S301 - our own parent sent it
+        while True:
+            received.put(pickle.load(messages))  # noqa: S301 - our own parent sent it
+    except (EOFError, OSError, pickle.UnpicklingError):
+        if hasattr(os, "killpg"):
+            os.killpg(0, signal.SIGKILL)
+        os._exit(1)
+
+
+def _answer(function: Any, given: bytes | None, args: bytes | None) -> tuple[Any, tuple[Any, ...]]:  # noqa: ANN401 - whatever is called
+    """The function of a call, and what came of it. SIGTERM ends the call, which takes away what it was writing."""
+    try:
+        if given is not None:
+            function = pickle.loads(given)  # noqa: S301 - our own parent sent it
     except Exception as error:  # noqa: BLE001 - unpickling imports modules, which may raise anything
-        return ("not imported", f"{type(error).__name__}: {error}")
+        return None, ("not imported", f"{type(error).__name__}: {error}", _pickled(error))
+    if args is None:
+        return function, ("imported",)
+    signal.signal(signal.SIGTERM, _on_terminate)
     try:
-        return ("value", pickle.dumps(function(*args)))
+        return function, ("value", pickle.dumps(function(*pickle.loads(args))))  # noqa: S301 - our own parent sent it
     except SystemExit as error:
-        return ("left", 0 if error.code is None else error.code)
+        return function, ("left", 0 if error.code is None else error.code, traceback.format_exc())
+    except _Terminated:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        signal.raise_signal(signal.SIGTERM)
+        raise
     except BaseException as error:  # noqa: BLE001 - the parent raises it again
-        return ("raised", _pickled(error), f"{type(error).__name__}: {error}", traceback.format_exc())
+        return function, ("raised", _pickled(error), f"{type(error).__name__}: {error}", traceback.format_exc())
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def _on_terminate(_number: int, _frame: object) -> None:
+    raise _Terminated
 
 
 def _pickled(error: BaseException) -> bytes | None:
@@ -77,4 +120,4 @@ def _pickled(error: BaseException) -> bytes | None:
 
 
 if __name__ == "__main__":
-    main()
+    main(*map(str.encode, sys.argv[1:]))

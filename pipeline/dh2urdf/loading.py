@@ -15,8 +15,8 @@ from dh2urdf.errors import (
     MissingProgramError,
     OutputError,
 )
-from dh2urdf.isolation import load_in_child
 from dh2urdf.kinematics import KinematicChain
+from dh2urdf.loads import load_in_child
 from dh2urdf.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.proof import joint_vectors
 from dh2urdf.source import Problem, shown
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.conversion import Recipe, Written
+    from dh2urdf.loads import KeptChildren
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.truth import Truth
@@ -90,6 +91,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     folder: Path,
     stem: str,
     seconds: dict[str, float],
+    children: KeptChildren,
 ) -> Loaded:
     """What all loaders of a recipe say of the files of a manipulator; whatever one says, the next is asked.
 
@@ -101,6 +103,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
         folder: where they are, and where pictures go.
         stem: the stem of their names.
         seconds: takes how long each loader took [s].
+        children: the children of loaders that are kept.
 
     Raises:
         PluginError: what a loader needs is not installed, and the loader is not optional.
@@ -118,7 +121,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
         started = time.perf_counter()
         try:
             report = load_written(
-                truth, robot, call, written, keeps_kinematics=recipe.keeps_kinematics, picture=picture
+                truth, robot, call, written, children, keeps_kinematics=recipe.keeps_kinematics, picture=picture
             )
         except OutputError:
             raise
@@ -153,6 +156,7 @@ def load_written(
     robot: Robot,
     call: Call[Loader[Any]],
     written: Sequence[Written],
+    children: KeptChildren,
     *,
     keeps_kinematics: bool,
     picture: Path,
@@ -184,7 +188,7 @@ def load_written(
         picture=picture if pictured else None,
     )
     with blaming(call):
-        report = load_in_child(loader, request, call.options, f"the {call.at_work}")
+        report = load_in_child(loader, request, call.options, f"the {call.at_work}", children)
         if report.picture and not picture.with_name(a_plain_name(report.picture)).is_file():
             raise ValueError(f"it reported a picture {shown(report.picture)} and wrote none")
         return report

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
@@ -28,10 +28,12 @@ from dh2urdf.journal import Journal
 from dh2urdf.keys import column_keys, key_of
 from dh2urdf.layouts import Layout, Place
 from dh2urdf.loading import load_with_all, not_loaded
+from dh2urdf.loads import KeptChildren
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.memory import collected_at_the_end
 from dh2urdf.mesh_copies import MeshCopies
 from dh2urdf.outcome import Outcome, Row, kind_of, to_line
+from dh2urdf.own_process import is_own
 from dh2urdf.printed import collected_lines
 from dh2urdf.proof import Proof
 from dh2urdf.proof_columns import prove_columns
@@ -76,6 +78,7 @@ class Maker:
         journal: folder of the store for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
+        children: the children of loaders that are kept, of the process that this is in.
     """
 
     recipe: Recipe
@@ -85,6 +88,7 @@ class Maker:
     journal: str
     home: str
     effect: Effect = Effect.MAKE
+    children: KeptChildren = field(default_factory=KeptChildren, compare=False, repr=False)
 
     @property
     def distributions(self) -> tuple[str, ...]:
@@ -95,8 +99,12 @@ class Maker:
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""
         is_worker = self.home != this_process()
-        with own_work(), collected_at_the_end(), collected_lines(is_worker=is_worker) as lines:
-            report = _Work(self, batch).done()
+        try:
+            with own_work(), collected_at_the_end(), collected_lines(is_worker=is_worker) as lines:
+                report = _Work(self, batch).done()
+        finally:
+            if is_worker and not is_own():  # It may go on long after the run.
+                self.children.close()
         return replace(report, printed=tuple(lines))
 
 
@@ -395,7 +403,8 @@ class _Work:
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     if loaders:
                         stem = batch.stems[place]
-                        loaded = load_with_all(truth, robot, self.recipe, written, folder, stem, seconds)
+                        kept = self.maker.children
+                        loaded = load_with_all(truth, robot, self.recipe, written, folder, stem, seconds, kept)
                         outcome = replace(outcome, loads=loaded.verdicts, pictures=loaded.pictures)
                         if loaded.failures:
                             outcome = self._failed(outcome, place, loaded.failures)

@@ -203,8 +203,8 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         BatchReport
     ] = []  # Where nothing can be read, the error at the end says why, and nobody says it twice.
     readable = False
-    # An error or an interrupt here ends the workers, not some time later.
-    with closing(_answers(plan, maker, handed_over(), under_way)) as answers:
+    # An error or an interrupt here ends the workers and the children of loaders, not some time later.
+    with maker.children, closing(_answers(plan, maker, handed_over(), under_way)) as answers:
         for batch, answer in answers:
             report = _rescued(maker, batch, answer) if isinstance(answer, Lost) else answer
             for line in report.printed:

@@ -360,8 +360,8 @@ class Loader(Generic[O]):
         summary: what it loads into, in one line.
         formats: names of the emitters whose files it takes, the preferred one first.
         options: its options dataclass.
-        load: loads the file and measures it. It is called in a child process of its own, so it may crash or leave;
-            what it prints, from C too, is taken into the report. It raises `dh2urdf.errors.LoaderError` where the
+        load: loads the file and measures it. It is called in a child process, so it may crash or leave; what it prints,
+            from C too, is taken into the report. It raises `dh2urdf.errors.LoaderError` where the
             simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` or `MissingProgramError` where it
             is not installed or does not run.
         poses: how many joint vectors to measure with these options.
@@ -373,6 +373,10 @@ class Loader(Generic[O]):
             `MissingProgramError` where it is a program that is not.
         time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
             ends it, by closing a window.
+        prepare: imports the simulator, as `load` with these options would. None, the default, gives every load a child
+            process of its own. A loader that has it promises that `load` may be called many times in one process: it
+            closes what it opens, and reports of a file the same whatever was loaded before. Then `prepare` is called
+            once in a child, which serves many manipulators of a run. What it prints is part of the output of each load.
     """
 
     name: str
@@ -385,6 +389,7 @@ class Loader(Generic[O]):
     read_output: Callable[[LoadRequest, str], Sequence[Problem]] = _nothing
     require: Callable[[O], None] = _all_there
     time_limit: Callable[[O], float | None] = _two_minutes
+    prepare: Callable[[O], None] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, TimeLimitError
-from dh2urdf.isolation import KEPT_OUTPUT, ChildFailure, load_in_child, run_in_child
+from dh2urdf.interpreter import KEPT_OUTPUT
+from dh2urdf.isolation import ChildFailure, run_in_child
+from dh2urdf.loads import load_in_child
 from dh2urdf.robot import Robot
 from dh2urdf.stages import LoadRequest, NoOptions
 

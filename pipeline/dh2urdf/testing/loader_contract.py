@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError, UnknownStageError
-from dh2urdf.isolation import load_in_child
+from dh2urdf.loads import load_in_child
 from dh2urdf.proof import joint_vectors
 from dh2urdf.registry import load
 from dh2urdf.source import Problem

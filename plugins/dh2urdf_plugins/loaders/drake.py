@@ -40,6 +40,15 @@ def require(_options: DrakeOptions) -> None:
     _PACKAGES.require("pydrake")
 
 
+def prepare(_options: DrakeOptions) -> None:
+    """Import Drake, as far as all of its parts need; a load imports the others.
+
+    Raises:
+        MissingDependencyError: it is not installed.
+    """
+    _PACKAGES.load("pydrake")
+
+
 def load(request: LoadRequest, _options: DrakeOptions) -> LoadReport:
     """Load a URDF or SDF into Drake and measure it.
 
@@ -106,4 +115,5 @@ LOADER = Loader(
     read_output=read_output,
     require=require,
     time_limit=_time_limit,
+    prepare=prepare,
 )

@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, field
+from functools import cache
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import LoaderError, MissingProgramError
@@ -53,6 +54,15 @@ def require(_options: GazeboOptions) -> None:
         raise _missing()
 
 
+def prepare(_options: GazeboOptions) -> None:
+    """Find the command of sdformat: it is asked for its version once.
+
+    Raises:
+        MissingProgramError: there is none.
+    """
+    find_command()
+
+
 def load(request: LoadRequest, _options: GazeboOptions) -> LoadReport:
     """Have sdformat convert and check a file, and measure the model that it makes of it.
 
@@ -85,10 +95,17 @@ def find_command() -> tuple[str, str]:
         command = shutil.which(name)
         if command is None:
             continue
-        asked = subprocess.run([command, "sdf", "--versions"], capture_output=True, check=False, text=True)  # noqa: S603 - no words of a stranger
-        if version := re.search(r"^\d+(\.\d+)+$", asked.stdout, re.MULTILINE):
-            return command, version[0]
+        if version := _version(command):
+            return command, version
     raise _missing()
+
+
+@cache
+def _version(command: str) -> str:
+    """The version of sdformat that a command has; empty where it has none."""
+    asked = subprocess.run([command, "sdf", "--versions"], capture_output=True, check=False, text=True)  # noqa: S603 - no words of a stranger
+    version = re.search(r"^\d+(\.\d+)+$", asked.stdout, re.MULTILINE)
+    return version[0] if version else ""
 
 
 def _call(command: str, option: str, path: str) -> subprocess.CompletedProcess[bytes]:
@@ -154,4 +171,5 @@ LOADER = Loader(
     read_output=read_output,
     require=require,
     time_limit=_time_limit,
+    prepare=prepare,
 )

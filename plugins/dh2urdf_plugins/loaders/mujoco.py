@@ -42,6 +42,15 @@ def require(options: MuJoCoOptions) -> None:
     _PACKAGES.require("mujoco", *(["PIL.Image"] if options.picture else []))
 
 
+def prepare(options: MuJoCoOptions) -> None:
+    """Import MuJoCo, and what a picture needs.
+
+    Raises:
+        MissingDependencyError: MuJoCo, or Pillow for a picture, is not installed.
+    """
+    _import(picture=options.picture)
+
+
 def load(request: LoadRequest, _options: MuJoCoOptions) -> LoadReport:
     """Load an MJCF or a URDF into MuJoCo and measure it.
 
@@ -51,9 +60,7 @@ def load(request: LoadRequest, _options: MuJoCoOptions) -> LoadReport:
         LoaderError: MuJoCo cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: MuJoCo, or Pillow for a picture, is not installed.
     """
-    if request.picture:
-        _PACKAGES.load("PIL.Image")
-    mujoco = _import(graphics() if request.picture else "disable")
+    mujoco = _import(picture=request.picture is not None)
     mujoco.set_mju_user_warning(_print_warning)
     arm = Arm(mujoco, request)
     report = arm.report()
@@ -72,9 +79,11 @@ def load(request: LoadRequest, _options: MuJoCoOptions) -> LoadReport:
     return report
 
 
-def _import(graphics_library: str | None) -> Any:  # noqa: ANN401 - a module without type information
+def _import(*, picture: bool) -> Any:  # noqa: ANN401 - a module without type information
     """Import MuJoCo, which asks the environment once, while it is imported, by what to render."""
-    if graphics_library:
+    if picture:
+        _PACKAGES.load("PIL.Image")
+    if graphics_library := graphics() if picture else "disable":
         os.environ["MUJOCO_GL"] = graphics_library
     with contextlib.suppress(Exception):  # Whatever a broken graphics library raises: MuJoCo works without one.
         return importlib.import_module("mujoco")
@@ -126,4 +135,5 @@ LOADER = Loader(
     read_output=read_output,
     require=require,
     time_limit=_time_limit,
+    prepare=prepare,
 )

@@ -37,6 +37,15 @@ def require(_options: PinocchioOptions) -> None:
     _PACKAGES.require("pinocchio")
 
 
+def prepare(_options: PinocchioOptions) -> None:
+    """Import Pinocchio.
+
+    Raises:
+        MissingDependencyError: it is not installed.
+    """
+    _PACKAGES.load("pinocchio")
+
+
 def load(request: LoadRequest, _options: PinocchioOptions) -> LoadReport:
     """Load a URDF into Pinocchio and measure it.
 
@@ -82,4 +91,5 @@ LOADER = Loader(
     picture=_no_picture,
     read_output=read_output,
     require=require,
+    prepare=prepare,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader, LoadReport
@@ -40,6 +40,22 @@ def require(options: PyBulletOptions) -> None:
     _PACKAGES.require("pybullet", *(["PIL.Image"] if options.picture else []))
 
 
+def prepare(options: PyBulletOptions) -> None:
+    """Import PyBullet, and Pillow for a picture.
+
+    Raises:
+        MissingDependencyError: one of them is not installed.
+    """
+    _import(picture=options.picture)
+
+
+def _import(*, picture: bool) -> Any:  # noqa: ANN401 - a module without type information
+    bullet = _PACKAGES.load("pybullet")
+    if picture:
+        _PACKAGES.load("PIL.Image")
+    return bullet
+
+
 def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
     """Load a URDF into PyBullet and measure it.
 
@@ -47,9 +63,7 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
         LoaderError: PyBullet cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: PyBullet, or Pillow for a picture, is not installed.
     """
-    bullet = _PACKAGES.load("pybullet")
-    if request.picture:
-        _PACKAGES.load("PIL.Image")
+    bullet = _import(picture=request.picture is not None)
     bullet.connect(bullet.GUI if options.gui else bullet.DIRECT)
     try:
         report = Arm(bullet, request).report()
@@ -119,4 +133,5 @@ LOADER = Loader(
     read_output=read_output,
     require=require,
     time_limit=time_limit,
+    prepare=prepare,
 )

@@ -1,4 +1,4 @@
-"""Functions that `test_isolation.py` runs in child processes, in a module that the child can import."""
+"""Functions that `test_isolation.py` and `test_loads.py` run in child processes, in a module that the child can import."""
 
 # ruff: noqa: T201 - what is printed in a child is what these functions are about
 
@@ -9,13 +9,16 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
 from dh2urdf.isolation import run_in_child
+from dh2urdf.loads import MEMORY, KeptChildren, load_in_child
 from dh2urdf.source import Problem
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions
 
@@ -147,3 +150,90 @@ LOADER = Loader(
     read_output=read_output,
 )
 HASTY = replace(LOADER, time_limit=lambda _options: 2.0)
+
+
+SERVED: list[str] = []
+"""The names of the files that this process has loaded: the global state of a simulator."""
+
+
+ORPHAN = """
+import subprocess, sys
+print(subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]).pid)
+"""
+"""A program that prints the number of another one, which it leaves behind."""
+
+
+def prepare(_options: NoOptions) -> None:
+    print("toy is starting")
+
+
+def prepare_otherwise(_options: NoOptions) -> None:
+    print("another toy is starting")
+
+
+def prepare_badly(_options: NoOptions) -> None:
+    raise LoaderError("no licence")
+
+
+def prepare_and_crash(_options: NoOptions) -> None:
+    print("starting")
+    os.kill(os.getpid(), signal.SIGABRT)
+
+
+def kept_load(request: LoadRequest, _options: NoOptions) -> LoadReport:  # noqa: C901, PLR0912 - one case for each file
+    """Does what the name of the file asks for."""
+    SERVED.append(request.path.name)
+    print(f"loading {request.path.name}")
+    match request.path.stem:
+        case "in_c":
+            ctypes.CDLL(None).printf(b"from C, without an end")
+        case "late":
+            subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+        case "orphan":
+            subprocess.run([sys.executable, "-c", ORPHAN], check=True)
+        case "thread":
+            threading.Thread(target=time.sleep, args=(600,), daemon=True).start()
+        case "folder":
+            os.chdir("/")
+        case "environment":
+            os.environ["TOY"] = "broken"
+        case "path":
+            sys.path.insert(0, "/nowhere")
+        case "warning":
+            warnings.warn("a screw is loose", stacklevel=1)
+        case "memory":
+            assert b"x" * MEMORY
+        case "much":
+            print_much(4_000_000)
+        case "crash":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        case "hang":
+            hang(str(request.path.with_suffix(".pids")))
+        case "exit":
+            sys.exit(3)
+        case "leave":
+            os._exit(4)
+        case "refused":
+            raise LoaderError("I do not like it")
+        case "third" if len(SERVED) > 2:
+            raise LoaderError("I am tired")
+        case "dead_third" if len(SERVED) > 2:
+            os.kill(os.getpid(), signal.SIGKILL)
+    return LoadReport(simulator="toy", version=str(os.getpid()))
+
+
+KEPT = replace(LOADER, load=kept_load, prepare=prepare, time_limit=lambda _options: 20.0)
+
+
+def load_and_wait(path: str) -> None:
+    """Loads a file in a kept child; its number, and that of what it started, stand in ``hang.pids`` meanwhile."""
+    from dh2urdf.robot import Robot
+
+    robot = Robot(name="arm", links=(), joints=())
+    request = LoadRequest(path=Path(path), robot=robot, poses=(), expected={})
+    with KeptChildren() as children:
+        report = load_in_child(KEPT, request, NoOptions(), None, children)
+        new = Path(path).with_name("hang.new")
+        new.write_text(report.version)
+        new.rename(new.with_suffix(".pids"))
+        time.sleep(600)

@@ -6,65 +6,21 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, TimeLimitError
+from dh2urdf.errors import CrashError, MissingDependencyError, TimeLimitError
 from dh2urdf.interpreter import KEPT_OUTPUT
 from dh2urdf.isolation import ChildFailure, run_in_child
-from dh2urdf.loads import load_in_child
-from dh2urdf.robot import Robot
-from dh2urdf.stages import LoadRequest, NoOptions
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import ModuleType
 
 LONG = 60.0
-
-
-@pytest.fixture
-def functions(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(Path(__file__).parent)
-    import isolated_functions
-
-    return isolated_functions
-
-
-@pytest.fixture
-def request_for(tmp_path: Path) -> Any:
-    def make(name: str) -> LoadRequest:
-        return LoadRequest(
-            path=tmp_path / name,
-            robot=Robot(name="arm", links=(), joints=()),
-            poses=(),
-            expected={},
-        )
-
-    return make
-
-
-def is_running(pid: int) -> bool:
-    """Whether a process runs; one that nobody has waited for yet does not."""
-    try:
-        if Path("/proc/self/stat").exists():
-            return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-        os.kill(pid, 0)
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return True
-
-
-def wait_until(condition: Any) -> bool:
-    end = time.monotonic() + LONG
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.02)
-    return False
 
 
 def test_value_comes_back(functions: ModuleType) -> None:
@@ -192,37 +148,43 @@ def test_module_missing_in_the_child_is_named(tmp_path: Path, monkeypatch: pytes
         run_in_child(fleeting.function, timeout=LONG)
 
 
-def test_time_limit_ends_the_whole_group(functions: ModuleType, tmp_path: Path) -> None:
+def test_time_limit_ends_the_whole_group(
+    functions: ModuleType, tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool]
+) -> None:
     """A child that hangs is killed at the limit, together with what it started itself."""
     pids = tmp_path / "pids"
     with pytest.raises(TimeLimitError, match="did not finish within 3 s"):
         run_in_child(functions.hang, str(pids), timeout=3)
-    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
+    assert soon(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
 
 
-def test_interrupt_ends_the_child(functions: ModuleType, tmp_path: Path) -> None:
+def test_interrupt_ends_the_child(
+    functions: ModuleType, tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool]
+) -> None:
     """Ctrl-C while a child runs is raised in the parent, and leaves no process behind."""
     pids = tmp_path / "pids"
 
     def interrupt() -> None:
-        wait_until(pids.exists)
+        soon(pids.exists)
         os.kill(os.getpid(), signal.SIGINT)
 
     threading.Thread(target=interrupt).start()
     with pytest.raises(KeyboardInterrupt):
         run_in_child(functions.hang, str(pids), timeout=LONG)
-    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
+    assert soon(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
 
 
-def test_child_leaves_with_a_killed_parent(tmp_path: Path) -> None:
+def test_child_leaves_with_a_killed_parent(
+    tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool]
+) -> None:
     """A parent that is killed outright takes its children with it."""
     pids = tmp_path / "pids"
     script = f"import isolated_functions as f; f.hang_in_grandchild({str(pids)!r})"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
     with subprocess.Popen([sys.executable, "-c", script], env=environment) as parent:
-        assert wait_until(pids.exists)
+        assert soon(pids.exists)
         parent.kill()
-    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
+    assert soon(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
 
 
 def test_standard_input_is_empty(functions: ModuleType) -> None:
@@ -260,47 +222,3 @@ def test_function_of_the_script_itself_is_refused(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True, check=False)
     assert "mine stands in the script that is run" in done.stdout
-
-
-def test_report_is_completed_with_the_output(functions: ModuleType, request_for: Any) -> None:
-    """A loader's report gets what was printed, and the findings in it after the loader's own."""
-    report = load_in_child(functions.LOADER, request_for("good.urdf"), NoOptions())
-    assert report.output == "WARNING: a screw is loose\n"
-    assert [finding.message for finding in report.findings] == ["toy: measured", "toy: WARNING: a screw is loose"]
-
-
-def test_refusal_is_completed_with_the_output(functions: ModuleType, request_for: Any) -> None:
-    """What a simulator printed before the loader refused the file follows the loader's own problems."""
-    with pytest.raises(LoaderError) as caught:
-        load_in_child(functions.LOADER, request_for("refused.urdf"), NoOptions())
-    told = [problem.message for problem in caught.value.problems]
-    assert told == ["toy: I do not like it", "toy: WARNING: a screw is loose"]
-
-
-def test_a_crash_names_the_loader(functions: ModuleType, request_for: Any) -> None:
-    """A simulator that crashes is told by its loader's name, and what it printed before is read as ever."""
-    with pytest.raises(CrashError) as caught:
-        load_in_child(functions.LOADER, request_for("crash.urdf"), NoOptions())
-    crash, finding = (problem.message for problem in caught.value.problems)
-    assert crash.startswith("the loader 'toy' crashed (segmentation fault)")
-    assert finding == "toy: WARNING: a screw is loose"
-    assert not isinstance(caught.value, TimeLimitError)
-
-
-def test_a_loader_that_hangs_is_over_its_time_limit(functions: ModuleType, request_for: Any) -> None:
-    """The limit is the loader's own, and the error is of its own kind."""
-    with pytest.raises(TimeLimitError, match=r"^error: the loader 'toy' did not finish within 2 s"):
-        load_in_child(functions.HASTY, request_for("hang.urdf"), NoOptions())
-
-
-@pytest.mark.parametrize("name", ["noisy.urdf", "refused_with_its_path.urdf"])
-def test_the_folder_of_the_file_is_not_told(functions: ModuleType, request_for: Any, name: str) -> None:
-    """It is a temporary one of another name in every run; the file's own name is told."""
-    try:
-        report = load_in_child(functions.LOADER, request_for(name), NoOptions())
-        told = [report.output, *(finding.message for finding in report.findings)]
-        assert f"toy: WARNING: {name} is odd" in told
-    except LoaderError as error:
-        told = [problem.message for problem in error.problems]
-        assert told == [f"toy: cannot load {name}", "toy: WARNING: a screw is loose", f"toy: WARNING: {name} is bad"]
-    assert not any(str(request_for(name).path.parent) in text for text in told)

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError, UnknownStageError
-from dh2urdf.loads import load_in_child
+from dh2urdf.loads import KeptChildren, load_in_child
 from dh2urdf.proof import joint_vectors
 from dh2urdf.registry import load
 from dh2urdf.source import Problem
 from dh2urdf.stages import Emitter, Loader, LoadReport, LoadRequest
+from dh2urdf.testing.comparing import difference
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
 
 ASIDE = 0.1
@@ -105,6 +107,28 @@ class LoaderContract(StageContract):
                 accepted="texts, finite floats, and tuples and mappings of them",
                 remedy="convert what the simulator gives: float(x), str(name), tuple(map(float, array))",
             )
+
+    def test_reports_the_same_whatever_was_loaded_before(self, tmp_path: Path) -> None:
+        """If it has `prepare`, one process loads many files: each report is that of a process of its own."""
+        clause = self.test_reports_the_same_whatever_was_loaded_before
+        if self.stage.prepare is None:
+            return
+        requests = []
+        for number, manipulator in enumerate(reference_manipulators()):
+            (folder := tmp_path / str(number)).mkdir()
+            requests.append(self._request(folder, manipulator))
+        alone = [self._load(clause, request) for request in requests]
+        with KeptChildren() as children:
+            for number in (*range(len(requests)), *reversed(range(len(requests))), 0, 0, 0):
+                report = self._load(clause, requests[number], children=children)
+                if differs := difference(alone[number], report):
+                    self.breach(
+                        clause,
+                        found=f"of the arm {requests[number].robot.name!r}, alone and after others: {differs}",
+                        accepted="the same report of a file, whatever was loaded before in the same process",
+                        remedy="close in a `finally` what `load` opens, and keep nothing in the module; or leave "
+                        "`prepare` out of the record, and every load has a process of its own",
+                    )
 
     def test_leaves_nothing_behind(self, tmp_path: Path) -> None:
         """When it returns, no process or window is left, and no file but the picture that it was asked for."""
@@ -201,17 +225,25 @@ class LoaderContract(StageContract):
         except PluginError as error:
             pytest.skip(str(error))
 
-    def _load(self, clause: Callable[..., Any], request: LoadRequest, *, refusal: bool = False) -> LoadReport:
+    def _load(
+        self,
+        clause: Callable[..., Any],
+        request: LoadRequest,
+        *,
+        refusal: bool = False,
+        children: KeptChildren | None = None,
+    ) -> LoadReport:
         """The report, made in a child process as in a run.
 
         Args:
             clause: what is broken where it cannot be made.
             request: what to load.
             refusal: whether a refusal is the caller's to judge.
+            children: children of loaders that are kept; without them the child is for this load alone.
         """
         self._require()
         try:
-            return load_in_child(self.stage, request, self.given())
+            return load_in_child(self.stage, request, self.given(), None, children)
         except PluginError as error:
             pytest.skip(str(error))
         except (LoaderError, CrashError) as error:
@@ -228,9 +260,9 @@ class LoaderContract(StageContract):
             "where the simulator refuses the file",
         )
 
-    def _request(self, folder: Path) -> LoadRequest:
+    def _request(self, folder: Path, manipulator: Manipulator | None = None) -> LoadRequest:
         """A written file of a reference arm, and where its tool0 is by the oracle's matrices."""
-        manipulator = reference_manipulators()[0]
+        manipulator = manipulator or reference_manipulators()[0]
         robot, truth = plain_robot(manipulator), Truth.of(manipulator)
         path = self._written(robot, folder)
         poses = joint_vectors(truth, robot, self.stage.poses(self.given()))

@@ -80,6 +80,11 @@ BREACHES = [
     ("TestClock", "test_report_is_plain_data", "mass is once "),
     ("TestLeaving", "test_leaves_nothing_behind", "import time; time.sleep(60)"),
     ("TestChanging", "test_keeps_its_input", "it is once b'"),
+    (
+        "TestRemembering",
+        "test_reports_the_same_whatever_was_loaded_before",
+        "of the arm 'panda', alone and after others: ",
+    ),
     ("TestCarelessLoader", "test_raises_documented_errors_only", "ValueError: subsection not found"),
     ("TestNoTime", "test_settings_follow_from_the_options", "time_limit gives 0.0, not seconds or None"),
     # Executors

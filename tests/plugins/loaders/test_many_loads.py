@@ -1,0 +1,137 @@
+"""The n-th load of a kept child reports what the first load of a child of its own does."""
+
+from __future__ import annotations
+
+import random
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf import loads
+from dh2urdf.errors import LoaderError, PluginError
+from dh2urdf.loads import LOADS, KeptChildren, load_in_child
+from dh2urdf.proof import joint_vectors
+from dh2urdf.registry import load
+from dh2urdf.stages import LoadRequest
+from dh2urdf.testing.oracle import table_pose
+from dh2urdf.testing.reference import plain_robot, reference_manipulators
+from dh2urdf.truth import Truth
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from dh2urdf.interpreter import Interpreter
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.stages import Loader, LoadReport
+
+CATALOG = load()
+MANY = {"pybullet": LOADS, "mujoco": LOADS, "pinocchio": LOADS, "drake": LOADS, "gazebo": 8}
+"""Loads of one child; a load of sdformat starts two programs."""
+
+
+def options_of(loader: Loader[Any], *, picture: bool = False) -> Any:
+    """Options without a picture, unless one is wanted."""
+    return loader.options(**({"picture": picture} if loader.name in {"pybullet", "mujoco"} else {}))
+
+
+def request_of(manipulator: Manipulator, loader: Loader[Any], folder: Path) -> LoadRequest:
+    """A written file; every arm has the same name of a file, in a folder of its own."""
+    robot, truth = plain_robot(manipulator), Truth.of(manipulator)
+    emitter = CATALOG.get("emitter", loader.formats[0])
+    folder.mkdir()
+    for file in (files := emitter.emit(robot, "arm", emitter.options())):
+        (folder / file.name).write_bytes(file.content)
+    poses = joint_vectors(truth, robot, loader.poses(options_of(loader)))
+    frames = tuple(tuple(number for row in table_pose(manipulator, q) for number in row) for q in poses)
+    return LoadRequest(path=folder / files[0].name, robot=robot, poses=poses, expected={"tool0": frames})
+
+
+def outcome(loader: Loader[Any], request: LoadRequest, children: KeptChildren | None) -> LoadReport | str:
+    """A report, or a refusal."""
+    try:
+        return load_in_child(loader, request, options_of(loader), None, children)
+    except LoaderError as error:
+        return str(error)
+
+
+@pytest.fixture
+def loader(request: pytest.FixtureRequest) -> Loader[Any]:
+    loader: Loader[Any] = CATALOG.get("loader", request.param)
+    try:
+        loader.require(options_of(loader))
+    except PluginError as error:
+        pytest.skip(str(error))
+    return loader
+
+
+@pytest.fixture
+def children_started(monkeypatch: pytest.MonkeyPatch) -> list[Interpreter]:
+    """The children of kept loaders."""
+    found: list[Interpreter] = []
+
+    def started() -> Interpreter:
+        found.append(start())
+        return found[-1]
+
+    start = loads.started
+    monkeypatch.setattr(loads, "started", started)
+    return found
+
+
+@pytest.mark.parametrize("loader", MANY, indirect=True)
+def test_the_last_load_reports_what_the_first_does(
+    loader: Loader[Any], tmp_path: Path, children_started: list[Interpreter]
+) -> None:
+    """Several arms, in any order, through one child: each report, with findings and output, is that of a new child."""
+    arms = reference_manipulators()
+    requests = [request_of(arm, loader, tmp_path / str(number)) for number, arm in enumerate(arms)]
+    alone = [outcome(loader, request, None) for request in requests]
+    order = [number % len(arms) for number in range(MANY[loader.name])]
+    random.Random(5).shuffle(order)  # noqa: S311 - not for secrets
+    with KeptChildren() as children:
+        kept = [outcome(loader, requests[number], children) for number in order]
+    assert kept == [alone[number] for number in order]
+    assert not any(isinstance(report, str) for report in alone)
+    assert len(children_started) == 1
+
+
+@pytest.mark.parametrize("loader", MANY, indirect=True)
+def test_a_file_is_read_anew(loader: Loader[Any], tmp_path: Path, children_started: list[Interpreter]) -> None:
+    """A file that has changed under its name is loaded as it is; a bad one is refused, and the good one passes again."""
+    first, other = (request_of(arm, loader, tmp_path / arm.name) for arm in reference_manipulators()[:2])
+    good = first.path.read_bytes()
+    with KeptChildren() as children:
+        report = outcome(loader, first, children)
+        assert not isinstance(report, str)
+        for content in (other.path.read_bytes(), b"<no arm"):
+            first.path.write_bytes(content)
+            assert isinstance(outcome(loader, first, children), str)
+            first.path.write_bytes(good)
+            assert outcome(loader, first, children) == report
+    assert len(children_started) == 5  # two are refused, each of them in a used child and in a new one
+
+
+@pytest.mark.parametrize("loader", ["pybullet", "mujoco"], indirect=True)
+def test_pictures_are_the_same(loader: Loader[Any], tmp_path: Path) -> None:
+    """Pixel by pixel, whichever load of a child took them."""
+    pytest.importorskip("PIL.Image")
+    options = options_of(loader, picture=True)
+    for number, arm in enumerate(reference_manipulators()[:2]):
+        request = request_of(arm, loader, tmp_path / str(number))
+        pictures = [tmp_path / f"{number}_{place}.png" for place in range(4)]
+        requests = [
+            LoadRequest(
+                path=request.path,
+                robot=request.robot,
+                poses=request.poses,
+                expected=request.expected,
+                picture=picture,
+            )
+            for picture in pictures
+        ]
+        load_in_child(loader, requests[0], options)
+        with KeptChildren() as children:
+            for each in requests[1:]:
+                load_in_child(loader, each, options, None, children)
+        if pictures[0].exists():  # Without a graphics library MuJoCo takes none, which is a finding.
+            assert len({picture.read_bytes() for picture in pictures}) == 1

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
     F = TypeVar("F", bound=Callable[..., Any])
 
-READER_OPTIONS = ("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload")
+READER_OPTIONS = (
+    *("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload"),
+    *("base_link", "tip_link"),
+)
 """The options of readers that have a flag of their own."""
 
 
@@ -60,6 +63,8 @@ def table_options(function: F) -> F:
             ),
             click.option("--tool", metavar="YAML", help="Last DH frame to tool0, like --base."),
             click.option("--payload", metavar="YAML", help='What the arm carries: "{mass: 2.5, com: [0, 0, 0.05]}".'),
+            click.option("--base-link", metavar="LINK", help="Of a robot description: where the chain begins."),
+            click.option("--tip-link", metavar="LINK", help="Of a robot description: where the chain ends."),
         )
     ):
         function = option(function)

@@ -34,14 +34,17 @@ from measuring import fresh, in_turn, machine, run_child, seconds, table
 from dh2urdf.config import load_config
 from dh2urdf.layouts import DEFAULT_SIZE as SHARD
 from dh2urdf.local_store import LocalStore
+from dh2urdf.plan import Plan, make_plan
 from dh2urdf.registry import load
-from dh2urdf.runs import Plan, Result, execute, make_plan
+from dh2urdf.runs import execute
 from dh2urdf.shards import ShardWriter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from measuring import Child, Turn
+
+    from dh2urdf.result import Result
 
 Files: TypeAlias = list[tuple[str, bytes]]
 """Names and contents."""

@@ -5,8 +5,9 @@
 Each file is a sound description, or a connected piece of one, with up to three faults. PyBullet, MuJoCo, Pinocchio,
 Drake, urdfdom and sdformat load it, each in a process of its own. A refusal that was predicted and does not happen is
 false, one that happens and was not predicted is missed; an exception of `check` itself is a failure too. What is
-mispredicted is made as small as it can be, grouped by reader, rules and message, and written to the folder `--found`. The figures and the largest groups are printed after
-every thousand files, and at the end, also where SIGINT (Ctrl-C) ends it early.
+mispredicted is made as small as it can be, grouped by reader, rules and message, and written to the folder `--found`.
+The figures and the largest groups are printed after every thousand files, and at the end, also where SIGINT (Ctrl-C)
+ends it early.
 """
 
 from __future__ import annotations

@@ -30,11 +30,11 @@ from dh2urdf.errors import (
     TableError,
 )
 from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.plan import make_plan
 from dh2urdf.proof import proof_vectors, prove
 from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit
 from dh2urdf.registry import load
 from dh2urdf.robot_check import check_robot
-from dh2urdf.runs import make_plan
 from dh2urdf.stages import Rejected
 from dh2urdf.truth import Truth
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF

@@ -29,8 +29,9 @@ from dh2urdf.attribution import Call
 from dh2urdf.config import load_config
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import ConfigError
+from dh2urdf.plan import make_plan
 from dh2urdf.registry import Catalog, load
-from dh2urdf.runs import execute, make_plan
+from dh2urdf.runs import execute
 from dh2urdf.stages import Executor, NoOptions
 
 if TYPE_CHECKING:

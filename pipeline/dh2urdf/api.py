@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.argument_words import word_of
-from dh2urdf.asking import Asker, Setting, stage_calls
+from dh2urdf.asking import Asker, Setting, asker_of, stage_calls
 from dh2urdf.attribution import blaming
 from dh2urdf.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
 from dh2urdf.conversion import checked_items, read_items
@@ -23,7 +23,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.registry import load
 from dh2urdf.robot import Robot
 from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, plan_conversion
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Problem, shown
 from dh2urdf.spooled import STEM
 from dh2urdf.stage_answers import items_of
 from dh2urdf.textfiles import check_file
@@ -326,23 +326,6 @@ def run(
 def _asker(function: str) -> Asker:
     """A program that calls one of these functions."""
     return asker_of(f"dh2urdf.{function}()")
-
-
-def asker_of(function: str) -> Asker:
-    """A program that calls a function, as messages name it."""
-    return Asker(
-        mark=Mark(file=function),
-        reader="reader=",
-        format="formats=",
-        robot="robot=",
-        out="out=",
-        meshes="meshes=",
-        convert_meshes="convert_meshes=",
-        setting="",
-        nowhere="none is written",
-        every="`dh2urdf.read_all` gives all of them, one by one",
-        run="dh2urdf.run({!r})".format,
-    )
 
 
 def _catalog(without: Iterable[str], asker: Asker) -> Catalog:

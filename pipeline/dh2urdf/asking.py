@@ -45,6 +45,23 @@ class Asker(NamedTuple):
     run: Callable[[str], str]
 
 
+def asker_of(function: str) -> Asker:
+    """A program that calls a function, as messages name it."""
+    return Asker(
+        mark=Mark(file=function),
+        reader="reader=",
+        format="formats=",
+        robot="robot=",
+        out="out=",
+        meshes="meshes=",
+        convert_meshes="convert_meshes=",
+        setting="",
+        nowhere="none is written",
+        every="`dh2urdf.read_all` gives all of them, one by one",
+        run="dh2urdf.run({!r})".format,
+    )
+
+
 class Setting(NamedTuple):
     """An option of some stage.
 

@@ -30,7 +30,7 @@ from dh2urdf.variations import Variant, Variation, VariationCall
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from dh2urdf.runs import Plan
+    from dh2urdf.plan import Plan
 
 SMALL = 16
 """Manipulators of a batch at most, where each takes long [1]."""

@@ -1,7 +1,7 @@
 """The run file: what goes in, which stages do what, where the output goes.
 
 Only the file's own structure is checked here. Whether a stage exists and takes its options is known to whoever has the
-catalog of stages (`dh2urdf.runs.make_plan`), so a `RunConfig` carries its problems along, and all of them, of both
+catalog of stages (`dh2urdf.plan.make_plan`), so a `RunConfig` carries its problems along, and all of them, of both
 kinds, are said at once.
 """
 

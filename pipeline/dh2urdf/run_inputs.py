@@ -19,7 +19,7 @@ from dh2urdf.stores import WORKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.runs import Plan
+    from dh2urdf.plan import Plan
 
 OWN_FILES = (MANIFEST, TABLE, INDEX, REPORT, TIMING, PAGE)
 """The files of a run beside those of its manipulators."""

@@ -1,38 +1,29 @@
-"""A whole run: inputs, manipulators, robots, files, simulators. The only place that knows the order of the stages."""
+"""A whole run: what is read, made, loaded, reported and cleared away, in which order."""
 
 from __future__ import annotations
 
 import sys
 import tempfile
 import time
-from collections import Counter, deque
-from collections.abc import Mapping
+from collections import deque
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf import sampling
-from dh2urdf.asked_stages import AskedStages
 from dh2urdf.at_work import unmarked
 from dh2urdf.attribution import Call, depending_on, fault, own_work
 from dh2urdf.batch_report import BatchReport
 from dh2urdf.batches import Batch, Doomed, Expected, batches
-from dh2urdf.cells import CellCall
 from dh2urdf.chosen_table import is_table, table_as_run_file
 from dh2urdf.config import load_config
-from dh2urdf.conversion import Recipe
 from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
-from dh2urdf.keys import recipe_key
-from dh2urdf.layouts import Layout
-from dh2urdf.leftovers import Leftovers, clear_leftovers
-from dh2urdf.loading import missing_of, require
+from dh2urdf.leftovers import clear_leftovers
 from dh2urdf.making import Effect, Maker
 from dh2urdf.manifest_table import ManifestTable, can_write_parquet
-from dh2urdf.mesh_section import MeshCall
 from dh2urdf.open_store import open_store
+from dh2urdf.plan import Plan, make_plan
 from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
@@ -40,99 +31,25 @@ from dh2urdf.report.ledger import Ledger
 from dh2urdf.report.overview import Overview
 from dh2urdf.report.reproduction import command_line, reproduction
 from dh2urdf.report.verdicts import Verdicts
+from dh2urdf.result import Result
 from dh2urdf.run_inputs import refuse_overwriting
 from dh2urdf.settings import ON_THE_COMMAND_LINE, Asked
-from dh2urdf.source import Problem, in_file_order, printable
+from dh2urdf.source import Problem, printable
 from dh2urdf.stage_answers import a_record, items_of
-from dh2urdf.stages import Executor, Lost, Reader
-from dh2urdf.stores import Store
-from dh2urdf.variations import VariationCall
+from dh2urdf.stages import Executor, Lost
 from dh2urdf.watchdog import this_process
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
+    from pathlib import Path
 
-    from dh2urdf.config import RunConfig
     from dh2urdf.documents import Node
     from dh2urdf.registry import Catalog
     from dh2urdf.results import RunReport
+    from dh2urdf.stores import Store
 
 Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
 """Is told of a batch, and how many manipulators the run will probably have."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """A run file whose stages and options are all resolved.
-
-    Attributes:
-        inputs: files with the reader of each.
-        input_notices: what there is to say of inputs before they are read, by path.
-        recipe: what is done with every manipulator.
-        key: the recipe's, by which a later run knows files that are still right.
-        store: where the output goes.
-        layout: under which names.
-        executor: does the work.
-        cells: robots of several of the manipulators, made when all have been read.
-        variations: manipulators drawn from others, made at the end.
-        html: whether to write a page for people, where its packages are installed.
-        meshes: mesh files that links are drawn and touched as.
-        files: what the run reads besides: its run file.
-        command: the command that makes the same files; None where a program began the run.
-    """
-
-    inputs: tuple[tuple[Path, Call[Reader[Any]]], ...]
-    recipe: Recipe
-    key: str
-    store: Store
-    layout: Layout
-    executor: Call[Executor[Any]]
-    cells: tuple[CellCall, ...] = ()
-    variations: tuple[VariationCall, ...] = ()
-    html: bool = True
-    meshes: tuple[MeshCall, ...] = ()
-    files: tuple[Path, ...] = ()
-    command: str | None = None
-    input_notices: Mapping[Path, Problem] = field(default_factory=dict)
-
-
-class Result:
-    """What became of a run, so far.
-
-    Attributes:
-        statuses: how many manipulators are ok, kept from an earlier run, failed or skipped.
-        kinds: how many failed, by kind.
-        seconds: how long the steps took, added up over all workers; `total` is the time that passed [s].
-        timings: how long the steps of the first manipulators took [s].
-        keeps_kinematics: whether the transform keeps T(q).
-        leftovers: what became of files of the last run that this one has no part in.
-    """
-
-    def __init__(self, *, keeps_kinematics: bool = True) -> None:
-        self.statuses: Counter[str] = Counter()
-        self.kinds: Counter[str] = Counter()
-        self.seconds: dict[str, float] = {}
-        self.timings: list[dict[str, Any]] = []
-        self.keeps_kinematics = keeps_kinematics
-        self.leftovers = Leftovers()
-
-    @property
-    def made(self) -> int:
-        """How many manipulators were worked at."""
-        return sum(self.statuses.values()) - self.statuses["kept"]
-
-    @property
-    def exit_status(self) -> Literal[0, 1]:
-        """0 where all is done, 1 where a manipulator failed."""
-        return 1 if self.statuses["failed"] else 0
-
-    def add(self, report: BatchReport) -> None:
-        """Takes what became of a batch."""
-        self.statuses += report.statuses
-        self.kinds += report.kinds
-        for step, seconds in report.seconds.items():
-            self.seconds[step] = self.seconds.get(step, 0.0) + seconds
-        self.timings += report.timings
 
 
 def load_plan(
@@ -169,55 +86,6 @@ def load_plan(
     if root is None:
         plan = replace(plan, files=(path,), command=command_line(path, overrides))
     return plan if output is None else replace(plan, store=open_store(output))
-
-
-def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
-    """Resolve every stage and every option of a run file, before anything is read or written.
-
-    Raises:
-        ConfigError: something in the run file is wrong; all of it is said at once.
-        PluginError: the run needs a plugin that is broken, or a package that is not installed.
-    """
-    asked = AskedStages(catalog, config.problems)
-    inputs = asked.readers(config.inputs)
-    transform = asked.call("transform", config.transform)
-    emitters = asked.calls("emitter", config.emitters)
-    loaders = asked.calls("loader", config.loaders)
-    executor = asked.call("executor", config.execution)
-    asked.check_loaders(config.loaders, loaders, config.emitters, emitters)
-    if asked.problems or transform is None or executor is None:
-        raise ConfigError(in_file_order(asked.problems))
-    recipe = Recipe(
-        transform=transform,
-        emitters=tuple(call for call in emitters if call),
-        loaders=tuple(call for call in loaders if call),
-        optional=frozenset(
-            call.stage.name for call, each in zip(loaders, config.loaders, strict=True) if call and each.optional
-        ),
-        poses=config.poses,
-        proved=config.proved,
-        sample=config.sample,
-        time_limit=config.time_limit,
-        mesh_prefix=config.mesh_prefix,
-        mesh_conversion=config.mesh_conversion,
-    )
-    recipe = replace(recipe, missing=missing_of(recipe))
-    require(executor)
-    for variation in config.variations:
-        sampling.require(variation.sampling)
-    return Plan(
-        inputs=inputs,
-        recipe=recipe,
-        key=recipe_key(recipe),
-        store=open_store(config.output),
-        layout=config.layout,
-        executor=executor,
-        cells=config.cells,
-        variations=config.variations,
-        html=config.html,
-        meshes=config.meshes,
-        input_notices=asked.notices,
-    )
 
 
 def execute(

@@ -6,9 +6,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.api import asker_of
 from dh2urdf.argument_words import word_of
-from dh2urdf.asking import stage_calls
+from dh2urdf.asking import asker_of, stage_calls
 from dh2urdf.attribution import blaming
 from dh2urdf.columns import columns_of
 from dh2urdf.errors import ProofError, RobotError

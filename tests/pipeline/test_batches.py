@@ -12,8 +12,8 @@ from dh2urdf.batches import LARGE, SMALL, Batch, Doomed, Expected, batches
 from dh2urdf.config import load_config
 from dh2urdf.errors import CrashError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plan import Plan, make_plan
 from dh2urdf.registry import load
-from dh2urdf.runs import Plan, make_plan
 from dh2urdf.stages import Rejected
 from dh2urdf.variations import Variant
 

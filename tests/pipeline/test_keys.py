@@ -22,9 +22,9 @@ from dh2urdf.manipulator import (
     MeshShape,
     Payload,
 )
+from dh2urdf.plan import make_plan
 from dh2urdf.registry import load
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.runs import make_plan
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:

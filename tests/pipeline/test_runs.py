@@ -17,10 +17,11 @@ from dh2urdf.errors import ConfigError, MissingDependencyError, OutputError, Tab
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.outcome import Row, to_text
+from dh2urdf.plan import make_plan
 from dh2urdf.registry import KINDS, Catalog, Plugin, load
 from dh2urdf.report.verdicts import coverage_line
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
-from dh2urdf.runs import execute, make_plan
+from dh2urdf.runs import execute
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
 

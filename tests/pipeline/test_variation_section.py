@@ -10,8 +10,8 @@ import pytest
 from dh2urdf.config import load_config
 from dh2urdf.errors import MissingDependencyError
 from dh2urdf.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
+from dh2urdf.plan import make_plan
 from dh2urdf.registry import load
-from dh2urdf.runs import make_plan
 from dh2urdf.sampling import Sampling
 from dh2urdf.units import Dimension
 

@@ -25,8 +25,8 @@ from dh2urdf.errors import ConfigError, ManipulatorError
 from dh2urdf.kinematics import as_matrices, forward_kinematics
 from dh2urdf.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform, Value
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.plan import make_plan
 from dh2urdf.registry import load
-from dh2urdf.runs import make_plan
 from dh2urdf.sampling import Sampling
 from dh2urdf.source import Mark
 from dh2urdf.variation_binding import bind

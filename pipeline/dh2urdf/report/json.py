@@ -17,8 +17,8 @@ from dh2urdf.output import reporting_os_errors
 
 if TYPE_CHECKING:
     from dh2urdf.report.ledger import Ledger
+    from dh2urdf.result import Result
     from dh2urdf.results import RunReport
-    from dh2urdf.runs import Result
     from dh2urdf.stores import Store
 
 SCHEMA: Final = "dh2urdf-report/1"

@@ -65,8 +65,9 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
         Dh2UrdfError: whatever keeps the run from starting.
     """
     from dh2urdf.config import load_config
+    from dh2urdf.plan import make_plan
     from dh2urdf.registry import load
-    from dh2urdf.runs import execute, make_plan
+    from dh2urdf.runs import execute
 
     for name, content in tables.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)

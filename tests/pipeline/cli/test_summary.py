@@ -9,7 +9,7 @@ from dh2urdf.conversion import Written
 from dh2urdf.outcome import Outcome, Verdict
 from dh2urdf.proof import Proof
 from dh2urdf.report.verdicts import Verdicts
-from dh2urdf.runs import Result
+from dh2urdf.result import Result
 from dh2urdf.stages import EmittedFile, LoadReport
 
 if TYPE_CHECKING:

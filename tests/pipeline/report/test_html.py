@@ -20,9 +20,10 @@ from PIL import Image
 
 from dh2urdf.config import load_config
 from dh2urdf.outcome import make_row, to_line
+from dh2urdf.plan import make_plan
 from dh2urdf.proof import Proof
 from dh2urdf.registry import load
-from dh2urdf.runs import execute, make_plan
+from dh2urdf.runs import execute
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")

@@ -15,7 +15,7 @@ from dh2urdf.open_store import open_store
 from dh2urdf.outcome import make_row, to_line, to_text
 from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
-from dh2urdf.runs import Result
+from dh2urdf.result import Result
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

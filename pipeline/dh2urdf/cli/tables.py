@@ -16,11 +16,10 @@ if TYPE_CHECKING:
 
     F = TypeVar("F", bound=Callable[..., Any])
 
-READER_OPTIONS = (
-    *("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload"),
-    *("base_link", "tip_link"),
-)
+READER_OPTIONS = ("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload")
 """The options of readers that have a flag of their own."""
+CHAIN_OPTIONS = ("base_link", "tip_link")
+"""The same of readers of robot descriptions."""
 
 
 def _run_command(path: str) -> str:
@@ -63,9 +62,17 @@ def table_options(function: F) -> F:
             ),
             click.option("--tool", metavar="YAML", help="Last DH frame to tool0, like --base."),
             click.option("--payload", metavar="YAML", help='What the arm carries: "{mass: 2.5, com: [0, 0, 0.05]}".'),
-            click.option("--base-link", metavar="LINK", help="Of a robot description: where the chain begins."),
-            click.option("--tip-link", metavar="LINK", help="Of a robot description: where the chain ends."),
         )
+    ):
+        function = option(function)
+    return function
+
+
+def chain_options(function: F) -> F:
+    """Gives a command the flags that say which chain of a robot description is meant."""
+    for option in (
+        click.option("--tip-link", metavar="LINK", help="Where the chain of a robot description ends; by usual names."),
+        click.option("--base-link", metavar="LINK", help="Where the chain of a robot description begins; the root."),
     ):
         function = option(function)
     return function

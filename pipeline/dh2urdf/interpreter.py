@@ -2,7 +2,7 @@
 
 It is started as a plain subprocess: unlike a `multiprocessing` child it may be started by a worker of a process pool,
 and needs no ``if __name__ == "__main__"`` in the user's script. What it answers, and what was printed meanwhile, is the
-caller's to judge: see `dh2urdf.isolation` for calls that may crash, and the executor `local` for workers.
+caller's to judge: see `dh2urdf.child_calls` for calls that may crash, and the executor `local` for workers.
 """
 
 from __future__ import annotations

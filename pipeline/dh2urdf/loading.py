@@ -15,8 +15,8 @@ from dh2urdf.errors import (
     MissingProgramError,
     OutputError,
 )
+from dh2urdf.isolation import load_in_child
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.loads import load_in_child
 from dh2urdf.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.proof import joint_vectors
 from dh2urdf.source import Problem, shown

@@ -26,8 +26,8 @@ from pathlib import Path
 from types import NoneType
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from dh2urdf.child_calls import ChildFailure, outcome, pickled_call, run_in_child, started
 from dh2urdf.errors import CrashError, LoaderError
-from dh2urdf.isolation import ChildFailure, outcome, pickled_call, run_in_child, started
 from dh2urdf.source import Problem
 from dh2urdf.stage_answers import a_record, a_whole_record, whole_records
 from dh2urdf.stages import LoadReport
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from dh2urdf.isolation import ChildResult
+    from dh2urdf.child_calls import ChildResult
     from dh2urdf.stages import Loader, LoadRequest
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
@@ -67,7 +67,7 @@ def load_in_child(
         children: the children of loaders that are kept; without them the loader has a child for this one load.
 
     Raises:
-        CrashError: as `dh2urdf.isolation.run_in_child`.
+        CrashError: as `dh2urdf.child_calls.run_in_child`.
         LoaderError: whatever the loader refuses; the findings in the output follow it.
         MissingDependencyError: the simulator is not installed.
     """
@@ -143,7 +143,7 @@ class KeptChildren:
             who: what messages call it.
 
         Raises:
-            Exception: as `dh2urdf.isolation.run_in_child`.
+            Exception: as `dh2urdf.child_calls.run_in_child`.
         """
         assert loader.prepare is not None  # noqa: S101 - the caller has looked
         preparation = pickled_call(loader.prepare, (options,), who)

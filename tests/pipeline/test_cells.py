@@ -546,7 +546,7 @@ def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     """Each tip is measured: a file whose second arm is moved by 1 mm is refused, with the tip's name."""
     pytest.importorskip("pybullet")
     from dh2urdf.errors import LoaderError
-    from dh2urdf.loads import load_in_child
+    from dh2urdf.isolation import load_in_child
     from dh2urdf.stages import LoadRequest
     from dh2urdf_plugins.loaders.pybullet import LOADER
 

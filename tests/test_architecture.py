@@ -24,7 +24,7 @@ import dh2urdf
 import dh2urdf_plugins
 from dh2urdf import hookspecs
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.registry import KINDS, RECORDS
+from dh2urdf.plugin_system.catalog import KINDS, RECORDS
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 

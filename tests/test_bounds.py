@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from dh2urdf.documents.composer import MAX_ALIASED, MAX_DEPTH
+from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.quantities import MAX_CHARACTERS, MAX_NESTING, Dimension, QuantityError, evaluate
+from dh2urdf.quantities.quantity import MAX_CHARACTERS, MAX_NESTING, Dimension, QuantityError, evaluate
 from dh2urdf.stages import Rejected
-from dh2urdf.textfiles import MAX_BYTES
-from dh2urdf.yaml_composer import MAX_ALIASED, MAX_DEPTH
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.registry import KINDS, load
+from dh2urdf.plugin_system.catalog import KINDS, load
 from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract
 from dh2urdf_plugins.emitters.urdf import UrdfOptions
 from dh2urdf_plugins.emitters.xacro import XacroOptions

@@ -20,7 +20,7 @@ import pytest
 from lxml import etree
 
 from dh2urdf.cli import _status
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf_plugins.urdf_reader import read_urdf
 from dh2urdf_plugins.xacro_reader import expand

@@ -22,11 +22,13 @@ import pytest
 from jsonschema import Draft202012Validator
 from pyarrow import parquet as pq
 
-from dh2urdf import errors, expression_functions, expressions, textfiles, yaml_composer
+from dh2urdf import errors
+from dh2urdf.documents import composer as yaml_composer, text_files as textfiles
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
+from dh2urdf.quantities import functions as expression_functions, grammar as expressions
+from dh2urdf.quantities.units import UNITS, unit_word
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.units import UNITS, unit_word
 from dh2urdf_plugins import readers
 from dh2urdf_plugins.readers import (
     csv,

@@ -14,11 +14,11 @@ from itertools import chain, repeat
 from operator import attrgetter, is_
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
-from dh2urdf.coercion import replace_unchecked
 from dh2urdf.elementwise import is_column
 from dh2urdf.manipulator import Inertia, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark
+from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence

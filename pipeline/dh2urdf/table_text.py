@@ -16,9 +16,9 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.number_text import format_number
+from dh2urdf.quantities.number_text import format_number
+from dh2urdf.quantities.units import UNITS, Dimension, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
-from dh2urdf.units import UNITS, Dimension, Unit
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload

@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from dh2urdf.agreement import TOLERANCE, changes, compare, number_text
 from dh2urdf.errors import ConfigError
-from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.kinematics.chain import forward_kinematics
+from dh2urdf.kinematics.comparison import TOLERANCE, changes, compare, number_text
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf import at_work
-from dh2urdf.at_work import AtWork, Place, at_work_here, importing
-from dh2urdf.discovery import Plugin
+from dh2urdf.plugin_system import at_work
+from dh2urdf.plugin_system.at_work import AtWork, at_work_here, importing
+from dh2urdf.plugin_system.child_place import Place
+from dh2urdf.plugin_system.discovery import Plugin
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -69,7 +70,7 @@ class TestInAChild:
             ("os._exit(3)", "emitter 'usd' of lab 1.0"),
             ("os.kill(os.getpid(), 9)", "emitter 'usd' of lab 1.0"),
             ("raise SystemExit", ""),
-            ("subprocess.run([sys.executable, '-c', 'import dh2urdf.at_work'])", ""),
+            ("subprocess.run([sys.executable, '-c', 'import dh2urdf.plugin_system.at_work'])", ""),
         ],
     )
     def test_the_parent_knows(
@@ -84,7 +85,7 @@ class TestInAChild:
         install(tmp_path, "lab", "")
         monkeypatch.syspath_prepend(tmp_path)
         script = (
-            "import os, subprocess, sys\nfrom dh2urdf.at_work import AtWork\nfrom dh2urdf.discovery import Plugin\n"
+            "import os, subprocess, sys\nfrom dh2urdf.plugin_system.at_work import AtWork\nfrom dh2urdf.plugin_system.discovery import Plugin\n"
             "with AtWork('executor \\'here\\'', None):\n"
             f"    with AtWork('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
         )
@@ -97,7 +98,7 @@ class TestInAChild:
         """It is cut short, and the next one is whole."""
         place = Place()
         script = (
-            "import os\nfrom dh2urdf.at_work import AtWork\nwith AtWork('ä' * 5000, None):\n"
+            "import os\nfrom dh2urdf.plugin_system.at_work import AtWork\nwith AtWork('ä' * 5000, None):\n"
             "    with AtWork('b', None):\n        pass\n    os._exit(0)\n"
         )
         subprocess.run([sys.executable, "-c", script], check=True, **place.for_child())

@@ -5,17 +5,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.batches import LARGE, SMALL, Batch, Doomed, Expected, batches
-from dh2urdf.config import load_config
 from dh2urdf.errors import CrashError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plan import Plan, make_plan
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.stages import Rejected
-from dh2urdf.variations import Variant
+from dh2urdf.tasks.batch import LARGE, SMALL, Batch, Doomed, Expected, batches
+from dh2urdf.variations.variation import Variant
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

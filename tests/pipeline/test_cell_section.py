@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.cells import ArmCall, CellCall
-from dh2urdf.config import RunConfig, load_config
+from dh2urdf.cells.cell import ArmCall, CellCall
 from dh2urdf.robot import Origin
+from dh2urdf.run_file.config import RunConfig, load_config
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,16 +9,15 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.cells import ArmCall, Cell, CellCall, compose, truth_of, with_tables
-from dh2urdf.conversion import Call, make_cell
+from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, truth_of, with_tables
+from dh2urdf.cells.wanted_tables import Gathering
+from dh2urdf.conversion.one_manipulator import Call, make_cell
 from dh2urdf.errors import RobotError
-from dh2urdf.gathering import Gathering
-from dh2urdf.kinematics import as_matrices
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.kinematics.proof import proof_vectors, prove
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.proof import proof_vectors, prove
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
@@ -546,7 +545,7 @@ def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     """Each tip is measured: a file whose second arm is moved by 1 mm is refused, with the tip's name."""
     pytest.importorskip("pybullet")
     from dh2urdf.errors import LoaderError
-    from dh2urdf.isolation import load_in_child
+    from dh2urdf.isolation.child_process import load_in_child
     from dh2urdf.stages import LoadRequest
     from dh2urdf_plugins.loaders.pybullet import LOADER
 

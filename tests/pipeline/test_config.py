@@ -3,11 +3,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.config import RunConfig, StageCall, load_config
 from dh2urdf.errors import ConfigError
+from dh2urdf.run_file.config import RunConfig, StageCall, load_config
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -146,7 +145,7 @@ def test_a_folder_that_cannot_be_searched_is_told(folder: Path, monkeypatch: pyt
 
 def test_a_pattern_has_a_bound(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A pattern that matches half a disk is told, not followed."""
-    monkeypatch.setattr("dh2urdf.file_patterns.MAX_FILES", 1)
+    monkeypatch.setattr("dh2urdf.output.file_patterns.MAX_FILES", 1)
     (message,) = problems(folder, "inputs: 'tables/?.csv'\n")
     assert "more than 1 files match 'tables/?.csv'" in message
 

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.conversion import Call, Recipe, Sample, Written, emit_robot, make_robot, read_items, write_robot
+from dh2urdf.conversion.one_manipulator import (
+    Call,
+    Recipe,
+    Sample,
+    Written,
+    emit_robot,
+    make_robot,
+    read_items,
+    write_robot,
+)
 from dh2urdf.errors import (
     EmitterError,
     MissingDependencyError,
@@ -18,11 +27,11 @@ from dh2urdf.errors import (
     TableError,
     TransformError,
 )
+from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, NoOptions, Reader, Rejected, Transform
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.discovery import Plugin, installed, same_name
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION
+from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable

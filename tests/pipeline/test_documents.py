@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.documents import Node, expect_mapping, load_yaml, read_yaml, stream_yaml
+from dh2urdf.documents.composer import MAX_ALIASED, MAX_DEPTH
+from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml, stream_yaml
 from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.yaml_composer import MAX_ALIASED, MAX_DEPTH
 
 INPUTS = Path(__file__).parents[1] / "reference" / "inputs"
 

@@ -6,10 +6,9 @@ from collections import Counter
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.failure_index import LONGEST_REASON, MAX_NAMES, MAX_REASONS, FailureIndex, pattern
+from dh2urdf.tasks.failure_index import LONGEST_REASON, MAX_NAMES, MAX_REASONS, FailureIndex, pattern
 
 
 def row(name: str = "arm", **facts: Any) -> dict[str, Any]:

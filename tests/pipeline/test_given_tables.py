@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
-from hypothesis import strategies as st
+from hypothesis import Phase, given, settings, strategies as st
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError, RecordError, RecordValueError, RobotError, TableError

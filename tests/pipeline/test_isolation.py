@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, TimeLimitError
-from dh2urdf.isolation import KEPT_OUTPUT, ChildFailure, load_in_child, run_in_child
+from dh2urdf.isolation.child_process import KEPT_OUTPUT, ChildFailure, load_in_child, run_in_child
 from dh2urdf.robot import Robot
 from dh2urdf.stages import LoadRequest, NoOptions
 
@@ -239,7 +239,7 @@ def test_script_needs_no_main_guard(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "from math import hypot\n"
-        "from dh2urdf.isolation import run_in_child\n"
+        "from dh2urdf.isolation.child_process import run_in_child\n"
         "print('once', run_in_child(hypot, 3.0, 4.0, timeout=60).value)\n"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
@@ -251,7 +251,7 @@ def test_function_of_the_script_itself_is_refused(tmp_path: Path) -> None:
     """A function that stands in the script cannot be imported by the child, and the error says so."""
     script = tmp_path / "script.py"
     script.write_text(
-        "from dh2urdf.isolation import run_in_child\n"
+        "from dh2urdf.isolation.child_process import run_in_child\n"
         "def mine(): pass\n"
         "try:\n    run_in_child(mine, timeout=60)\nexcept Exception as error:\n    print(error)\n"
     )

@@ -5,19 +5,18 @@ import tempfile
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
-from dh2urdf.journal import JOURNAL, MANIFEST, Journal, earlier_rows, next_journal
-from dh2urdf.local_store import LocalStore
-from dh2urdf.open_store import open_store
+from dh2urdf.output.journal import JOURNAL, MANIFEST, Journal, earlier_rows, next_journal
+from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.open_store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from dh2urdf.stores import Store
+    from dh2urdf.output.store import Store
 
 
 def line(name: str, **facts: Any) -> bytes:
@@ -105,7 +104,7 @@ class TestEarlier:
         def full(*_: object) -> None:
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr("dh2urdf.journal.write_all", full)
+        monkeypatch.setattr("dh2urdf.output.journal.write_all", full)
         message = f"cannot write '{tempfile.gettempdir()}': No space left on device"
         with pytest.raises(OutputError, match=message), earlier_rows(store):
             pass

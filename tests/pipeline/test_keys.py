@@ -4,12 +4,10 @@ from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.columns import in_columns
-from dh2urdf.config import load_config
-from dh2urdf.keys import DIGITS, column_keys, key_of
+from dh2urdf.conversion.keys import DIGITS, column_keys, key_of
 from dh2urdf.manipulator import (
     Convention,
     DHRow,
@@ -22,9 +20,10 @@ from dh2urdf.manipulator import (
     MeshShape,
     Payload,
 )
-from dh2urdf.plan import make_plan
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
@@ -250,8 +249,8 @@ def test_who_does_it_does_not_count(plan_key: Any, text: str) -> None:
 def test_versions_count(plan_key: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """A newer version of the core, of a plugin or of Python may write other files."""
     before = plan_key()
-    monkeypatch.setattr("dh2urdf.keys.__version__", "99")
+    monkeypatch.setattr("dh2urdf.conversion.keys.__version__", "99")
     assert plan_key() != before
     monkeypatch.undo()
-    monkeypatch.setattr("dh2urdf.discovery.Plugin.distribution", "lab 2.0")
+    monkeypatch.setattr("dh2urdf.plugin_system.discovery.Plugin.distribution", "lab 2.0")
     assert plan_key() != before

@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.kinematics import (
+from dh2urdf.kinematics.chain import (
     KinematicChain,
     angle_error,
     as_matrices,
@@ -17,11 +16,11 @@ from dh2urdf.kinematics import (
     dh_transforms,
     forward_kinematics,
     joint_variables,
-    pose_matrices,
     position_error,
     reach,
     row_transform,
 )
+from dh2urdf.kinematics.pose_arrays import pose_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, rotation_from_rpy

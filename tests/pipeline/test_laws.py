@@ -4,10 +4,9 @@ import math
 from statistics import NormalDist
 
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
-from dh2urdf.laws import (
+from dh2urdf.variations.laws import (
     Choices,
     Grid,
     LogUniform,

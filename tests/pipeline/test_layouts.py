@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.layouts import Form, Layout
-from dh2urdf.open_store import open_store
+from dh2urdf.output.layouts import Form, Layout
+from dh2urdf.output.open_store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-    from dh2urdf.stores import Store
+    from dh2urdf.output.store import Store
 
 TABLE = "# convention: standard\nrobot,a,alpha,d\n"
 

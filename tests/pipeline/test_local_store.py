@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import OutputError
-from dh2urdf.local_store import LocalStore
-from dh2urdf.stores import WORKING
+from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.store import WORKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -157,7 +157,7 @@ class TestAppending:
     def test_lines_of_many_processes_are_whole(self, store: LocalStore, tmp_path: Path) -> None:
         """Lines that are written at the same time by several processes stand one after the other."""
         code = (
-            "import sys; from pathlib import Path; from dh2urdf.local_store import LocalStore\n"
+            "import sys; from pathlib import Path; from dh2urdf.output.local_store import LocalStore\n"
             "for _ in range(200): LocalStore(Path(sys.argv[1])).append('journal', sys.argv[2].encode() * 3000 + b'\\n')"
         )
         with another_process(code, store.directory, "a") as one, another_process(code, store.directory, "b") as two:
@@ -171,7 +171,7 @@ class TestFullDisk:
 import resource, sys
 from pathlib import Path
 from dh2urdf.errors import OutputError
-from dh2urdf.local_store import LocalStore
+from dh2urdf.output.local_store import LocalStore
 resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
 store = LocalStore(Path(sys.argv[1]))
 for doing in (lambda: store.write("old", b"x" * 9000), lambda: store.write("new", b"x" * 9000)):
@@ -227,7 +227,7 @@ class TestInterrupts:
     WRITER = """
 import sys
 from pathlib import Path
-from dh2urdf.local_store import LocalStore
+from dh2urdf.output.local_store import LocalStore
 store = LocalStore(Path(sys.argv[1]))
 with store.lock():
     for number in range(100_000):
@@ -267,7 +267,7 @@ class TestLock:
     HOLDER = """
 import os, sys, time
 from pathlib import Path
-from dh2urdf.local_store import LocalStore
+from dh2urdf.output.local_store import LocalStore
 with LocalStore(Path(sys.argv[1])).lock():
     child = os.fork()
     if child == 0:
@@ -315,7 +315,7 @@ with LocalStore(Path(sys.argv[1])).lock():
             for path in ("out", "link"):
                 with pytest.raises(OutputError, match="another run is at work"), LocalStore(tmp_path / path).lock():
                     pass
-            code = "import sys; from dh2urdf.open_store import open_store\nwith open_store(sys.argv[1]).lock(): pass"
+            code = "import sys; from dh2urdf.output import open_store\nwith open_store(sys.argv[1]).lock(): pass"
             refused = subprocess.run(
                 [sys.executable, "-c", code, store.directory], capture_output=True, text=True, check=False
             )
@@ -344,7 +344,7 @@ with LocalStore(Path(sys.argv[1])).lock():
 import os, sys, time
 from pathlib import Path
 from dh2urdf.errors import OutputError
-from dh2urdf.local_store import LocalStore
+from dh2urdf.output.local_store import LocalStore
 folder, done = Path(sys.argv[1]), 0
 while done < 300:
     try:

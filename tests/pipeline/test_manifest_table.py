@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import pyarrow as pa
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from pyarrow import parquet
 
-from dh2urdf.manifest_table import ROW_GROUP, ManifestTable, can_write_parquet
-from dh2urdf.outcome import to_line
+from dh2urdf.conversion.outcome import to_line
+from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable, can_write_parquet
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -68,7 +67,7 @@ class TestManifestTable:
     def test_pyarrow_is_looked_for(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Whether a Parquet file can be written is known without an import."""
         assert can_write_parquet()
-        monkeypatch.setattr("dh2urdf.manifest_table.find_spec", lambda _name: None)
+        monkeypatch.setattr("dh2urdf.tasks.manifest_table.find_spec", lambda _name: None)
         assert not can_write_parquet()
 
     def test_what_every_manifest_has(self) -> None:
@@ -183,12 +182,12 @@ class TestManifestTable:
         ]
         borders = [0, *sorted(min(cut, len(rows)) for cut in cuts), len(rows)]
         blocks = [rows[start:stop] for start, stop in itertools.pairwise(borders)]
-        with mock.patch("dh2urdf.manifest_table.ROW_GROUP", 2):
+        with mock.patch("dh2urdf.tasks.manifest_table.ROW_GROUP", 2):
             assert written(*blocks) == written(*[[row] for row in rows])
 
     def test_rows_are_not_kept(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """Ten times as many rows take no more memory than one group of them."""
-        monkeypatch.setattr("dh2urdf.manifest_table.ROW_GROUP", 500)
+        monkeypatch.setattr("dh2urdf.tasks.manifest_table.ROW_GROUP", 500)
 
         def peak(count: int) -> int:
             arrow = pa.total_allocated_bytes()

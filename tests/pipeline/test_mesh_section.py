@@ -5,16 +5,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.config import load_config
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.mesh_section import MeshGiver, Shapes
 from dh2urdf.rotations import HALF_PI, RigidTransform
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.mesh_section import MeshGiver, Shapes
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.config import RunConfig
+    from dh2urdf.run_file.config import RunConfig
 
 
 @pytest.fixture

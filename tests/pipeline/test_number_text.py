@@ -5,10 +5,9 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.number_text import format_columns, format_number, format_numbers
+from dh2urdf.quantities.number_text import format_columns, format_number, format_numbers
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 XSD_DOUBLE = re.compile(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]+)?")

@@ -9,12 +9,11 @@ from typing import Annotated, Any, Literal
 
 import pytest
 from annotated_types import Gt
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.documents import load_yaml
+from dh2urdf.documents.document import load_yaml
 from dh2urdf.errors import BrokenPluginError, ConfigError, TableError
-from dh2urdf.options import COMMAND_LINE, describe_options, make_options, word_node
+from dh2urdf.plugin_system.options import COMMAND_LINE, describe_options, make_options, word_node
 from dh2urdf.source import Mark, Problem
 
 
@@ -79,7 +78,7 @@ def test_without_options_the_type_itself_is_made() -> None:
 def test_plain_words_do_not_import_pydantic() -> None:
     """Defaults, words and truth values are taken without the import that costs most."""
     code = (
-        "import sys; from dh2urdf.options import make_options; from dh2urdf_plugins.emitters.xacro import XacroOptions;"
+        "import sys; from dh2urdf.plugin_system.options import make_options; from dh2urdf_plugins.emitters.xacro import XacroOptions;"
         "from dh2urdf_plugins.emitters.urdf import UrdfOptions;"
         "make_options(XacroOptions, {'single_file': 'true'}, where='x');"
         "make_options(UrdfOptions, {'profile': 'portable'}, where='x');"

@@ -5,10 +5,10 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.conversion import Written
+from dh2urdf.conversion.one_manipulator import Written
+from dh2urdf.conversion.outcome import Outcome, Verdict, kind_of, to_line, to_text
 from dh2urdf.errors import (
     CrashError,
     EmitterError,
@@ -21,8 +21,7 @@ from dh2urdf.errors import (
     TimeLimitError,
     TransformError,
 )
-from dh2urdf.outcome import Outcome, Verdict, kind_of, to_line, to_text
-from dh2urdf.proof import Proof
+from dh2urdf.kinematics.proof import Proof
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, LoadReport
 

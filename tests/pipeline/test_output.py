@@ -6,11 +6,10 @@ import unicodedata
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
-from dh2urdf.output import (
+from dh2urdf.output.whole_files import (
     LONGEST_STEM,
     Stems,
     put_in_place,

@@ -9,21 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dh2urdf.columns import RobotColumns, column, in_columns
-from dh2urdf.conversion import Call, make_robot
+from dh2urdf.conversion.one_manipulator import Call, make_robot
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics import KinematicChain, angle_error, position_error
+from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import TOLERANCE, Proof, proof_vectors, prove
+from dh2urdf.kinematics.proof_columns import BLOCK, prove_columns
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.options import make_options
-from dh2urdf.proof import TOLERANCE, Proof, proof_vectors, prove
-from dh2urdf.proof_columns import BLOCK, prove_columns
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system.options import make_options
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf.truth import Truth
 from dh2urdf_plugins.urdf_reader import parse_urdf
 from dh2urdf_plugins.urdf_scanner import scan_columns
 

@@ -10,7 +10,7 @@ import pytest
 
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.registry import KINDS, RECORDS, Catalog, Plugin, load
+from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin, load
 from dh2urdf.stages import Emitter, NoOptions, Reader
 
 if TYPE_CHECKING:

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf import remote_store
 from dh2urdf.errors import MissingDependencyError, OutputError
-from dh2urdf.open_store import open_store
-from dh2urdf.remote_store import _S3_LIMITS, RemoteStore
+from dh2urdf.output import remote_store
+from dh2urdf.output.open_store import open_store
+from dh2urdf.output.remote_store import _S3_LIMITS, RemoteStore
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -124,7 +124,7 @@ class TestObjectStore:
 
     WRITER = """
 import sys
-from dh2urdf.open_store import open_store
+from dh2urdf.output.open_store import open_store
 store = open_store(sys.argv[1])
 for number in range(10_000):
     store.write(f"{number}", b"%d." % number * 500_000)

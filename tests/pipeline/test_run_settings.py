@@ -4,15 +4,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.config import load_config
-from dh2urdf.conversion import Sample
-from dh2urdf.layouts import DEFAULT_SIZE, Form, Layout
-from dh2urdf.run_settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
+from dh2urdf.conversion.one_manipulator import Sample
+from dh2urdf.output.layouts import DEFAULT_SIZE, Form, Layout
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.config import RunConfig
+    from dh2urdf.run_file.config import RunConfig
 
 
 @pytest.fixture

@@ -10,26 +10,26 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.batches import Expected, batches
-from dh2urdf.config import load_config
-from dh2urdf.conversion import Call, Sample
+from dh2urdf.conversion.one_manipulator import Call, Sample
+from dh2urdf.conversion.outcome import Row, to_text
 from dh2urdf.errors import ConfigError, MissingDependencyError, OutputError, TableError, TransformError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
-from dh2urdf.outcome import Row, to_text
-from dh2urdf.plan import make_plan
-from dh2urdf.registry import KINDS, Catalog, Plugin, load
+from dh2urdf.plugin_system.catalog import KINDS, Catalog, Plugin, load
 from dh2urdf.report.verdicts import coverage_line
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
-from dh2urdf.runs import execute
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.running.run import execute
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
+from dh2urdf.tasks.batch import Expected, batches
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from dh2urdf import runs
-    from dh2urdf.batch_report import BatchReport
+    from dh2urdf.running import run as runs
+    from dh2urdf.tasks.batch_report import BatchReport
 
 # The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
 # names, a line each, and what a name begins with says what becomes of it.

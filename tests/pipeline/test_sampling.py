@@ -5,11 +5,10 @@ import warnings
 from collections import Counter
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.sampling import MOST_POINTS, Sampling, permuted, point, require
+from dh2urdf.variations.sampling import MOST_POINTS, Sampling, permuted, point, require
 
 
 def points(sampling: Sampling, count: int, dimensions: int, seed: int = 7) -> list[list[float]]:

@@ -4,11 +4,10 @@ import tracemalloc
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
-from dh2urdf.seen import RECENT, SeenNames
+from dh2urdf.output.seen_names import RECENT, SeenNames
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,18 +11,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
-from dh2urdf.open_store import open_store
-from dh2urdf.output import Stems
-from dh2urdf.shards import Member, ShardWriter, members, shard_stem
+from dh2urdf.output.open_store import open_store
+from dh2urdf.output.shards import Member, ShardWriter, members, shard_stem
+from dh2urdf.output.whole_files import Stems
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf.stores import Store
+    from dh2urdf.output.store import Store
 
 SAMPLE = [
     ("arm_1.urdf", b"<robot/>\n" * 700),
@@ -182,8 +181,8 @@ class TestWhole:
         code = """
 import resource, sys
 from dh2urdf.errors import OutputError
-from dh2urdf.shards import ShardWriter
-from dh2urdf.open_store import open_store
+from dh2urdf.output.shards import ShardWriter
+from dh2urdf.output.open_store import open_store
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), int(sys.argv[2])))
 try:
     with ShardWriter(open_store(sys.argv[1]), "000001.tar") as shard:

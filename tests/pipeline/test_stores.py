@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.errors import OutputError
-from dh2urdf.local_store import LocalStore
-from dh2urdf.open_store import open_store
-from dh2urdf.remote_store import RemoteStore
-from dh2urdf.stores import WORKING, Store
+from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.open_store import open_store
+from dh2urdf.output.remote_store import RemoteStore
+from dh2urdf.output.store import WORKING, Store
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from dh2urdf.documents.text_files import check_file, decoded, read_bytes
 from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.textfiles import check_file, decoded, read_bytes
 
 
 def refusal(path: Path) -> str:

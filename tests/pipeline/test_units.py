@@ -6,11 +6,10 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.quantities import evaluate
-from dh2urdf.units import UNITS, Decimal, Dimension, QuantityError, find_unit
+from dh2urdf.quantities.quantity import evaluate
+from dh2urdf.quantities.units import UNITS, Decimal, Dimension, QuantityError, find_unit
 
 LENGTHS = {"m": 0, "cm": -2, "mm": -3, "µm": -6}
 INCH, POUND, GRAVITY = Fraction("0.0254"), Fraction("0.45359237"), Fraction("9.80665")

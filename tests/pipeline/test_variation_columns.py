@@ -5,12 +5,12 @@ import math
 import pytest
 
 from dh2urdf.errors import ManipulatorError
-from dh2urdf.laws import Choices, Law, Normal, Scale, Uniform
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.source import Mark
-from dh2urdf.variation_binding import bind
-from dh2urdf.variation_columns import variant_columns
-from dh2urdf.variations import Rule, Variation, VariationCall
+from dh2urdf.variations.binding import bind
+from dh2urdf.variations.columns import variant_columns
+from dh2urdf.variations.laws import Choices, Law, Normal, Scale, Uniform
+from dh2urdf.variations.variation import Rule, Variation, VariationCall
 
 ARM = Manipulator(
     name="arm",

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.config import load_config
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
-from dh2urdf.plan import make_plan
-from dh2urdf.registry import load
-from dh2urdf.sampling import Sampling
-from dh2urdf.units import Dimension
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.quantities.units import Dimension
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.variations.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
+from dh2urdf.variations.sampling import Sampling
 
 if TYPE_CHECKING:
-    from dh2urdf.variations import VariationCall
+    from dh2urdf.variations.variation import VariationCall
 
 
 RULE = "{joints: 1, field: a, scale: [1, 2]}"

@@ -15,23 +15,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.batches import Expected, batches
-from dh2urdf.coercion import replace_unchecked
-from dh2urdf.config import load_config
 from dh2urdf.errors import ConfigError, ManipulatorError
-from dh2urdf.kinematics import as_matrices, forward_kinematics
-from dh2urdf.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform, Value
+from dh2urdf.kinematics.chain import as_matrices, forward_kinematics
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
-from dh2urdf.plan import make_plan
-from dh2urdf.registry import load
-from dh2urdf.sampling import Sampling
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.run_file.variation_section import LAWS
 from dh2urdf.source import Mark
-from dh2urdf.variation_binding import bind
-from dh2urdf.variation_section import LAWS
-from dh2urdf.variations import FIELDS, Rule, Variant, Variation, VariationCall, retyped
+from dh2urdf.tasks.batch import Expected, batches
+from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.variations.binding import bind
+from dh2urdf.variations.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform, Value
+from dh2urdf.variations.sampling import Sampling
+from dh2urdf.variations.variation import FIELDS, Rule, Variant, Variation, VariationCall, retyped
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -329,7 +328,7 @@ class TestBinding:
 
     def test_units_are_those_of_the_joint(self) -> None:
         """Bounds of all joints with a unit of angles are none for the joint that slides."""
-        from dh2urdf.units import Dimension
+        from dh2urdf.quantities.units import Dimension
 
         (message,) = refused(rule("lower", Uniform(low=-0.2, high=-0.1), units=(Dimension.ANGLE,)))
         assert (

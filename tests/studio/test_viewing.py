@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from dh2urdf.errors import InputError
-from dh2urdf.kinematics import as_matrices
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.studio.viewing import View, ends, load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

@@ -16,8 +16,8 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any, Self
 from xml.etree import ElementTree as ET
 
-from dh2urdf.kinematics import as_matrices
-from dh2urdf.proof import joint_ranges
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.kinematics.proof import joint_ranges
 from dh2urdf.report.skeletons import arm_skeleton
 from dh2urdf.rotations import add, rotate
 
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from dh2urdf.kinematics.expected_poses import Truth
     from dh2urdf.report.skeletons import Skeleton
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import Vec3
-    from dh2urdf.truth import Truth
 
 SAMPLES = 5000
 """Joint vectors at which the workspace is looked at [1]."""

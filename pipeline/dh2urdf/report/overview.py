@@ -9,17 +9,17 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
 
-from dh2urdf.laws import Value
-from dh2urdf.proof import TOLERANCE
+from dh2urdf.kinematics.proof import TOLERANCE
+from dh2urdf.quantities.units import Dimension
 from dh2urdf.report.figures import Bars
 from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry
-from dh2urdf.units import Dimension
-from dh2urdf.variations import FIELDS
+from dh2urdf.variations.laws import Value
+from dh2urdf.variations.variation import FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from dh2urdf.failure_index import FailureIndex
+    from dh2urdf.tasks.failure_index import FailureIndex
 
 LISTED = 1000
 """Manipulators that the table of all lists [1]: failures first, then the first others."""

@@ -15,11 +15,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
-from dh2urdf.number_text import format_number
-from dh2urdf.quantities import QuantityError, evaluate
+from dh2urdf.quantities.number_text import format_number
+from dh2urdf.quantities.quantity import QuantityError, evaluate
+from dh2urdf.quantities.units import UNITS, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
 from dh2urdf.table_text import TableText, dimension_of, number_in, table_text, transform_text, unit_of
-from dh2urdf.units import UNITS, Unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

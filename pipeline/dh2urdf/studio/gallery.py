@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.studio.opening import open_tables
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
 
 _FOLDER = files("dh2urdf.studio") / "arms"

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.kinematics import FLANGE, TOOL, dh_frames, joint_variables, link_poses
+from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, joint_variables, link_poses
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, add, cross, norm, scale

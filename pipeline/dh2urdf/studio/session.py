@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from dh2urdf.kinematics import KinematicChain, angle_error, forward_kinematics, position_error, reach
+from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error, reach
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
@@ -21,7 +21,7 @@ from dh2urdf.table_text import FIELDS, TableText
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.joints import Slider
 
 Variant = Literal["exact", "paper", "both"]

@@ -5,31 +5,31 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.attribution import Call, blaming, default_call
-from dh2urdf.cells import with_tables
-from dh2urdf.config import RUN_SUFFIXES, is_run_file, load_config
-from dh2urdf.conversion import make_cell, make_robot, read_items
+from dh2urdf.cells.cell import with_tables
+from dh2urdf.cells.wanted_tables import Gathering
+from dh2urdf.commands.check import expanded_with
+from dh2urdf.conversion.one_manipulator import make_cell, make_robot, read_items
+from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, ManipulatorError
-from dh2urdf.gathering import Gathering
-from dh2urdf.inspecting import expanded_with
-from dh2urdf.kinematics import link_poses
-from dh2urdf.options import make_options
+from dh2urdf.kinematics.chain import link_poses
+from dh2urdf.plugin_system.calls import Call, blaming, default_call
+from dh2urdf.plugin_system.options import make_options
+from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stage_answers import a_whole_record
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.reading import transform_call
 from dh2urdf.studio.scene import Drawing, Figure, extent
-from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.joints import Slider
 
 MOST_FIGURES = 50

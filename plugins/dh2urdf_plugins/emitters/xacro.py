@@ -23,7 +23,7 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.meshes import has_meshes
-from dh2urdf.number_text import format_number
+from dh2urdf.quantities import format_number
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter

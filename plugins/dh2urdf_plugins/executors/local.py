@@ -22,9 +22,9 @@ from operator import length_hint
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
-from dh2urdf.at_work import MARK, Place, unmarked
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import ChildFailure
+from dh2urdf.plugin_system import MARK, Place, unmarked
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import Executor, Lost
 from dh2urdf_plugins.executors.window import handed_over

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Convention
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import Dimension, Unit
+from dh2urdf.quantities import UNITS, Dimension, Unit, unit_word
 from dh2urdf.source import Problem
-from dh2urdf.units import UNITS, unit_word
 from dh2urdf_plugins.readers.fields import convention_of
 from dh2urdf_plugins.readers.table_units import KEY_OF
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from dh2urdf.units import Unit
+    from dh2urdf.quantities import Unit
 
 _QUOTED = frozenset(',;\t"#')
 """Characters that mean something to a reader of CSV where they stand bare."""

@@ -16,13 +16,12 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import load_yaml
+from dh2urdf.documents import check_file, load_yaml
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Reader
 from dh2urdf.table_text import CellRow
-from dh2urdf.textfiles import check_file
 from dh2urdf_plugins.readers.cells import text_of
 from dh2urdf_plugins.readers.comment_phrases import unit_of_measure
 from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT, STATEMENTS

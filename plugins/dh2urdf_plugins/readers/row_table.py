@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.seen import SeenNames
+from dh2urdf.output import SeenNames
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.bounds import MAX_JOINTS

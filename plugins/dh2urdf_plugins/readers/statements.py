@@ -11,10 +11,9 @@ from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, Payload
 from dh2urdf.provenance import Said
-from dh2urdf.quantities import Dimension, QuantityError, Unit, accepted_units, find_unit, is_unit
+from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, is_unit, unit_word
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.units import UNITS, unit_word
 from dh2urdf_plugins.readers.cells import Cell, Units
 from dh2urdf_plugins.readers.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOICES, convention_of
 from dh2urdf_plugins.readers.headers import Columns

@@ -6,9 +6,9 @@ import codecs
 import io
 from typing import TYPE_CHECKING, NoReturn
 
+from dh2urdf.documents import check_file
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -15,9 +15,9 @@ from xml.parsers import expat
 
 from lxml import etree
 
+from dh2urdf.documents import check_file
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import stream_yaml
+from dh2urdf.documents import read_bytes, stream_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Reader, Rejected
-from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.readers import yaml_texts
 from dh2urdf_plugins.readers.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.cell_groups import ACCEPTED, TENSOR, GroupError, are_equal, split_cell

@@ -10,7 +10,7 @@ import re
 import unicodedata
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.units import UNITS
+from dh2urdf.quantities import UNITS
 from dh2urdf_plugins.readers.fields import (
     COM_FIELDS,
     CONVENTION_CHOICES,

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import load_yaml
+from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
-from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.readers.fields import COM_FIELDS, INERTIA_FIELDS
 from dh2urdf_plugins.readers.header_words import read_header
 from dh2urdf_plugins.readers.table_words import statements_of, units_text

@@ -9,14 +9,14 @@ import pytest
 
 import dh2urdf_plugins
 from dh2urdf.errors import UnknownStageError
-from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.kinematics.chain import forward_kinematics
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import proof_vectors, prove
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.proof import proof_vectors, prove
 from dh2urdf.robot_check import check_robot
 from dh2urdf.stages import Emitter, NoOptions
 from dh2urdf.testing import catalog_of, do_run, plain_robot, reference_manipulators
 from dh2urdf.testing.oracle import table_pose
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from pathlib import Path

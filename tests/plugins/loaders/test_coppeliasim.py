@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError, MissingProgramError
-from dh2urdf.isolation import load_in_child
+from dh2urdf.isolation.child_process import load_in_child
 from dh2urdf.robot import Collision, Mesh
 from dh2urdf_plugins.loaders import coppeliasim, turns
 from dh2urdf_plugins.loaders.coppeliasim import LOADER, CoppeliaSimOptions, load, require

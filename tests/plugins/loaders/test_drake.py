@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
-from dh2urdf.isolation import load_in_child
+from dh2urdf.isolation.child_process import load_in_child
 from dh2urdf.robot import Collision, Cylinder, Origin
 from dh2urdf_plugins.loaders.drake import LOADER, DrakeOptions, load, read_output
 

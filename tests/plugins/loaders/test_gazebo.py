@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError, MissingProgramError
-from dh2urdf.isolation import load_in_child
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.isolation.child_process import load_in_child
+from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.robot import Link, Origin
 from dh2urdf_plugins.loaders import gazebo
 from dh2urdf_plugins.loaders.gazebo import LOADER, GazeboOptions, find_command, load, read_output, require

@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from pyarrow import parquet as pq
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Inertia, JointType, Manipulator, Payload
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, parquet
 from dh2urdf_plugins.readers.plain_rows import PlainRows
@@ -715,7 +714,7 @@ def test_an_index_of_pandas_without_a_name_is_that_of_the_joints(tmp_path: Path)
         ("dh2urdf_units", "refused"),
         ("dh2urdf:units", "refused"),
         ("convention", "refused"),
-        ("dh2urdf.units", "read"),
+        ("dh2urdf.quantities.units", "read"),
         ("owner", "left alone"),
     ],
 )

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from conftest import ReferenceRobot
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 def robot_of(manipulator: Manipulator) -> Robot:

@@ -13,7 +13,7 @@ from dh2urdf.documents.composer import MAX_ALIASED, MAX_DEPTH
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml, stream_yaml
 from dh2urdf.errors import ConfigError, TableError
 
-INPUTS = Path(__file__).parents[1] / "reference" / "inputs"
+INPUTS = Path(__file__).parents[2] / "reference" / "inputs"
 
 
 def plain(text: str | bytes) -> Any:

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from dh2urdf.errors import ConfigError
 from dh2urdf.run_file.config import RunConfig, StageCall, load_config
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 @pytest.fixture

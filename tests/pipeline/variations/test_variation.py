@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 ARM = Manipulator(
     name="arm",

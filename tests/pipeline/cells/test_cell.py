@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from conftest import Answer, ReferenceRobot
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 TRACK = Manipulator(
     name="track",

@@ -16,7 +16,7 @@ from dh2urdf.plugin_system.catalog import Catalog, Plugin, load
 from dh2urdf.run_file.schema import run_schema, table_schema
 from dh2urdf.stages import Emitter, Executor, Loader, NoOptions, Reader, Transform
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -35,7 +35,7 @@ from dh2urdf.rotations import IDENTITY, RigidTransform
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 UR5 = CONFIGS / "tables" / "ur5.csv"
 ARRAY = np.array([[0.1, 0.2, 0.3, math.pi / 2], [0.0, 0.05, -0.4, -0.25]])
 ORDER = ["theta", "d", "a", "alpha"]

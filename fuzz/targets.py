@@ -38,11 +38,11 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.plain_rows import PlainRows
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.statements.statements import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.urdf_reader import parse_urdf
 from dh2urdf_plugins.xacro_fence.expansion import callables, closed_symbols
 from dh2urdf_plugins.xacro_fence.expressions import evaluate as evaluate_xacro
 

@@ -16,7 +16,7 @@ from dh2urdf_plugins.emitters.urdf import UrdfOptions
 from dh2urdf_plugins.emitters.xacro import XacroOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
-from dh2urdf_plugins.loaders.coppeliasim import CoppeliaSimOptions
+from dh2urdf_plugins.loaders.coppeliasim.loader import CoppeliaSimOptions
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:

@@ -30,29 +30,17 @@ from dh2urdf.quantities import functions as expression_functions, grammar as exp
 from dh2urdf.quantities.units import UNITS, unit_word
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins import readers
-from dh2urdf_plugins.readers import (
-    csv,
-    csv_comments,
-    csv_header,
-    fields,
-    header_words,
-    names,
-    parquet,
-    plausibility,
-    row_cells,
-    rows,
-    table_units,
-    tables,
-    text,
-    top,
-    unheld,
-    xlsx,
-    xlsx_file,
-    yaml,
-    yaml_schema,
-)
-from dh2urdf_plugins.readers.statements import TableOptions
-from dh2urdf_plugins.readers.word_keys import key_of
+from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+from dh2urdf_plugins.readers.csv_file import header as csv_header
+from dh2urdf_plugins.readers.header import units as table_units, words as header_words
+from dh2urdf_plugins.readers.rows import cells as row_cells, rows
+from dh2urdf_plugins.readers.statements import csv_comments, plausibility, text, top
+from dh2urdf_plugins.readers.statements.statements import TableOptions
+from dh2urdf_plugins.readers.tables import tables
+from dh2urdf_plugins.readers.words import fields, names, unheld
+from dh2urdf_plugins.readers.words.word_keys import key_of
+from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
+from dh2urdf_plugins.readers.yaml_file import schema as yaml_schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

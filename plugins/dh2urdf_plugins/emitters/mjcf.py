@@ -20,7 +20,7 @@ from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
-from dh2urdf_plugins.mjcf_reader import read_mjcf
+from dh2urdf_plugins.read_back.mjcf_reader import read_mjcf
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

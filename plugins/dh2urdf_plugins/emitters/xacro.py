@@ -44,7 +44,7 @@ from dh2urdf_plugins.emitters.urdf_tree import (
     append_robot,
     serialise,
 )
-from dh2urdf_plugins.xacro_reader import read_foreign_xacro, read_xacro
+from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro, read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -28,7 +28,7 @@ from dh2urdf_plugins.lint.models import (
     numbers,
     parsed,
 )
-from dh2urdf_plugins.mjcf_reader import read_mjcf
+from dh2urdf_plugins.read_back.mjcf_reader import read_mjcf
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

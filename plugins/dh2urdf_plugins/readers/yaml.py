@@ -10,22 +10,22 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Reader, Rejected
-from dh2urdf_plugins.readers import yaml_texts
-from dh2urdf_plugins.readers.bounds import MAX_JOINTS
-from dh2urdf_plugins.readers.cell_groups import ACCEPTED, TENSOR, GroupError, are_equal, split_cell
-from dh2urdf_plugins.readers.cells import Cell
-from dh2urdf_plugins.readers.fields import COM_FIELDS, FIELDS, GROUPS, INERTIA_FIELDS
-from dh2urdf_plugins.readers.header_words import bounds_theta, parts_of, read_header
-from dh2urdf_plugins.readers.meshes import MESH_KEYS, Meshes, MeshReader
-from dh2urdf_plugins.readers.rows import RowReader
-from dh2urdf_plugins.readers.shapes import refuse_unknown_keys
-from dh2urdf_plugins.readers.statements import Statements, TableOptions
-from dh2urdf_plugins.readers.table_units import effort_notice
-from dh2urdf_plugins.readers.tables import manipulator, read_rows
-from dh2urdf_plugins.readers.unheld import UNHELD
-from dh2urdf_plugins.readers.unknown_columns import ignored, meant_key, refusal, refused
-from dh2urdf_plugins.readers.yaml_forms import no_mapping, no_robots
-from dh2urdf_plugins.readers.yaml_schema import table_schema
+from dh2urdf_plugins.readers.header.units import effort_notice
+from dh2urdf_plugins.readers.header.unknown_columns import ignored, meant_key, refusal, refused
+from dh2urdf_plugins.readers.header.words import bounds_theta, parts_of, read_header
+from dh2urdf_plugins.readers.rows.rows import RowReader
+from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader
+from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
+from dh2urdf_plugins.readers.statements.statements import Statements, TableOptions
+from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, TENSOR, GroupError, are_equal, split_cell
+from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows
+from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
+from dh2urdf_plugins.readers.words.cells import Cell
+from dh2urdf_plugins.readers.words.fields import COM_FIELDS, FIELDS, GROUPS, INERTIA_FIELDS
+from dh2urdf_plugins.readers.words.unheld import UNHELD
+from dh2urdf_plugins.readers.yaml_file import texts as yaml_texts
+from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots
+from dh2urdf_plugins.readers.yaml_file.schema import table_schema
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

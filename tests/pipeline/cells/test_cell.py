@@ -25,10 +25,10 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.read_back.xacro_reader import expand
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
-from dh2urdf_plugins.urdf_reader import parse_urdf
-from dh2urdf_plugins.xacro_reader import expand
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -547,7 +547,7 @@ def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     from dh2urdf.errors import LoaderError
     from dh2urdf.isolation.child_process import load_in_child
     from dh2urdf.stages import LoadRequest
-    from dh2urdf_plugins.loaders.pybullet import LOADER
+    from dh2urdf_plugins.loaders.pybullet.loader import LOADER
 
     made, truth = make_cell(ON_TRACK, swap())
     (file,) = URDF.emit(made, "cell", URDF.options())

@@ -22,8 +22,8 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.xacro_reader import expand, read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -16,8 +16,8 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Parameter, Robot
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER, XacroOptions, angle_text, macro_name
-from dh2urdf_plugins.urdf_reader import parse_urdf
-from dh2urdf_plugins.xacro_reader import expand, read_xacro
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
 
 if TYPE_CHECKING:
     from pathlib import Path

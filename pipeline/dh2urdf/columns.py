@@ -32,7 +32,7 @@ Shape: TypeAlias = tuple[int, int]
 _NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
 _LIMITS = ("lower", "upper", "velocity", "effort")
 _INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-Place: TypeAlias = tuple[int | None, int | None, str | None]
+PlaceInFile: TypeAlias = tuple[int | None, int | None, str | None]
 """Line and column, and the name of the place where the format has one: what a mark has beside its file."""
 
 _place_of = attrgetter("line", "column", "place")
@@ -69,7 +69,7 @@ class ManipulatorColumns:
     table: Manipulator
     names: tuple[str, ...]
     marks: tuple[Mark | None, ...]
-    lines: tuple[tuple[Place | None, ...], ...]
+    lines: tuple[tuple[PlaceInFile | None, ...], ...]
 
     def __len__(self) -> int:
         return len(self.names)
@@ -172,7 +172,7 @@ def _columns(manipulators: list[Manipulator], numbers: list[tuple[Any, ...]]) ->
     )
 
 
-def row_places(table: Manipulator) -> tuple[Place | None, ...]:
+def row_places(table: Manipulator) -> tuple[PlaceInFile | None, ...]:
     """The place of every row."""
     return tuple([_place_of(row.mark) if row.mark else None for row in table.rows])
 

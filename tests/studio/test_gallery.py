@@ -23,7 +23,7 @@ def test_the_gallery_is_configs() -> None:
 
 
 @pytest.mark.parametrize("item", gallery.exhibits(), ids=lambda item: item.name)
-def test_every_arm_can_be_opened(item: gallery.Exhibit, catalog: Catalog) -> None:
+def test_every_arm_can_be_opened(item: gallery.GalleryTable, catalog: Catalog) -> None:
     """Each opens under its name, and a line tells what it is."""
     table = gallery.exhibit(item.file, catalog)
     assert table.name == item.name

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 StrPath: TypeAlias = "str | os.PathLike[str]"
 Source: TypeAlias = "StrPath | bytes | IO[str] | IO[bytes]"
 """A file, a text with several lines, bytes, or a stream."""
-Cell: TypeAlias = "str | float | Problem | None"
+CellValue: TypeAlias = "str | float | Problem | None"
 
 TEXT = "the text"
 """What messages call a table that is in no file."""
@@ -281,7 +281,7 @@ def _is_missing(cell: Any) -> bool:  # noqa: ANN401 - whatever is given
     )
 
 
-def _cell(value: Any, mark: Mark) -> Cell:  # noqa: ANN401 - whatever is given
+def _cell(value: Any, mark: Mark) -> CellValue:  # noqa: ANN401 - whatever is given
     """What a cell of a table holds."""
     if value is None or isinstance(value, bool):
         return value

@@ -13,7 +13,7 @@ from dh2urdf.manipulator import MeshFile
 from dh2urdf.meshes.files import copy_path
 from dh2urdf.source import Problem
 from dh2urdf.stages import LoadReport
-from dh2urdf.variations.laws import Value
+from dh2urdf.variations.laws import DrawnValue
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.proof import Proof
     from dh2urdf.results import FileEntry, LoadEntry, ManipulatorEntry, ProblemEntry, ProofEntry
 
-Row: TypeAlias = "ManipulatorEntry"
+ManifestRow: TypeAlias = "ManipulatorEntry"
 """A row of the manifest."""
 Status: TypeAlias = Literal["ok", "failed", "skipped"]
 NotLoaded: TypeAlias = Literal["not in the sample", "no file"]
@@ -80,7 +80,7 @@ class Outcome:
     status: Status
     source: str
     kind: str | None = None
-    drawn: dict[str, Value] = field(default_factory=dict)
+    drawn: dict[str, DrawnValue] = field(default_factory=dict)
     was_read: bool = True
     keeps_kinematics: bool = True
     written: tuple[Written, ...] = ()
@@ -93,7 +93,7 @@ class Outcome:
     traceback: str = ""
     seconds: dict[str, float] = field(default_factory=dict)
 
-    def row(self, key: str, files: list[FileEntry]) -> Row:
+    def row(self, key: str, files: list[FileEntry]) -> ManifestRow:
         """Its row in the manifest.
 
         Args:
@@ -129,13 +129,13 @@ def make_row(
     key: str,
     files: list[FileEntry],
     proofs: Mapping[str, Proof | None],
-    drawn: dict[str, Value],
+    drawn: dict[str, DrawnValue],
     keeps_kinematics: bool,
     kind: str | None = None,
     loaders: dict[str, LoadEntry] | None = None,
     notices: Sequence[ProblemEntry] = (),
     errors: Sequence[ProblemEntry] = (),
-) -> Row:
+) -> ManifestRow:
     """A row of the manifest: all that is known of a manipulator, and no duration."""
     return {
         "name": name,

@@ -36,7 +36,7 @@ _Sized: TypeAlias = tuple[Node, int, int]
 """A node, the number of values in it, and how many mappings and lists stand inside each other in it."""
 
 
-class _Frame:
+class _OpenNode:
     """A mapping or list that is not finished."""
 
     __slots__ = (
@@ -81,7 +81,7 @@ class Composer:
         self.items_of = items_of
         self.longest_list = longest_list or sys.maxsize
         self.problems: list[Problem] = []
-        self.stack: list[_Frame] = []
+        self.stack: list[_OpenNode] = []
         self.root: Node | None = None
         self.anchors: dict[str, _Sized | None] = {}  # None: not finished
         self.aliased = 0
@@ -155,12 +155,12 @@ class Composer:
         if len(self.stack) >= MAX_DEPTH:
             self._too_deep(event)
         is_list = isinstance(event, yaml.SequenceStartEvent)
-        frame = _Frame([] if is_list else {}, _place(event), event.anchor)
+        frame = _OpenNode([] if is_list else {}, _place(event), event.anchor)
         if self.items_of and is_list and len(self.stack) == 1 and self.stack[0].key == self.items_of:
             frame.problems_outside, self.problems = self.problems, []
         self.stack.append(frame)
 
-    def _close(self, frame: _Frame) -> _Sized:
+    def _close(self, frame: _OpenNode) -> _Sized:
         """Ends a mapping or list."""
         if frame.problems_outside is not None:
             self.problems = frame.problems_outside
@@ -171,7 +171,7 @@ class Composer:
             self.anchors[frame.anchor] = node, frame.size, frame.depth
         return node, frame.size, frame.depth
 
-    def _place(self, frame: _Frame, node: Node, size: int, depth: int) -> None:
+    def _place(self, frame: _OpenNode, node: Node, size: int, depth: int) -> None:
         """Puts a node into the mapping or list that it stands in, as a key, a value or an entry."""
         entries = frame.entries
         frame.size += size
@@ -189,7 +189,7 @@ class Composer:
             entries.setdefault(frame.key, node)  # Of two equal keys the first stands; the second is a problem.
             frame.key = None
 
-    def _take_key(self, frame: _Frame, node: Node) -> None:
+    def _take_key(self, frame: _OpenNode, node: Node) -> None:
         key = node.text
         if key is None:
             message = f"{node.describe()} stands as a key"
@@ -305,7 +305,7 @@ class Composer:
         message = f"more than {MAX_DEPTH} mappings and lists stand inside each other"
         self._stop(Problem(message=message, mark=self._mark(event), accepted=f"at most {MAX_DEPTH}"))
 
-    def _too_long(self, frame: _Frame) -> NoReturn:
+    def _too_long(self, frame: _OpenNode) -> NoReturn:
         line, column = frame.place
         message = f"the list that begins here has more than {self.longest_list:,} entries"
         mark = Mark(file=self.file, line=line, column=column)

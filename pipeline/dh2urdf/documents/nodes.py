@@ -14,7 +14,7 @@ from dh2urdf.source import Mark, Problem, shown
 MAX_DIGITS = 400
 """Digits of a whole number [1]: more than the largest double has."""
 
-Value: TypeAlias = "dict[str, Node] | list[Node] | str | int | float | bool | None"
+NodeValue: TypeAlias = "dict[str, Node] | list[Node] | str | int | float | bool | None"
 
 
 @dataclass(slots=True)
@@ -35,7 +35,7 @@ class Node:
         place: the place of a value that stands in a cell, as the file's format names it; see `Mark.place`.
     """
 
-    value: Value
+    value: NodeValue
     file: str
     line: int
     column: int

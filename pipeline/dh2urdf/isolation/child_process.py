@@ -24,7 +24,7 @@ from typing import IO, TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple, cast
 
 from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
 from dh2urdf.plugin_system.at_work import MARK
-from dh2urdf.plugin_system.child_place import Place
+from dh2urdf.plugin_system.child_place import ChildPlace
 from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, whole_records
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
@@ -196,7 +196,7 @@ class _Child:
     """
 
     def __init__(self, call: bytes) -> None:
-        self._place = Place()
+        self._place = ChildPlace()
         self.who = ""
         try:
             self._process = subprocess.Popen(  # noqa: S603 - our own script

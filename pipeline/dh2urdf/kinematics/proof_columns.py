@@ -159,7 +159,7 @@ def _range(joint: Joint | None, pick: Pick) -> tuple[Numbers, Numbers]:
 # --- Walks from base_link to tool0
 
 
-class _Frame:
+class _CarriedFrame:
     """A frame of each arm at each joint vector, carried from step to step.
 
     Attributes:
@@ -213,9 +213,9 @@ class _Frame:
         self.axes = [_sum(*zip(matrix[i::3], self.axes, strict=True)) for i in range(3)]
 
 
-def _walk_table(table: Manipulator, q: Sequence[Array], turns: Sequence[Turn]) -> _Frame:
+def _walk_table(table: Manipulator, q: Sequence[Array], turns: Sequence[Turn]) -> _CarriedFrame:
     """T(q) = base · A_1 · … · A_N · tool, of rows that are Rz(theta)·Tz(d) and Tx(a)·Rx(alpha), in either order."""
-    frame = _Frame()
+    frame = _CarriedFrame()
     frame.transform(table.base)
     moving = iter(zip(q, turns, strict=True))
     for row in table.rows:
@@ -246,9 +246,9 @@ def _together(first: Turn, second: Turn, sign: int) -> Turn:
     return _sum((c, cosine), (-sign * s, sine)), _sum((s, cosine), (sign * c, sine))
 
 
-def _walk_joints(joints: Sequence[Joint], q: Sequence[Array], turns: Sequence[Turn], pick: Pick) -> _Frame:
+def _walk_joints(joints: Sequence[Joint], q: Sequence[Array], turns: Sequence[Turn], pick: Pick) -> _CarriedFrame:
     """T(q) of a description: at each joint its origin, xyz and then yaw, pitch and roll, and its motion."""
-    frame = _Frame()
+    frame = _CarriedFrame()
     moving = iter(zip(q, turns, strict=True))
     for joint in joints:
         for along, length in enumerate(joint.origin.xyz):
@@ -299,7 +299,7 @@ def _is_nothing(numbers: Numbers) -> bool:
 # --- Errors
 
 
-def _squared_differences(said: _Frame, found: _Frame) -> tuple[Array, Array]:
+def _squared_differences(said: _CarriedFrame, found: _CarriedFrame) -> tuple[Array, Array]:
     """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes [1]."""
     position = _squared(said.origin - found.origin)
     x, y, z = (_squared(one - other) for one, other in zip(said.axes, found.axes, strict=True))

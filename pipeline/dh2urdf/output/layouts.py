@@ -41,7 +41,7 @@ class Stored(TypedDict):
     offset: NotRequired[int]
 
 
-class Place(Protocol):
+class Destination(Protocol):
     """Where the files of a batch go."""
 
     def put(self, index: int, name: str, content: bytes) -> Stored:
@@ -91,7 +91,7 @@ class Layout:
         return f"{folder}/{name}" if folder else name
 
     @contextmanager
-    def place(self, store: Store, first: int) -> Iterator[Place]:
+    def place(self, store: Store, first: int) -> Iterator[Destination]:
         """Where the files of the batch go that begins with the manipulator of a number.
 
         Raises:

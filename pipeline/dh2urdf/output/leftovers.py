@@ -73,7 +73,7 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
     shards: dict[str, bool] = {}
     meshes: dict[str, str] = {}
     with store.open(MANIFEST) as stream:
-        for row in map(_Row, stream):
+        for row in map(_LastRow, stream):
             if failed.known([row.name]):
                 continue
             meshes |= {} if keep_meshes else row.meshes
@@ -97,7 +97,7 @@ def _of_new(rows: BinaryIO) -> tuple[SeenNames, SeenNames, set[str]]:
     rows.seek(0)
     named, failed = SeenNames(), SeenNames()
     digests: set[str] = set()
-    for row in map(_Row, rows):
+    for row in map(_LastRow, rows):
         named.add(map(_key, row.names()))
         failed.add([row.name] if row.failed else [])
         digests.update(row.meshes.values())
@@ -151,7 +151,7 @@ def _digest(store: Store, name: str, offset: int = 0, size: int | None = None) -
         return None
 
 
-class _Row:
+class _LastRow:
     """The files that a row of a manifest names; none where the line is no row.
 
     Attributes:

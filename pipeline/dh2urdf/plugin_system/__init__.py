@@ -14,7 +14,7 @@ if TYPE_CHECKING:
         Provided as Provided,
         load as load,
     )
-    from dh2urdf.plugin_system.child_place import Place as Place
+    from dh2urdf.plugin_system.child_place import ChildPlace as ChildPlace
     from dh2urdf.plugin_system.options import describe_options as describe_options
 else:
     __all__, __getattr__, __dir__ = face(
@@ -22,7 +22,7 @@ else:
         {
             "at_work": "MARK unmarked",
             "catalog": "Catalog KINDS Provided RECORDS load",
-            "child_place": "Place",
+            "child_place": "ChildPlace",
             "options": "describe_options",
         },
     )

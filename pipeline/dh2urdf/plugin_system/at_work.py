@@ -30,7 +30,7 @@ MAGIC = b"dh2urdf\n"
 SIZE = 1024  # bytes of the shared memory: a mark, and the name as a text that ends in a zero byte
 
 
-class _Plugin(Protocol):
+class _NamedPlugin(Protocol):
     """What is needed of a `dh2urdf.plugin_system.discovery.Plugin`."""
 
     name: str
@@ -57,7 +57,7 @@ class AtWork:
 
     __slots__ = ("_before", "plugin", "what")
 
-    def __init__(self, what: str, plugin: _Plugin | None) -> None:
+    def __init__(self, what: str, plugin: _NamedPlugin | None) -> None:
         self.what, self.plugin = what, plugin
 
     def __str__(self) -> str:
@@ -102,7 +102,7 @@ def at_work_here() -> AtWork | None:
 
 
 @contextmanager
-def importing(plugin: _Plugin) -> Iterator[None]:
+def importing(plugin: _NamedPlugin) -> Iterator[None]:
     """A context in which a plugin is imported; where that takes long, a line says which one it is."""
     import threading
 

@@ -9,7 +9,7 @@ from dh2urdf.plugin_system.at_work import MAGIC, SIZE, VARIABLE
 from dh2urdf.plugin_system.discovery import UNKNOWN, installed
 
 
-class Place:
+class ChildPlace:
     """Memory in which a child process writes who is at work in it.
 
     It is the child's as long as the child lives, and the parent's until `close`.

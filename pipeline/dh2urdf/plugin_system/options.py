@@ -61,10 +61,10 @@ def make_options(
     try:
         if isinstance(given, Node):
             expect_mapping(given, f"the options of the {where}")
-            return _Call(options_type, given, given.mark, where).options()
+            return _GivenOptions(options_type, given, given.mark, where).options()
         place = mark or COMMAND_LINE
         words = {name: word_node(word, place.file) for name, word in (given or {}).items()}
-        return _Call(options_type, Node(words, place.file, 0, 0), place, where).options()
+        return _GivenOptions(options_type, Node(words, place.file, 0, 0), place, where).options()
     except (InputError, *INTERRUPTS):
         raise
     except BaseException as error:
@@ -93,7 +93,7 @@ def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:
     return node
 
 
-class _Call(Generic[O]):
+class _GivenOptions(Generic[O]):
     """Options on their way from what was written to an instance of their type."""
 
     def __init__(self, options_type: type[O], given: Node, mark: Mark, where: str) -> None:

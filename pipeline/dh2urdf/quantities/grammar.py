@@ -58,7 +58,7 @@ class Variable(NamedTuple):
     text: str
 
 
-class Value(NamedTuple):
+class Intermediate(NamedTuple):
     """An intermediate result.
 
     Attributes:
@@ -80,7 +80,7 @@ class Value(NamedTuple):
     foreign: bool = False
 
 
-def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle: Unit | None = None) -> Value:
+def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle: Unit | None = None) -> Intermediate:
     """The value of an expression.
 
     Args:
@@ -150,7 +150,7 @@ class _Parser:
         self.position = 0
         self.depth = 0
 
-    def parse(self) -> Value:
+    def parse(self) -> Intermediate:
         if len(self.tokens) == 1:
             raise QuantityError("there is nothing", self.accepted)
         if wrong := misreading(self.text):
@@ -190,14 +190,14 @@ class _Parser:
             self.fail(f"{shown(token.text)} is no number, unit, constant or function that is known")
         self.fail(f"{shown(token.text)} does not belong there")
 
-    def sum(self) -> Value:
+    def sum(self) -> Intermediate:
         value = self.product()
         while sign := self.take("+", "-"):
             other = self.product()
             value = self.add(value, other if sign == "+" else _negative(other))
         return value
 
-    def add(self, left: Value, right: Value) -> Value:
+    def add(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if left.variable and right.variable:
             self.fail("it names a joint variable twice")
         dimension = left.dimension or right.dimension
@@ -211,16 +211,16 @@ class _Parser:
         number = self.finite(left.number + right.number)
         variable, factor = left.variable or right.variable, left.factor + right.factor
         uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign
-        return Value(number, None, dimension, variable, factor, uses_pi, foreign)
+        return Intermediate(number, None, dimension, variable, factor, uses_pi, foreign)
 
-    def product(self) -> Value:
+    def product(self) -> Intermediate:
         value = self.unit(self.factor())
         while sign := self.take("*", "/"):
             other = self.factor()
             value = self.unit(self.multiply(value, other) if sign == "*" else self.divide(value, other))
         return value
 
-    def unit(self, value: Value) -> Value:
+    def unit(self, value: Intermediate) -> Intermediate:
         """The value in SI units, where a unit follows it."""
         token = self.next
         count = self.words_of_unit()
@@ -241,7 +241,7 @@ class _Parser:
             parts = "degrees" if unit.degrees else unit.symbol
             self.fail(f"it is a multiple of π in {parts}", "write the angle in degrees without pi, or in rad")
         number = self.finite(unit.si(value.number, value.decimal))
-        return Value(number, dimension=unit.dimension, foreign=not unit.is_si)
+        return Intermediate(number, dimension=unit.dimension, foreign=not unit.is_si)
 
     def words_of_unit(self) -> int:
         """How many tokens ahead are one unit, such as ``kg m^2``, ``deg/s`` or ``1/min``; 0 where there is none."""
@@ -267,7 +267,7 @@ class _Parser:
             self.unexpected()
         self.fail(f"{shown(word)} is no unit that is known", unknown_unit(word, self.dimension).suggestion)
 
-    def multiply(self, left: Value, right: Value) -> Value:
+    def multiply(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if left.variable and right.variable:
             self.fail("it multiplies joint variables")
         if left.dimension and right.dimension:
@@ -276,7 +276,7 @@ class _Parser:
             left, right = right, left
         return self.scaled(left, right, left.number * right.number, left.factor * right.number)
 
-    def divide(self, left: Value, right: Value) -> Value:
+    def divide(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if right.variable:
             self.fail("it divides by a joint variable")
         if right.number == 0:
@@ -286,20 +286,20 @@ class _Parser:
         value = self.scaled(left, right, left.number / right.number, left.factor / right.number)
         return value._replace(dimension=None) if right.dimension else value
 
-    def scaled(self, left: Value, right: Value, number: float, factor: float) -> Value:
+    def scaled(self, left: Intermediate, right: Intermediate, number: float, factor: float) -> Intermediate:
         uses_pi = left.uses_pi or right.uses_pi
         dimension = left.dimension or right.dimension
         foreign = left.foreign or right.foreign
-        return Value(self.finite(number), None, dimension, left.variable, self.finite(factor), uses_pi, foreign)
+        return Intermediate(self.finite(number), None, dimension, left.variable, self.finite(factor), uses_pi, foreign)
 
-    def factor(self) -> Value:
+    def factor(self) -> Intermediate:
         sign = self.take("+", "-")
         if sign and self.next.text in ("+", "-"):
             self.fail("two signs follow each other")
         value = self.primary()
         return _negative(value) if sign == "-" else value
 
-    def primary(self) -> Value:
+    def primary(self) -> Intermediate:
         token = self.next
         if token.kind == "number":
             self.position += 1
@@ -307,7 +307,7 @@ class _Parser:
             decimal, number = Decimal(digits, int(exponent or 0)), self.finite(float(token.text))
             if number == 0 and not decimal.is_zero:
                 self.fail(f"{shown(token.text)} is below the smallest number that can be held", "write 0 for it")
-            return Value(number, decimal)
+            return Intermediate(number, decimal)
         if token.kind == "word":
             self.position += 1
             return self.named(token)
@@ -316,7 +316,7 @@ class _Parser:
             return value._replace(decimal=None)
         return self.unexpected()
 
-    def inside(self, read: Callable[[], Value]) -> Value:
+    def inside(self, read: Callable[[], Intermediate]) -> Intermediate:
         """What stands in a bracket that was just opened."""
         self.depth += 1
         if self.depth > MAX_NESTING:
@@ -329,20 +329,22 @@ class _Parser:
         self.depth -= 1
         return value
 
-    def named(self, token: _Token) -> Value:
+    def named(self, token: _Token) -> Intermediate:
         name = unicodedata.normalize("NFKC", token.text).casefold().removeprefix("\\")
         name = next((name.removeprefix(module) for module in _MODULES if name.startswith(module)), name)
         name = OTHER_NAMES.get(name, name)
         if name in _CONSTANTS:
             if self.next.text == "(" and self.tokens[self.position + 1].text == ")":  # PI() of spreadsheets
                 self.position += 2
-            return Value(_CONSTANTS[name], uses_pi=True)
+            return Intermediate(_CONSTANTS[name], uses_pi=True)
         if name in FUNCTIONS and self.take("("):
             return self.inside(lambda: self.call(token.text, FUNCTIONS[name]))
         if match := _VARIABLE.fullmatch(name):
             self.skip_variable_star(token)
             row = int(match[2]) if match[2] and match[2] != "i" else None
-            return Value(0.0, variable=Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text), factor=1.0)
+            return Intermediate(
+                0.0, variable=Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text), factor=1.0
+            )
         if self.next.text == "(" and name not in UNITS:
             names = ", ".join(FUNCTIONS)
             self.fail(f"{shown(token.text)} is no function that is known", f"the functions are {names}")
@@ -376,7 +378,7 @@ class _Parser:
         """Whether π is among what is left: such a number is an angle, and no factor of a variable."""
         return any(token.text.casefold().rpartition(".")[2] in _CONSTANTS for token in self.tokens[self.position :])
 
-    def call(self, written: str, function: Function) -> Value:
+    def call(self, written: str, function: Function) -> Intermediate:
         arguments = [self.sum()]
         while self.take(","):
             arguments.append(self.sum())
@@ -401,9 +403,9 @@ class _Parser:
             self.fail(f"{written} has no value there")
         if function.call is abs:
             return arguments[0]._replace(number=number, decimal=None)
-        return Value(self.finite(number), dimension=function.gives)
+        return Intermediate(self.finite(number), dimension=function.gives)
 
-    def check_angle(self, written: str, argument: Value) -> None:
+    def check_angle(self, written: str, argument: Intermediate) -> None:
         """Refuses a bare number whose unit a function of an angle would have to guess."""
         if argument.dimension is not None or argument.uses_pi or argument.number == 0:
             return
@@ -426,7 +428,7 @@ class _Parser:
         return number
 
 
-def _negative(value: Value) -> Value:
+def _negative(value: Intermediate) -> Intermediate:
     decimal = value.decimal
     if decimal is not None:
         digits = decimal.digits[1:] if decimal.digits.startswith("-") else f"-{decimal.digits}"

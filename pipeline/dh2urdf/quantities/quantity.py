@@ -11,7 +11,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Value, Variable, parse
+from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable, parse
 from dh2urdf.quantities.units import (
     Decimal,
     Dimension,
@@ -92,7 +92,7 @@ def evaluate(
     plain = _DECIMAL.fullmatch(text)
     if plain and len(text) <= MAX_CHARACTERS:
         decimal = Decimal(plain[1], int(plain[2] or 0))
-        value = Value(float(text), decimal)
+        value = Intermediate(float(text), decimal)
     else:
         if angle is None and unit is not None and unit.dimension is Dimension.ANGLE:
             angle = unit
@@ -100,7 +100,7 @@ def evaluate(
     return _in_si(text, value, dimension, unit)
 
 
-def _in_si(text: str, value: Value, dimension: Dimension, unit: Unit | None) -> Quantity:
+def _in_si(text: str, value: Intermediate, dimension: Dimension, unit: Unit | None) -> Quantity:
     accepted = accepted_forms(dimension)
     number = value.number
     if value.dimension is None and unit is not None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.cells.cell import Cell
 from dh2urdf.conversion.one_manipulator import make_item
-from dh2urdf.conversion.outcome import Row
+from dh2urdf.conversion.outcome import ManifestRow
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import Manipulator
@@ -91,13 +91,13 @@ class Exhibit:
     """
 
     number: int
-    row: Row
+    row: ManifestRow
     what: Manipulator | Cell | None
     robot: Robot | None = None
     truth: Truth | None = None
 
     @classmethod
-    def of(cls, number: int, row: Row, what: Single, transform: Call[Transform[Any]]) -> Exhibit:
+    def of(cls, number: int, row: ManifestRow, what: Single, transform: Call[Transform[Any]]) -> Exhibit:
         """What is shown of a manipulator whose row is known.
 
         Of one without files no robot is made again: what it did to a worker it would do to the run.

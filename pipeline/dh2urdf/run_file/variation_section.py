@@ -11,7 +11,18 @@ from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.sections import SectionReader
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.variations.binding import LEAST_PROBABILITY
-from dh2urdf.variations.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform, Value, evenly_spaced
+from dh2urdf.variations.laws import (
+    Choices,
+    DrawnValue,
+    Grid,
+    Law,
+    LogUniform,
+    Normal,
+    Offset,
+    Scale,
+    Uniform,
+    evenly_spaced,
+)
 from dh2urdf.variations.sampling import MOST_POINTS, Sampling
 from dh2urdf.variations.variation import AXES, FIELDS, TYPE, Rule, VariationCall
 
@@ -207,14 +218,14 @@ class _LawReader(SectionReader):
         values = self._values(node, "a list of values, or {from: LOW, to: HIGH, points: N}")
         return Grid(values=values) if values else None
 
-    def _values(self, node: Node, accepted: str) -> tuple[Value, ...]:
+    def _values(self, node: Node, accepted: str) -> tuple[DrawnValue, ...]:
         if not isinstance(node.value, list) or not node.value:
             self.say(f"this cannot be {node.describe()}", node, self.field, accepted=accepted)
             return ()
         values = [self._value(entry) for entry in node.value]
         return tuple(value for value in values if value is not None)
 
-    def _value(self, node: Node) -> Value | None:
+    def _value(self, node: Node) -> DrawnValue | None:
         if self.what == TYPE:
             word = self.name(node, self.field)
             if word is not None and word not in JOINT_TYPES:

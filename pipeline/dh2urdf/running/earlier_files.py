@@ -11,8 +11,8 @@ from dh2urdf.errors import OutputError
 from dh2urdf.output.shards import members
 
 if TYPE_CHECKING:
-    from dh2urdf.conversion.outcome import Row
-    from dh2urdf.output.layouts import Layout, Place
+    from dh2urdf.conversion.outcome import ManifestRow
+    from dh2urdf.output.layouts import Destination, Layout
     from dh2urdf.output.store import Store
     from dh2urdf.results import FileEntry
 
@@ -25,7 +25,7 @@ class EarlierFiles:
         self._store, self._layout, self._first = store, layout, first
         self._meshes: dict[str, str] = {}
 
-    def has(self, index: int, row: Row) -> bool:
+    def has(self, index: int, row: ManifestRow) -> bool:
         """Whether all files of a row are there, with the bytes that they were written with, and all pictures."""
         if not all(self.has_mesh(mesh["path"], mesh["sha256"]) for mesh in row.get("meshes", ())):
             return False
@@ -39,7 +39,7 @@ class EarlierFiles:
             return False
         return _are_same(contents, row) and all(self._store.size(self._layout.path(index, name)) for name in pictures)
 
-    def moved(self, index: int, row: Row, target: Place) -> Row:
+    def moved(self, index: int, row: ManifestRow, target: Destination) -> ManifestRow:
         """The row of a manipulator whose files go into a new shard, since the old one lacks others."""
         files: list[FileEntry] = []
         for file in row["files"]:
@@ -70,12 +70,12 @@ class EarlierFiles:
         return found
 
 
-def _are_same(contents: list[bytes] | list[bytes | None], row: Row) -> bool:
+def _are_same(contents: list[bytes] | list[bytes | None], row: ManifestRow) -> bool:
     return bool(contents) and all(
         content is not None and sha256(content).hexdigest() == file["sha256"]
         for content, file in zip(contents, row["files"], strict=True)
     )
 
 
-def _pictures(row: Row) -> list[str]:
+def _pictures(row: ManifestRow) -> list[str]:
     return [report["picture"] for report in row["loaders"].values() if report["picture"]]

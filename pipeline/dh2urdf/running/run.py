@@ -31,7 +31,7 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.running.run_inputs import refuse_overwriting
-from dh2urdf.running.worker import Effect, Maker
+from dh2urdf.running.worker import Depth, Maker
 from dh2urdf.source import Problem, printable
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.tasks.batch import Batch, Doomed, Expected, batches
@@ -122,7 +122,7 @@ def execute(
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
             ledger = Ledger(rows, tempfile.gettempdir(), told)
-            _make(plan, Effect.LOOK, "", None, ledger, result, note, Exhibits(0))
+            _make(plan, Depth.LOOK, "", None, ledger, result, note, Exhibits(0))
             report = run_report(ledger, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
@@ -138,7 +138,7 @@ def execute(
             if plan.html and can_write_html():
                 ledger.overview = Overview(FULL, ledger.index)
             try:
-                _make(plan, Effect.MAKE, journal, earlier, ledger, result, note, exhibits)
+                _make(plan, Depth.MAKE, journal, earlier, ledger, result, note, exhibits)
             except TableError:  # There is nothing to go on with.
                 store.remove_tree(journal if resume else JOURNAL)
                 raise
@@ -170,7 +170,7 @@ def _earlier(store: Store, *, resume: bool) -> Iterator[Earlier | None]:
 
 def _make(  # noqa: PLR0917 - what a run has in its hands
     plan: Plan,
-    effect: Effect,
+    effect: Depth,
     journal: str,
     earlier: Earlier | None,
     ledger: Ledger,
@@ -299,7 +299,7 @@ def _culprits(maker: Maker, batch: Batch, start: int) -> Iterator[tuple[int, Doo
     limit = maker.recipe.time_limit if count == 1 else None
     # A single one is ended from outside, in time; of several the first that takes too long ends the process itself.
     patience = replace(maker.recipe, time_limit=2 * maker.recipe.time_limit) if count == 1 else maker.recipe
-    rehearsal = replace(maker, effect=Effect.REHEARSE, recipe=patience)
+    rehearsal = replace(maker, effect=Depth.REHEARSE, recipe=patience)
     try:
         run_in_child(Maker.__call__, rehearsal, batch, timeout=limit, who="a stage")
     except ManipulatorError as error:

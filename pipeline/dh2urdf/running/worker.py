@@ -19,7 +19,7 @@ import orjson
 from dh2urdf.columns import ManipulatorColumns, in_columns
 from dh2urdf.conversion.keys import column_keys, key_of
 from dh2urdf.conversion.one_manipulator import Recipe, Written, emit_robot, make_item, with_copies, with_notices
-from dh2urdf.conversion.outcome import Outcome, Row, kind_of, to_line
+from dh2urdf.conversion.outcome import ManifestRow, Outcome, kind_of, to_line
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.isolation.garbage import collected_at_the_end
@@ -28,7 +28,7 @@ from dh2urdf.kinematics.proof import Proof
 from dh2urdf.kinematics.proof_columns import prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
-from dh2urdf.output.layouts import Layout, Place
+from dh2urdf.output.layouts import Destination, Layout
 from dh2urdf.output.store import Store
 from dh2urdf.plugin_system.calls import blaming, own_work
 from dh2urdf.plugin_system.column_calls import emit_columns, read_columns, transform_columns
@@ -48,10 +48,10 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import FileEntry
     from dh2urdf.source import Mark, Problem
-    from dh2urdf.variations.laws import Value
+    from dh2urdf.variations.laws import DrawnValue
 
 
-class Effect(Enum):
+class Depth(Enum):
     """How far the work on a batch goes."""
 
     LOOK = "look"
@@ -84,7 +84,7 @@ class Maker:
     layout: Layout
     journal: str
     home: str
-    effect: Effect = Effect.MAKE
+    effect: Depth = Depth.MAKE
 
     @property
     def distributions(self) -> tuple[str, ...]:
@@ -107,7 +107,7 @@ class _Work:
         self.maker, self.recipe, self.batch = maker, maker.recipe, batch
         self.seconds: defaultdict[str, float] = defaultdict(float)
         self.singles = dict(batch.singles)
-        self.drawn: dict[int, dict[str, Value]] = {}
+        self.drawn: dict[int, dict[str, DrawnValue]] = {}
         self.marks: dict[int, Mark | None] = {}
         self.groups = list(batch.columns)
         self.faults: dict[int, tuple[Problem, ...]] = {}
@@ -178,7 +178,7 @@ class _Work:
                 kept[place] = row
         return kept
 
-    def _is_kept(self, place: int, row: Row) -> bool:
+    def _is_kept(self, place: int, row: ManifestRow) -> bool:
         try:
             key = self._key(place, noticed=bool(row["notices"]), mark=self._mark(place))
             missing = {name for name, load in row["loaders"].items() if load["verdict"] == "missing"}
@@ -204,7 +204,7 @@ class _Work:
         report = Tally(self.batch.first)
         journal = Journal(self.maker.store, f"{self.maker.journal}/{self.batch.first:09d}.jsonl")
         rows: list[bytes] = []
-        makes = self.maker.effect is Effect.MAKE
+        makes = self.maker.effect is Depth.MAKE
         is_whole = self.maker.layout.is_whole
         place_of = self.maker.layout.place(self.maker.store, self.batch.first) if missing and makes else nullcontext()
         with place_of as target:
@@ -229,7 +229,7 @@ class _Work:
             journal.close()
         return report.report(b"".join(rows), self.seconds)
 
-    def _put(self, place: int, outcome: Outcome, target: Place | None) -> tuple[str, list[FileEntry]]:
+    def _put(self, place: int, outcome: Outcome, target: Destination | None) -> tuple[str, list[FileEntry]]:
         """Put the files of a manipulator in their place; its key and where they are."""
         facts: list[FileEntry] = []
         index = self.batch.first + place
@@ -252,7 +252,7 @@ class _Work:
         """The outcomes of those that can be made so, and about which there is nothing to say."""
         recipe = self.recipe
         emitters = all(call.stage.emit_columns for call in recipe.emitters)
-        if self.maker.effect is Effect.LOOK or recipe.transform.stage.transform_columns is None or not emitters:
+        if self.maker.effect is Depth.LOOK or recipe.transform.stage.transform_columns is None or not emitters:
             return {}
         ready: dict[int, Outcome] = {}
         for places, columns in self.groups:
@@ -359,7 +359,7 @@ class _Work:
         own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
         outcome = Outcome(
             name=what.name,
-            status="skipped" if self.maker.effect is Effect.LOOK else "ok",
+            status="skipped" if self.maker.effect is Depth.LOOK else "ok",
             source=batch.sources[place],
             drawn=self.drawn.get(place, {}),
             keeps_kinematics=self.recipe.keeps_kinematics,
@@ -371,14 +371,14 @@ class _Work:
                 raise TableError(what.problems)
             if isinstance(what, Doomed):
                 raise what.error
-            loads = self.maker.effect is Effect.MAKE and index in self.recipe.sample
+            loads = self.maker.effect is Depth.MAKE and index in self.recipe.sample
             loaders = self.recipe.loaders if loads else ()
             with watched(self.maker.home, self.recipe.time_limit, loaders):
                 with _timed(seconds, "transform"):
                     robot, truth = make_item(what, self.recipe.transform)
                     robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
-                if self.maker.effect is Effect.LOOK:
+                if self.maker.effect is Depth.LOOK:
                     return outcome
                 with self.copies.workplace(robot, loads=bool(loaders)) as folder:
                     with _timed(seconds, "emit"):

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _FOLDER = files("dh2urdf.studio") / "arms"
 
 
-class Exhibit(NamedTuple):
+class GalleryTable(NamedTuple):
     """A table of the gallery.
 
     Attributes:
@@ -28,12 +28,12 @@ class Exhibit(NamedTuple):
     told: str
 
 
-def exhibits() -> tuple[Exhibit, ...]:
+def exhibits() -> tuple[GalleryTable, ...]:
     """What there is in the gallery, by name."""
     found = []
     for entry in sorted(_FOLDER.iterdir(), key=lambda entry: entry.name):
         first = entry.read_text("utf-8").partition("\n")[0]
-        found.append(Exhibit(entry.name.partition(".")[0], entry.name, first.lstrip("# ")))
+        found.append(GalleryTable(entry.name.partition(".")[0], entry.name, first.lstrip("# ")))
     return tuple(found)
 
 

@@ -55,7 +55,7 @@ class Doomed(NamedTuple):
 Single: TypeAlias = Manipulator | Cell | Rejected | Doomed
 
 
-class Item(NamedTuple):
+class RunItem(NamedTuple):
     """Something that a run has to make.
 
     Attributes:
@@ -159,7 +159,7 @@ class Expected:
         counts = [call.count for call in plan.variations]
         self._besides = None if None in counts else len(plan.cells) + sum(filter(None, counts))
 
-    def see(self, count: int, item: Item) -> None:
+    def see(self, count: int, item: RunItem) -> None:
         """Takes notice of how far the reading has come."""
         if self._besides is None or not isinstance(item.what, Manipulator | Rejected):
             return
@@ -238,7 +238,7 @@ def _sizes(plan: Plan) -> Iterator[int]:
             size = min(size + 1, SMALL)
 
 
-def _batch(first: int, some: Sequence[Item], stems: Stems) -> Batch:
+def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
     # Of an input that cannot be read there will be no files, and its name may be another manipulator's.
     claimed = iter(stems.claim_all([item.what.name for item in some if not isinstance(item.what, Rejected)]))
     own_stems: list[str] = []
@@ -282,7 +282,7 @@ def _batch(first: int, some: Sequence[Item], stems: Stems) -> Batch:
     )
 
 
-def items(plan: Plan, expected: Expected) -> Iterator[Item]:
+def items(plan: Plan, expected: Expected) -> Iterator[RunItem]:
     """The manipulators of all inputs, one by one; a bad input ends itself, not the run.
 
     Cells and variants come last: of the manipulators, only those that they need are kept so long.
@@ -299,25 +299,25 @@ def items(plan: Plan, expected: Expected) -> Iterator[Item]:
                 what = replace(item, notices=(said, *item.notices)) if said else item
                 gathering.see(what)
                 count += 1
-                yield Item(what, source)
+                yield RunItem(what, source)
             if count == before:
                 raise TableError("there is no manipulator in it")
         except (TableError, StageError) as error:
             rejected = Rejected(name=path.stem, problems=error.problems, mark=Mark(file=source), notices=error.notices)
             gathering.see(rejected)
             count += 1
-            yield Item(rejected, source, error.traceback if isinstance(error, StageError) else "")
+            yield RunItem(rejected, source, error.traceback if isinstance(error, StageError) else "")
         expected.finish_input()
     for left in meshes.left_over():
         count += 1
-        yield Item(left, _file(left.mark))
+        yield RunItem(left, _file(left.mark))
     expected.finish_inputs(count)
     for cell in with_tables(plan.cells, gathering):
-        yield Item(cell, _file(cell.mark))
+        yield RunItem(cell, _file(cell.mark))
     for variation in plan.variations:
         source = _file(variation.mark)
         for variant in _variants(variation, gathering):
-            yield Item(variant, source)
+            yield RunItem(variant, source)
 
 
 def _file(mark: Mark | None) -> str:

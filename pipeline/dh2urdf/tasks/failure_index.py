@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from dh2urdf.conversion.outcome import Row
+    from dh2urdf.conversion.outcome import ManifestRow
 
 MAX_REASONS = 100
 """Reasons of one kind of failure that the index tells apart [1]."""
@@ -66,7 +66,7 @@ class FailureIndex:
         self._statuses: Counter[str] = Counter()
         self._failures: dict[str, _Failures] = {}
 
-    def add(self, row: Row) -> None:
+    def add(self, row: ManifestRow) -> None:
         """Takes one row of the manifest."""
         self._statuses[row["status"]] += 1
         if row["status"] == "failed":

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from pyarrow.parquet import ParquetWriter
 
-    from dh2urdf.conversion.outcome import Row
+    from dh2urdf.conversion.outcome import ManifestRow
 
 ROW_GROUP = 10_000
 """Manipulators in a row group of the Parquet file [1]: as many are in memory at once."""
@@ -62,7 +62,7 @@ class ManifestTable:
         self._writer: ParquetWriter | None = None
         self._is_outgrown = False
 
-    def add(self, rows: Iterable[Row], lines: Iterable[bytes]) -> None:
+    def add(self, rows: Iterable[ManifestRow], lines: Iterable[bytes]) -> None:
         """Take rows of the manifest, and the same as lines of JSON.
 
         Raises:
@@ -127,7 +127,7 @@ class _Columns:
         self._drawn, self._loaders = _Kinds(), _Kinds()
         self._stages: dict[str, None] = {}
 
-    def see(self, row: Row) -> None:
+    def see(self, row: ManifestRow) -> None:
         """Learns from one row."""
         self._drawn.see(row["drawn"])
         if loads := _loads(row):
@@ -299,7 +299,7 @@ def _messages(problems: Iterable[Mapping[str, Any]]) -> list[str]:
     return [problem["message"] for problem in problems]
 
 
-def _loads(row: Row) -> dict[str, Any]:
+def _loads(row: ManifestRow) -> dict[str, Any]:
     """What is known of the loaders of a run, of those too that a manipulator did not go through."""
     unasked = {f"{name}.verdict": why for name, why in row.get("not_loaded", {}).items()}
     return {**dict(_leaves(row["loaders"])), **unasked}

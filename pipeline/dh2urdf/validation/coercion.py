@@ -159,7 +159,7 @@ def _problem(record: Any, name: str, refused: RefusedError) -> Problem:  # noqa:
 # --- The fields of a class -------------------------------------------------------------------------------------------
 
 
-class _Field(NamedTuple):
+class _RecordField(NamedTuple):
     """A field of a record.
 
     Attributes:
@@ -185,8 +185,8 @@ class _Fields(NamedTuple):
     """
 
     get: Callable[[Any], tuple[Any, ...]]
-    fields: tuple[_Field, ...]
-    doubtful: dict[tuple[type, ...], tuple[_Field, ...]]
+    fields: tuple[_RecordField, ...]
+    doubtful: dict[tuple[type, ...], tuple[_RecordField, ...]]
 
 
 @cache
@@ -196,7 +196,7 @@ def _fields_of(kind: type, *, exact: bool = False) -> _Fields:
     made = []
     for number, name in enumerate(names):
         take = take_of(hints[name], exact=exact)
-        made.append(_Field(name, number, take, frozenset(settled(hints[name], exact=exact))))
+        made.append(_RecordField(name, number, take, frozenset(settled(hints[name], exact=exact))))
     return _Fields(get if len(names) > 1 else lambda record: (get(record),), tuple(made), {})
 
 

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.variations.laws import Value
+    from dh2urdf.variations.laws import DrawnValue
 
 
 def variant_columns(
-    variation: Variation, names: Sequence[str], drawn: Sequence[dict[str, Value]]
+    variation: Variation, names: Sequence[str], drawn: Sequence[dict[str, DrawnValue]]
 ) -> tuple[list[int], ManipulatorColumns] | None:
     """The tables of variants that are arms beyond doubt, and which of them these are.
 

@@ -16,7 +16,7 @@ from functools import lru_cache
 from math import sqrt
 from typing import TypeAlias
 
-Value: TypeAlias = float | str
+DrawnValue: TypeAlias = float | str
 """A number in SI units, a whole number of axes, or the word of a joint type."""
 
 _CONTEXT = Context(prec=25)
@@ -29,9 +29,9 @@ FARTHEST = 10.0
 class Choices:
     """One of some values, all equally likely."""
 
-    values: tuple[Value, ...]
+    values: tuple[DrawnValue, ...]
 
-    def draw(self, u: float, nominal: float | None = None) -> Value:  # noqa: ARG002 - laws are called alike
+    def draw(self, u: float, nominal: float | None = None) -> DrawnValue:  # noqa: ARG002 - laws are called alike
         """The value of a number u between 0 and 1."""
         return self.values[int(u * len(self.values))]
 
@@ -40,7 +40,7 @@ class Choices:
 class Grid:
     """Every one of some values, combined with every one of all other grids."""
 
-    values: tuple[Value, ...]
+    values: tuple[DrawnValue, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,7 +17,7 @@ from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
 from dh2urdf.source import Mark, Problem
 from dh2urdf.validation.coercion import replace_unchecked
-from dh2urdf.variations.laws import Grid, Law, Value
+from dh2urdf.variations.laws import DrawnValue, Grid, Law
 from dh2urdf.variations.sampling import Sampling, point
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _MOVING = _REVOLVING | {JointType.PRISMATIC}
 _BOUNDED = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
 
 
-class Field(NamedTuple):
+class VariedField(NamedTuple):
     """A field of the table that can be varied.
 
     Attributes:
@@ -67,22 +67,22 @@ class Field(NamedTuple):
 
 
 FIELDS = {
-    "a": Field(Dimension.LENGTH),
-    "d": Field(Dimension.LENGTH),
-    "alpha": Field(Dimension.ANGLE),
-    "theta": Field(Dimension.ANGLE),
-    "offset": Field(Dimension.ANGLE, Dimension.LENGTH, types=_MOVING),
-    "lower": Field(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
-    "upper": Field(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
-    "velocity": Field(Dimension.TURN_RATE, Dimension.SPEED, types=_MOVING, positive=True),
-    "effort": Field(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, positive=True),
-    "mass": Field(Dimension.MASS, positive=True),
-    "radius": Field(Dimension.LENGTH, positive=True),
-    "damping": Field(Dimension.DAMPING, Dimension.LINEAR_DAMPING, types=_MOVING, negative=False),
-    "friction": Field(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, negative=False),
-    "armature": Field(Dimension.INERTIA, Dimension.MASS, types=_MOVING, negative=False),
-    TYPE: Field(None),
-    AXES: Field(None),
+    "a": VariedField(Dimension.LENGTH),
+    "d": VariedField(Dimension.LENGTH),
+    "alpha": VariedField(Dimension.ANGLE),
+    "theta": VariedField(Dimension.ANGLE),
+    "offset": VariedField(Dimension.ANGLE, Dimension.LENGTH, types=_MOVING),
+    "lower": VariedField(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
+    "upper": VariedField(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
+    "velocity": VariedField(Dimension.TURN_RATE, Dimension.SPEED, types=_MOVING, positive=True),
+    "effort": VariedField(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, positive=True),
+    "mass": VariedField(Dimension.MASS, positive=True),
+    "radius": VariedField(Dimension.LENGTH, positive=True),
+    "damping": VariedField(Dimension.DAMPING, Dimension.LINEAR_DAMPING, types=_MOVING, negative=False),
+    "friction": VariedField(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, negative=False),
+    "armature": VariedField(Dimension.INERTIA, Dimension.MASS, types=_MOVING, negative=False),
+    TYPE: VariedField(None),
+    AXES: VariedField(None),
 }
 """What can be varied, by the names that the project has for it."""
 
@@ -218,14 +218,14 @@ class Variant:
         """Where the variation stands."""
         return self.variation.mark
 
-    def drawn(self) -> dict[str, Value]:
+    def drawn(self) -> dict[str, DrawnValue]:
         """The values of its factors by their keys [SI]; not those of axes it lacks and of limits its joints lack."""
         values = self._values()
         if not self.variation.has_many_forms:
             return {factor.key: values[factor.key] for factor in self.variation.factors}
         axes, rows = values.get(AXES), self.variation.nominal.rows
         last = len(first_axes(rows, int(axes)) if axes else rows)
-        drawn: dict[str, Value] = {}
+        drawn: dict[str, DrawnValue] = {}
         for factor in self.variation.factors:
             if factor.row is not None:
                 if factor.row >= last:
@@ -236,11 +236,11 @@ class Variant:
             drawn[factor.key] = values[factor.key]
         return drawn
 
-    def _values(self) -> dict[str, Value]:
+    def _values(self) -> dict[str, DrawnValue]:
         """The values of all factors: those of grids by the number, the last one fastest, the others by the sample."""
         variation, index = self.variation, self.number - 1
         sampled = [factor for factor in variation.factors if not isinstance(factor.law, Grid)]
-        values: dict[str, Value] = {}
+        values: dict[str, DrawnValue] = {}
         rest = index
         for factor in reversed(variation.factors):
             if isinstance(factor.law, Grid):
@@ -259,7 +259,7 @@ class Variant:
                     values[factor.key] = factor.law.draw(u, factor.nominal)
         return values
 
-    def manipulator(self, drawn: Mapping[str, Value]) -> Manipulator:
+    def manipulator(self, drawn: Mapping[str, DrawnValue]) -> Manipulator:
         """The table of this variant.
 
         Args:

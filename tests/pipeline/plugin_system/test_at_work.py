@@ -11,7 +11,7 @@ import pytest
 
 from dh2urdf.plugin_system import at_work
 from dh2urdf.plugin_system.at_work import AtWork, at_work_here, importing
-from dh2urdf.plugin_system.child_place import Place
+from dh2urdf.plugin_system.child_place import ChildPlace
 from dh2urdf.plugin_system.discovery import Plugin
 
 if TYPE_CHECKING:
@@ -89,14 +89,14 @@ class TestInAChild:
             "with AtWork('executor \\'here\\'', None):\n"
             f"    with AtWork('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
         )
-        place = Place()
+        place = ChildPlace()
         subprocess.run([sys.executable, "-c", script], check=False, **place.for_child())
         assert place.who() == who
         place.close()
 
     def test_a_name_of_any_length(self) -> None:
         """It is cut short, and the next one is whole."""
-        place = Place()
+        place = ChildPlace()
         script = (
             "import os\nfrom dh2urdf.plugin_system.at_work import AtWork\nwith AtWork('ä' * 5000, None):\n"
             "    with AtWork('b', None):\n        pass\n    os._exit(0)\n"

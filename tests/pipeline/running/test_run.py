@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.conversion.one_manipulator import Call, Sample
-from dh2urdf.conversion.outcome import Row, to_text
+from dh2urdf.conversion.outcome import ManifestRow, to_text
 from dh2urdf.errors import ConfigError, MissingDependencyError, OutputError, TableError, TransformError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
@@ -164,7 +164,7 @@ class Lab:
         )
         return make_plan(load_config(self.folder / "run.yaml"), self.catalog)
 
-    def run(self, names: str, more: str = "", **how: Any) -> list[Row]:
+    def run(self, names: str, more: str = "", **how: Any) -> list[ManifestRow]:
         """The rows of a run over a table of names."""
         return rows(self.plan(f"inputs: names.list\n{more}", names=names.replace(" ", "\n")), **how)
 
@@ -176,7 +176,7 @@ class Lab:
 REPORTS = {"manifest.jsonl", "manifest.parquet", "report.json", "index.json", "timing.json"}
 
 
-def rows(plan: runs.Plan, **how: Any) -> list[Row]:
+def rows(plan: runs.Plan, **how: Any) -> list[ManifestRow]:
     """The rows of a run, which are in its manifest and, of a short one, in its report."""
     _, report = execute(plan, **how)
     if not how.get("dry_run"):

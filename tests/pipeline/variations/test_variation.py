@@ -28,7 +28,7 @@ from dh2urdf.source import Mark
 from dh2urdf.tasks.batch import Expected, batches
 from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.binding import bind
-from dh2urdf.variations.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform, Value
+from dh2urdf.variations.laws import Choices, DrawnValue, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
 from dh2urdf.variations.sampling import Sampling
 from dh2urdf.variations.variation import FIELDS, Rule, Variant, Variation, VariationCall, retyped
 
@@ -77,7 +77,7 @@ def variation(*rules: Rule, table: Manipulator = ARM, **more: Any) -> Variation:
     return bind(VariationCall(name="arm", of="arm", vary=rules, mark=WHERE, **more), table)
 
 
-def drawn(made: Variation) -> list[dict[str, Value]]:
+def drawn(made: Variation) -> list[dict[str, DrawnValue]]:
     return [variant.drawn() for variant in made.variants()]
 
 

@@ -573,7 +573,7 @@ def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[.
     """Accepted without a word, beside the fields that it cannot be without."""
     examples = {line[0]: one_code(line[2]) for line in TABLES["headers"]}
     cells = {"convention": "standard", "a": "0.3", "alpha": "0", "d": "0", name: examples[name]}
-    for group in (("lower", "upper"), fields.COM_FIELDS, ("mass", *fields.INERTIA_FIELDS), ("mass", "inertia")):
+    for group in (("lower", "upper"), fields.COM, ("mass", *fields.INERTIA), ("mass", "inertia")):
         if name in group and name != "mass":
             cells |= {other: examples[other] for other in group}
     read(table_of(",".join(cells), ",".join(cells.values()), "")).arm()
@@ -662,7 +662,7 @@ def test_every_statement_is_in_the_page(read: Callable[..., Outcome]) -> None:
 def test_every_key_of_yaml_is_in_the_page() -> None:
     """Those of a manipulator, of its base and defaults, and of a joint."""
     keys = set(re.findall(r"(\w+):", EXAMPLES["every key"].body))
-    joint = {*yaml._JOINT_KEYS, *yaml._LIMITS, *fields.INERTIA_FIELDS, "sign", "flip"}
+    joint = {*yaml._JOINT_KEYS, *yaml._LIMITS, *fields.INERTIA, "sign", "flip"}
     assert keys == {
         *yaml.KEYS,
         *joint,

@@ -794,7 +794,9 @@ def test_every_bound_is_the_one_of_the_code() -> None:
 def test_every_named_bound_of_the_readers_is_in_the_table() -> None:
     """A constant MAX_… that a module of the readers, or of what they read with, gets has its line."""
     found = (
-        importlib.import_module(f"{readers.__name__}.{info.name}") for info in pkgutil.iter_modules(readers.__path__)
+        importlib.import_module(info.name)
+        for info in pkgutil.walk_packages(readers.__path__, f"{readers.__name__}.")
+        if not info.ispkg
     )
     modules = [*found, expressions, textfiles, yaml_composer]
     named = {name for module in modules for name in vars(module) if name.startswith("MAX_")}

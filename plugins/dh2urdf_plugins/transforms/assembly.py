@@ -20,7 +20,7 @@ from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parame
 from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
 from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem
-from dh2urdf_plugins.transforms.checks import PAYLOAD
+from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame
 from dh2urdf_plugins.transforms.meshes import is_weighed, mesh_solid
 
 if TYPE_CHECKING:
@@ -272,10 +272,13 @@ def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
 def link_body(part: Part, density: float) -> Inertial:
     """The mass properties of a link: what the table says of them, the shape's for the rest.
 
-    A mass without an inertia scales that of the shape; a centre of mass without one carries it along. Centre of mass
-    and inertia are given in the DH frame after the row, and are turned into the link's frame.
+    A fixed row whose mass is 0 is a frame without a body. A mass without an inertia scales that of the shape; a centre
+    of mass without one carries it along. Centre of mass and inertia are given in the DH frame after the row, and are
+    turned into the link's frame.
     """
     row, frame = part.row, part.dh_frame
+    if is_frame(row):
+        return WEIGHTLESS
     if frame and is_weighed(row):  # Nobody need read a mesh for that.
         body = own.inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
     else:

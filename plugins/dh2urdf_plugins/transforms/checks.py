@@ -203,12 +203,17 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
         message = f"the limit {there} is given without {missing}"
         yield row_problem(row, message, field=f"limits.{missing}", accepted="both of lower and upper, or neither")
     for name in ("mass", "radius"):
-        if (value := getattr(row, name)) is not None and value <= 0.0:
+        if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
             message = f"{name} must be greater than 0"
             accepted = "a number greater than 0, or nothing: then it is computed"
             yield row_problem(row, message, field=name, found=value, accepted=accepted)
     if row.inertia and (broken := inertia_problem(row.inertia)):
         yield row_problem(row, broken, field="inertia", accepted=TENSOR, suggestion=_floor_advice(row.inertia))
+
+
+def is_frame(row: DHRow) -> bool:
+    """Whether a row is a frame without a body: a fixed one whose mass is 0."""
+    return row.type is JointType.FIXED and not is_column(row.mass) and row.mass == 0.0
 
 
 def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:

@@ -100,7 +100,7 @@ class RowReader(RowCells):
             offset=offset,
             sign=sign,
             limits=self._limits(kind),
-            mass=self._positive("mass"),
+            mass=self._positive("mass", or_zero=kind is JointType.FIXED),
             com=self._com(),
             inertia=self._inertia(),
             radius=self._positive("radius"),

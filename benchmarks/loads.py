@@ -19,17 +19,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from arms import LONG, write_table
 from measuring import in_turn, machine, seconds, table
 
-from dh2urdf.attribution import Call
-from dh2urdf.conversion import make_robot
-from dh2urdf.loads import KeptChildren, load_in_child
+from dh2urdf.conversion.one_manipulator import make_robot
+from dh2urdf.isolation.loads import KeptChildren, load_in_child
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import joint_vectors
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.proof import joint_vectors
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.calls import Call
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import LoadRequest
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Loader, LoadReport
 
 PACKAGES = ("dh2urdf", "pybullet", "mujoco", "pin", "drake")

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.open_store import open_store
-from dh2urdf.remote_store import RemoteStore
+from dh2urdf.output.open_store import open_store
+from dh2urdf.output.remote_store import RemoteStore
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import ModuleType
 
-    from dh2urdf.stores import Store
+    from dh2urdf.output.store import Store
 
 LONG = 60.0
 

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError, UnknownStageError
-from dh2urdf.loads import KeptChildren, load_in_child
-from dh2urdf.proof import joint_vectors
-from dh2urdf.registry import load
+from dh2urdf.isolation.loads import KeptChildren, load_in_child
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import joint_vectors
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Problem
 from dh2urdf.stages import Emitter, Loader, LoadReport, LoadRequest
 from dh2urdf.testing.comparing import difference
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -113,18 +113,17 @@ class LoaderContract(StageContract):
         clause = self.test_reports_the_same_whatever_was_loaded_before
         if self.stage.prepare is None:
             return
-        requests = []
-        for number, manipulator in enumerate(reference_manipulators()):
-            (folder := tmp_path / str(number)).mkdir()
-            requests.append(self._request(folder, manipulator))
-        alone = [self._load(clause, request) for request in requests]
+        alone = []
+        for manipulator in reference_manipulators():
+            (folder := tmp_path / manipulator.name).mkdir()
+            request = self._request(folder, manipulator)
+            alone.append((request, self._load(clause, request)))
         with KeptChildren() as children:
-            for number in (*range(len(requests)), *reversed(range(len(requests))), 0, 0, 0):
-                report = self._load(clause, requests[number], children=children)
-                if differs := difference(alone[number], report):
+            for request, report in (*alone, *reversed(alone), *alone[:1] * 3):
+                if differs := difference(report, self._load(clause, request, children=children)):
                     self.breach(
                         clause,
-                        found=f"of the arm {requests[number].robot.name!r}, alone and after others: {differs}",
+                        found=f"of the arm {request.robot.name!r}, alone and after others: {differs}",
                         accepted="the same report of a file, whatever was loaded before in the same process",
                         remedy="close in a `finally` what `load` opens, and keep nothing in the module; or leave "
                         "`prepare` out of the record, and every load has a process of its own",
@@ -239,7 +238,7 @@ class LoaderContract(StageContract):
             clause: what is broken where it cannot be made.
             request: what to load.
             refusal: whether a refusal is the caller's to judge.
-            children: children of loaders that are kept; without them the child is for this load alone.
+            children: children that are kept; without them the child is for this load alone.
         """
         self._require()
         try:

@@ -1,0 +1,123 @@
+"""What runs in an interpreter that `dh2urdf.isolation.interpreter` starts: the calls of its parent, in their order.
+
+It is started by its path and needs the standard library alone, so it works wherever the interpreter does. Messages are
+pickles. The first one is ``sys.path``. Each further one is a call, ``(function, arguments)``, both pickled once more;
+without a function it is the function of the call before, and without arguments the function is imported and not
+called. None ends the interpreter.
+
+Calls arrive on standard input. Each answer leaves on what was standard output: a word and its data. Everything that
+anybody prints, from C too, goes to standard error, between two marks for each call.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import sys
+import threading
+import traceback
+from pathlib import Path
+from queue import SimpleQueue
+from typing import IO, Any
+
+
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM came during a call: an interrupt like Ctrl-C, and no fault of what it interrupts."""
+
+
+def main(begin: bytes, end: bytes) -> None:
+    """Answer the calls of the parent until it sends the last one, or is gone.
+
+    Args:
+        begin: what is written to standard error before a call.
+        end: what is written there after it.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's affair.
+    messages, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    with Path(os.devnull).open("rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+    _print_at_once()
+    received: SimpleQueue[Any] = SimpleQueue()
+    threading.Thread(target=_receive, args=(messages, received), daemon=True).start()
+    sys.path[:] = received.get()
+    function: Any = None
+    while (call := received.get()) is not None:
+        os.write(2, begin)
+        function, answer = _answer(function, *call)
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
+                stream.flush()
+        os.write(2, end)
+        pickle.dump(answer, answers)
+        answers.flush()
+
+
+def _print_at_once() -> None:
+    """Turns the buffers of standard output off, so that a crash loses nothing that was printed before it."""
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(line_buffering=True, errors="backslashreplace")
+    with contextlib.suppress(ImportError, OSError, AttributeError, ValueError, TypeError):  # no C library, or another
+        import ctypes
+
+        libc = ctypes.CDLL(None)
+        unbuffered = 2  # _IONBF of glibc, musl and the BSDs
+        libc.setvbuf(ctypes.c_void_p.in_dll(libc, "stdout"), None, unbuffered, 0)
+
+
+def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
+    """Takes what the parent sends; its end is the parent's: this process and all that it started leave at once.
+
+    A run that was killed may be resumed in the next moment, and must not meet its own past.
+    """
+    try:
+        while True:
+            received.put(pickle.load(messages))  # noqa: S301 - our own parent sent it
+    except (EOFError, OSError, pickle.UnpicklingError):
+        if hasattr(os, "killpg"):
+            os.killpg(0, signal.SIGKILL)
+        os._exit(1)
+
+
+def _answer(function: Any, given: bytes | None, args: bytes | None) -> tuple[Any, tuple[Any, ...]]:  # noqa: ANN401 - whatever is called
+    """The function of a call, and what came of it. SIGTERM ends the call, which takes away what it was writing."""
+    try:
+        if given is not None:
+            function = pickle.loads(given)  # noqa: S301 - our own parent sent it
+    except Exception as error:  # noqa: BLE001 - unpickling imports modules, which may raise anything
+        return None, ("not imported", f"{type(error).__name__}: {error}", _pickled(error))
+    if args is None:
+        return function, ("imported",)
+    signal.signal(signal.SIGTERM, _on_terminate)
+    try:
+        return function, ("value", pickle.dumps(function(*pickle.loads(args))))  # noqa: S301 - our own parent sent it
+    except SystemExit as error:
+        return function, ("left", 0 if error.code is None else error.code, traceback.format_exc())
+    except _Terminated:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        signal.raise_signal(signal.SIGTERM)
+        raise
+    except BaseException as error:  # noqa: BLE001 - the parent raises it again
+        return function, ("raised", _pickled(error), f"{type(error).__name__}: {error}", traceback.format_exc())
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def _on_terminate(_number: int, _frame: object) -> None:
+    raise _Terminated
+
+
+def _pickled(error: BaseException) -> bytes | None:
+    """The exception as the parent can raise it again, or None where it does not survive the way."""
+    try:
+        data = pickle.dumps(error)
+        pickle.loads(data)  # noqa: S301 - made in the line before
+    except Exception:  # noqa: BLE001 - the exception's own code runs here
+        return None
+    return data
+
+
+if __name__ == "__main__":
+    main(*map(str.encode, sys.argv[1:]))

@@ -1,0 +1,308 @@
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
+from dh2urdf.isolation import loads
+from dh2urdf.isolation.interpreter import KEPT_OUTPUT
+from dh2urdf.isolation.loads import LOADS, KeptChildren, load_in_child
+from dh2urdf.robot import Robot
+from dh2urdf.stages import LoadReport, LoadRequest, NoOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from types import ModuleType
+
+
+@pytest.fixture
+def request_for(tmp_path: Path) -> Callable[[str], LoadRequest]:
+    """The request to load a file of some name."""
+
+    def make(name: str) -> LoadRequest:
+        return LoadRequest(path=tmp_path / name, robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
+
+    return make
+
+
+@pytest.fixture
+def children() -> Iterator[KeptChildren]:
+    with KeptChildren() as children:
+        yield children
+
+
+@pytest.fixture
+def kept(
+    functions: ModuleType, children: KeptChildren, request_for: Callable[[str], LoadRequest]
+) -> Callable[..., LoadReport]:
+    """The report of a kept child of a toy; its version is the number of the process that has loaded the file."""
+
+    def load(name: str, **changes: Any) -> LoadReport:
+        loader = replace(functions.KEPT, **changes)
+        return load_in_child(loader, request_for(f"{name}.urdf"), NoOptions(), None, children)
+
+    return load
+
+
+class TestOneLoad:
+    def test_report_is_completed_with_the_output(
+        self, functions: ModuleType, request_for: Callable[[str], LoadRequest]
+    ) -> None:
+        """A loader's report gets what was printed, and the findings in it after the loader's own."""
+        report = load_in_child(functions.LOADER, request_for("good.urdf"), NoOptions())
+        assert report.output == "WARNING: a screw is loose\n"
+        assert [finding.message for finding in report.findings] == ["toy: measured", "toy: WARNING: a screw is loose"]
+
+    def test_refusal_is_completed_with_the_output(
+        self, functions: ModuleType, request_for: Callable[[str], LoadRequest]
+    ) -> None:
+        """What a simulator printed before the loader refused the file follows the loader's own problems."""
+        with pytest.raises(LoaderError) as caught:
+            load_in_child(functions.LOADER, request_for("refused.urdf"), NoOptions())
+        told = [problem.message for problem in caught.value.problems]
+        assert told == ["toy: I do not like it", "toy: WARNING: a screw is loose"]
+
+    def test_a_crash_names_the_loader(self, functions: ModuleType, request_for: Callable[[str], LoadRequest]) -> None:
+        """A simulator that crashes is told by its loader's name, and what it printed before is read as ever."""
+        with pytest.raises(CrashError) as caught:
+            load_in_child(functions.LOADER, request_for("crash.urdf"), NoOptions())
+        crash, finding = (problem.message for problem in caught.value.problems)
+        assert crash.startswith("the loader 'toy' crashed (segmentation fault)")
+        assert finding == "toy: WARNING: a screw is loose"
+        assert not isinstance(caught.value, TimeLimitError)
+
+    def test_a_loader_that_hangs_is_over_its_time_limit(
+        self, functions: ModuleType, request_for: Callable[[str], LoadRequest]
+    ) -> None:
+        """The limit is the loader's own, and the error is of its own kind."""
+        with pytest.raises(TimeLimitError, match=r"^error: the loader 'toy' did not finish within 2 s"):
+            load_in_child(functions.HASTY, request_for("hang.urdf"), NoOptions())
+
+    @pytest.mark.parametrize("name", ["noisy.urdf", "refused_with_its_path.urdf"])
+    def test_the_folder_of_the_file_is_not_told(
+        self, functions: ModuleType, request_for: Callable[[str], LoadRequest], name: str
+    ) -> None:
+        """It is a temporary one of another name in every run; the file's own name is told."""
+        try:
+            report = load_in_child(functions.LOADER, request_for(name), NoOptions())
+            told = [report.output, *(finding.message for finding in report.findings)]
+            assert f"toy: WARNING: {name} is odd" in told
+        except LoaderError as error:
+            told = [problem.message for problem in error.problems]
+            assert told == [
+                f"toy: cannot load {name}",
+                "toy: WARNING: a screw is loose",
+                f"toy: WARNING: {name} is bad",
+            ]
+        assert not any(str(request_for(name).path.parent) in text for text in told)
+
+
+class TestKeptChild:
+    def test_serves_many_loads(self, kept: Callable[..., LoadReport], is_running: Callable[[int], bool]) -> None:
+        """One process loads all files, and a child that is kept is not this process."""
+        pids = {int(kept(f"good_{number}").version) for number in range(10)}
+        assert len(pids) == 1
+        assert os.getpid() not in pids
+        assert all(map(is_running, pids))
+
+    def test_serves_a_bounded_number(self, kept: Callable[..., LoadReport], monkeypatch: pytest.MonkeyPatch) -> None:
+        """After its last load the next one has a new child."""
+        assert LOADS <= 100
+        monkeypatch.setattr(loads, "LOADS", 3)
+        pids = [kept("good").version for _ in range(7)]
+        assert [pids.count(pid) for pid in dict.fromkeys(pids)] == [3, 3, 1]
+
+    def test_serves_one_loader_with_its_options(self, functions: ModuleType, children: KeptChildren) -> None:
+        """Loaders of other functions have other children, and one that declares nothing has a new one each time."""
+        request = LoadRequest(path=Path("good"), robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
+        others = [replace(functions.KEPT, prepare=functions.prepare_otherwise), replace(functions.KEPT, prepare=None)]
+        pids = [
+            load_in_child(loader, request, NoOptions(), None, children).version
+            for loader in (functions.KEPT, *others) * 3
+        ]
+        assert [len(set(pids[number::3])) for number in range(3)] == [1, 1, 3]
+
+    def test_serves_one_thread_at_a_time(self, kept: Callable[..., LoadReport]) -> None:
+        """Threads that load at once do not wait for each other's child, nor mix their answers."""
+        names = [f"good_{number}" for number in range(30)]
+        with ThreadPoolExecutor(3) as threads:
+            reports = list(threads.map(kept, names))
+        assert [report.output for report in reports] == [f"toy is starting\nloading {name}.urdf\n" for name in names]
+        assert len({report.version for report in reports}) <= 3
+
+    def test_output_is_that_of_its_load(self, kept: Callable[..., LoadReport]) -> None:
+        """From C too, without an end of a line, and in bounds; what the import printed belongs to each load."""
+        start = "toy is starting\nloading {}.urdf\n"
+        for _ in range(2):
+            assert kept("good").output == start.format("good")
+            assert kept("in_c").output == start.format("in_c") + "from C, without an end"
+            much = kept("much").output
+            assert much.startswith(start.format("much") + "the beginning\n")
+            assert much.endswith("the end\n")
+            assert len(much) < KEPT_OUTPUT + 200
+
+    def test_warnings_are_printed_by_each_load(self, kept: Callable[..., LoadReport]) -> None:
+        """Python prints a warning once for each process; a report has it although another load had it before."""
+        outputs = {kept("warning").output for _ in range(3)}
+        assert len(outputs) == 1
+        assert "UserWarning: a screw is loose" in outputs.pop()
+
+    @pytest.mark.skipif(sys.platform != "linux", reason="orphans are known on Linux")
+    @pytest.mark.parametrize("name", ["late", "orphan", "thread", "folder", "environment", "path"])
+    def test_is_replaced_where_a_load_leaves_something(
+        self,
+        kept: Callable[..., LoadReport],
+        soon: Callable[..., bool],
+        is_running: Callable[[int], bool],
+        name: str,
+    ) -> None:
+        """The load counts, and the next one gets a child without its processes, threads, folder or variables."""
+        first = kept("good").version
+        report = kept(name)
+        assert report.version == first
+        if name == "orphan":
+            assert soon(lambda: not is_running(int(report.output.splitlines()[-1])))
+        assert kept("good").version != first
+        assert not is_running(int(first))
+
+    @pytest.mark.skipif(sys.platform == "win32", reason="the system does not say how much memory was used")
+    def test_is_replaced_where_it_has_used_much_memory(self, kept: Callable[..., LoadReport]) -> None:
+        """A child whose peak of memory is beyond the bound is not kept, whatever it uses now."""
+        assert len({kept(name).version for name in ("good", "memory", "good")}) == 2
+
+    @pytest.mark.parametrize(
+        ("name", "message"),
+        [
+            ("crash", "crashed (segmentation fault)"),
+            ("exit", "left the interpreter (exit status 3) and gave no result"),
+            ("leave", "left the process (exit status 4) and gave no result"),
+        ],
+    )
+    @pytest.mark.parametrize("before", [0, 1, 4])
+    def test_that_ends_costs_one_load(
+        self, kept: Callable[..., LoadReport], name: str, message: str, before: int
+    ) -> None:
+        """The first load or a later one: the message is the same, and those before and after have their reports."""
+        pids = [kept("good").version for _ in range(before)]
+        with pytest.raises(CrashError) as caught:
+            kept(name)
+        words = f"'toy is starting loading {name}.urdf'"
+        assert caught.value.problems[0].message == f"the loader 'toy' {message}; it printed last: {words}"
+        assert kept("good").version not in pids
+
+    def test_that_hangs_is_ended_with_what_it_started(
+        self,
+        kept: Callable[..., LoadReport],
+        tmp_path: Path,
+        soon: Callable[..., bool],
+        is_running: Callable[[int], bool],
+    ) -> None:
+        """The third load is over its time limit; its processes are gone, and the fourth has a new child."""
+        pids = [kept("good").version for _ in range(2)]
+        with pytest.raises(TimeLimitError, match="the loader 'toy' did not finish within 3 s"):
+            kept("hang", time_limit=lambda _options: 3.0)
+        left = [int(pid) for pid in (tmp_path / "hang.pids").read_text().split()]
+        assert len(left) == 2
+        assert soon(lambda: not any(map(is_running, left)))
+        assert kept("good").version not in pids
+
+    def test_that_refuses_a_file_is_replaced(self, kept: Callable[..., LoadReport]) -> None:
+        """After an exception nobody knows what a simulator still holds."""
+        first = kept("good").version
+        with pytest.raises(LoaderError, match="toy: I do not like it"):
+            kept("refused")
+        assert kept("good").version != first
+
+    @pytest.mark.parametrize("name", ["third", "dead_third"])
+    def test_a_failure_that_others_have_caused_is_none(self, kept: Callable[..., LoadReport], name: str) -> None:
+        """What fails in a child that has served others, and not in a new one, has its report."""
+        first = [kept("good").version for _ in range(2)]
+        report = kept(name)
+        assert report.output == f"toy is starting\nloading {name}.urdf\n"
+        assert report.version not in first
+
+    def test_that_is_killed_while_it_waits_is_replaced(self, kept: Callable[..., LoadReport]) -> None:
+        """Nothing was under way: nobody hears of it."""
+        first = int(kept("good").version)
+        os.kill(first, signal.SIGKILL)
+        assert int(kept("good").version) != first
+
+    def test_a_failing_import_is_told_as_by_the_load(
+        self, functions: ModuleType, kept: Callable[..., LoadReport]
+    ) -> None:
+        """What `prepare` raises, and how it ends, are the load's; each load tries again."""
+        for _ in range(2):
+            with pytest.raises(LoaderError, match="toy: no licence"):
+                kept("good", prepare=functions.prepare_badly)
+            with pytest.raises(CrashError, match=r"the loader 'toy' crashed \(aborted\); it printed last: 'starting'"):
+                kept("good", prepare=functions.prepare_and_crash)
+
+
+class TestLifetime:
+    def test_ends_with_its_context(self, functions: ModuleType, is_running: Callable[[int], bool]) -> None:
+        """Also where the context ends with an error."""
+        request = LoadRequest(path=Path("good"), robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
+        pids = []
+
+        def use(children: KeptChildren) -> None:
+            with children:
+                pids.append(int(load_in_child(functions.KEPT, request, NoOptions(), None, children).version))
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            use(KeptChildren())
+        assert pids
+        assert not any(map(is_running, pids))
+
+    def test_ends_where_nobody_has_it_any_more(self, functions: ModuleType, is_running: Callable[[int], bool]) -> None:
+        """A worker has no context around a run: its children go with what it works with."""
+        request = LoadRequest(path=Path("good"), robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
+        children = pickle.loads(pickle.dumps(KeptChildren()))  # noqa: S301 - made here
+        pid = int(load_in_child(functions.KEPT, request, NoOptions(), None, children).version)
+        assert is_running(pid)
+        del children
+        assert not is_running(pid)
+
+    def test_an_interrupt_ends_the_child(
+        self,
+        kept: Callable[..., LoadReport],
+        tmp_path: Path,
+        soon: Callable[..., bool],
+        is_running: Callable[[int], bool],
+    ) -> None:
+        """Ctrl-C during the second load is raised here, and leaves no process behind."""
+        first, pids = int(kept("good").version), tmp_path / "hang.pids"
+
+        def interrupt() -> None:
+            soon(pids.exists)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Thread(target=interrupt).start()
+        with pytest.raises(KeyboardInterrupt):
+            kept("hang")
+        assert soon(lambda: not any(is_running(int(pid)) for pid in (*pids.read_text().split(), first)))
+
+    @pytest.mark.parametrize("name", ["good", "hang"])
+    def test_leaves_with_a_parent_that_is_killed(
+        self, tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool], name: str
+    ) -> None:
+        """In the middle of a load and between two."""
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+        place, pids = tmp_path / f"{name}.urdf", tmp_path / "hang.pids"
+        script = f"import isolated_functions as f; f.load_and_wait({str(place)!r})"
+        with subprocess.Popen([sys.executable, "-c", script], env=environment) as parent:
+            assert soon(pids.exists)
+            left = [int(pid) for pid in pids.read_text().split()]
+            assert all(map(is_running, left))
+            parent.kill()
+        assert soon(lambda: not any(map(is_running, left)))

@@ -1,11 +1,9 @@
-"""Places for the output of runs, functions for child processes, and whether a process runs."""
+"""Places for the output of runs."""
 
 from __future__ import annotations
 
 import os
-import time
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,12 +11,9 @@ from dh2urdf.output.open_store import open_store
 from dh2urdf.output.remote_store import RemoteStore
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from types import ModuleType
+    from pathlib import Path
 
     from dh2urdf.output.store import Store
-
-LONG = 60.0
 
 
 @pytest.fixture(params=["local", "memory", "s3", "folders"])
@@ -32,41 +27,3 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> Store:
     if request.param == "folders":  # SFTP and its like want a folder before there is a file in it, as this one does.
         return RemoteStore(f"file://{tmp_path}/out")
     return open_store(f"{request.getfixturevalue('bucket')}/some/prefix")
-
-
-@pytest.fixture
-def functions(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """The module `isolated_functions`, which a child can import."""
-    monkeypatch.syspath_prepend(Path(__file__).parent)
-    import isolated_functions
-
-    return isolated_functions
-
-
-@pytest.fixture
-def is_running() -> Callable[[int], bool]:
-    """Whether a process runs; one that nobody has waited for yet does not."""
-
-    def ask(pid: int) -> bool:
-        try:
-            if Path("/proc/self/stat").exists():
-                return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-            os.kill(pid, 0)
-        except (FileNotFoundError, ProcessLookupError):
-            return False
-        return True
-
-    return ask
-
-
-@pytest.fixture
-def soon() -> Callable[[Callable[[], Any]], bool]:
-    """Whether a condition comes true within a time that is long enough for any machine."""
-
-    def wait(condition: Callable[[], Any]) -> bool:
-        end = time.monotonic() + LONG
-        while not (true := condition()) and time.monotonic() < end:
-            time.sleep(0.02)
-        return bool(true)
-
-    return wait

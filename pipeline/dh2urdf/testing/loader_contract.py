@@ -125,8 +125,7 @@ class LoaderContract(StageContract):
                         clause,
                         found=f"of the arm {request.robot.name!r}, alone and after others: {differs}",
                         accepted="the same report of a file, whatever was loaded before in the same process",
-                        remedy="close in a `finally` what `load` opens, and keep nothing in the module; or leave "
-                        "`prepare` out of the record, and every load has a process of its own",
+                        remedy="close what `load` opens, and keep nothing; or leave `prepare` out of the record",
                     )
 
     def test_leaves_nothing_behind(self, tmp_path: Path) -> None:

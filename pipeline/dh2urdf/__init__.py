@@ -10,7 +10,7 @@ from dh2urdf._version import __version__
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
 if TYPE_CHECKING:
     from dh2urdf import errors, kinematics, results
-    from dh2urdf.api import check, convert, read, read_all, run
+    from dh2urdf.api import check, convert, extract, read, read_all, run
     from dh2urdf.errors import Dh2UrdfError
     from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
     from dh2urdf.robot import Robot
@@ -35,6 +35,7 @@ __all__ = [
     "check",
     "convert",
     "errors",
+    "extract",
     "kinematics",
     "read",
     "read_all",
@@ -57,6 +58,7 @@ _MODULES = {
     "Robot": "robot",
     "check": "api",
     "convert": "api",
+    "extract": "api",
     "read": "api",
     "read_all": "api",
     "run": "api",

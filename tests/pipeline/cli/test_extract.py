@@ -51,7 +51,18 @@ class TestPrinted:
         answer = cli("extract", str(ur5))
         standard, modified, facts = answer.stdout.strip().split("\n\n")
         assert standard.splitlines()[0] == "standard convention"
-        assert standard.splitlines()[1].split() == ["joint", "type", "a", "[m]", "alpha", "[rad]", "d", "[m]", "theta", "[rad]"]
+        assert standard.splitlines()[1].split() == [
+            "joint",
+            "type",
+            "a",
+            "[m]",
+            "alpha",
+            "[rad]",
+            "d",
+            "[m]",
+            "theta",
+            "[rad]",
+        ]
         assert standard.splitlines()[3].split() == ["lift", "revolute", "-0.425", "0", "0", "0"]
         assert modified.splitlines()[5].split() == ["w1", "revolute", "-0.39225", "0", "0.10915", "0"]
         assert facts == "the axes of lift, elbow, w1 are parallel"

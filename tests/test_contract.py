@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.registry import KINDS, load
+from dh2urdf.plugin_system.catalog import KINDS, load
 from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract
 from dh2urdf_plugins.emitters.urdf import UrdfOptions
 from dh2urdf_plugins.emitters.xacro import XacroOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
-from dh2urdf_plugins.loaders.coppeliasim import CoppeliaSimOptions
+from dh2urdf_plugins.loaders.coppeliasim.loader import CoppeliaSimOptions
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:

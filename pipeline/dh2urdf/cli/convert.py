@@ -10,18 +10,18 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
+from dh2urdf.cli.conversion_rows import print_report, row_of
 from dh2urdf.cli.leaving_out import catalog, without_option
-from dh2urdf.cli.standard_input import DASH, NAME, files_behind, given_table
+from dh2urdf.cli.standard_input import DASH, files_behind, given_table
 from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, READER_OPTIONS, chain_options, settings_of, table_options
+from dh2urdf.commands.convert import DEFAULT_TRANSFORM, plan_conversion
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.conversions import closing_line
-from dh2urdf.single_table import DEFAULT_TRANSFORM, plan_conversion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.results import ConversionEntry
-    from dh2urdf.single_table import Conversion, Planned
+    from dh2urdf.commands.convert import Conversion, Planned
     from dh2urdf.source import Problem
 
 STANDARD_OUTPUT = "standard output"
@@ -134,19 +134,3 @@ def print_notices(notices: Sequence[Problem]) -> None:
         click.echo(notice, err=True)
     if (more := len(notices) - SCREENFUL) > 0:
         click.echo(f"and {more} more notice{'s' if more > 1 else ''}", err=True)
-
-
-def row_of(conversion: Conversion, table: Path, file: Path | None) -> ConversionEntry:
-    """What became of a table, as plain data."""
-    from dh2urdf.report.conversions import conversion_row
-
-    source = NAME if str(table) == DASH else str(table)
-    return conversion_row(conversion, source, None if file is None else file.parent)
-
-
-def print_report(rows: Sequence[ConversionEntry]) -> None:
-    """Print what became of tables, as JSON."""
-    from dh2urdf.outcome import to_text
-    from dh2urdf.report.conversions import conversions_report
-
-    answer(to_text(conversions_report(rows)), nl=False)

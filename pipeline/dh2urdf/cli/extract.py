@@ -13,18 +13,18 @@ from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, chain_options, package_paths_option, settings_of
+from dh2urdf.commands.check import given_arguments
+from dh2urdf.commands.extract import description_reader, leaves_of, table_lines, the_one, write_extracted
 from dh2urdf.errors import ConfigError
-from dh2urdf.extracted_tables import description_reader, leaves_of, table_lines, the_one, write_extracted
-from dh2urdf.inspecting import given_arguments
-from dh2urdf.kinematic_facts import kinematic_facts
+from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, printable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from dh2urdf.attribution import Call
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.stages import Reader
 
 OPTIONS = ("tolerance", "near_parallel", "rounded_pi", "origins")

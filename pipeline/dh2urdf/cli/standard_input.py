@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.output.spooled import spooled
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem
-from dh2urdf.spooled import spooled
-from dh2urdf.textfiles import MAX_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 DASH = "-"
 FILE = "/dev/stdin"

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.asking import Asker, Setting
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.commands.options_of_stages import Asker, Setting
+from dh2urdf.plugin_system.options import COMMAND_LINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -16,7 +16,7 @@ from dh2urdf_plugins.extraction.bodies import Body, Carried
 from dh2urdf_plugins.extraction.measuring import RANDOM_VECTORS, chain_difference
 from dh2urdf_plugins.extraction.numbers import Precision
 from dh2urdf_plugins.extraction.solving import Choices, Solution, solve
-from dh2urdf_plugins.readers.names import RESERVED
+from dh2urdf_plugins.readers.words.names import RESERVED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.documents import read_bytes
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.textfiles import read_bytes
-from dh2urdf_plugins import mjcf_reader, sdf_reader, urdf_reader
 from dh2urdf_plugins.extraction.rounded_pi import Rounded, repaired
+from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
 
 if TYPE_CHECKING:
     from lxml import etree

@@ -11,7 +11,7 @@ from dh2urdf.robot import Joint
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.extraction.description import Description
-from dh2urdf_plugins.readers.bounds import MEASURABLE_ARM
+from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,6 +10,7 @@ from dh2urdf.elementwise import is_column, where
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.mass_properties import has_zero_moments, inertia_problem, is_sound, principal_moments, with_floor
 from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns
+from dh2urdf.row_fields import NUMBERS
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
@@ -166,7 +167,7 @@ def _is_sure(row: DHRow) -> Condition:
     """Whether nothing can be said of the numbers of a row, as far as they are columns."""
     limits = (row.limits.lower, row.limits.upper, row.limits.velocity, row.limits.effort)
     sure: Condition = True
-    for number in (*(getattr(row, name) for name in _NUMBERS), *limits, *(row.com or ())):
+    for number in (*(getattr(row, name) for name in NUMBERS), *limits, *(row.com or ())):
         if number is not None:
             sure &= abs(number) <= LARGEST
     for angle in (getattr(row, name) for name in _angles_of(row)):
@@ -213,9 +214,6 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
 def is_frame(row: DHRow) -> bool:
     """Whether a row is a frame without a body: a fixed one whose mass is 0."""
     return row.type is JointType.FIXED and not is_column(row.mass) and row.mass == 0.0
-
-
-_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
 
 
 def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.extraction.chain import turn_of_z

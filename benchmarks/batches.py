@@ -31,20 +31,20 @@ import yaml
 from arms import LONG, SHORT, Lengths, write_table
 from measuring import fresh, in_turn, machine, run_child, seconds, table
 
-from dh2urdf.config import load_config
-from dh2urdf.layouts import DEFAULT_SIZE as SHARD
-from dh2urdf.local_store import LocalStore
-from dh2urdf.plan import Plan, make_plan
-from dh2urdf.registry import load
-from dh2urdf.runs import execute
-from dh2urdf.shards import ShardWriter
+from dh2urdf.output.layouts import DEFAULT_SIZE as SHARD
+from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.shards import ShardWriter
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import Plan, make_plan
+from dh2urdf.running.run import execute
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from measuring import Child, Turn
 
-    from dh2urdf.result import Result
+    from dh2urdf.tasks.result import Result
 
 Files: TypeAlias = list[tuple[str, bytes]]
 """Names and contents."""

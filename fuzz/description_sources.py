@@ -19,8 +19,7 @@ from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "plugins" / "lint"))
-from faulty_files import SOUND
-from faulty_files import write_meshes as write_part
+from faulty_files import SOUND, write_meshes as write_part
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

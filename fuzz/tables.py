@@ -35,7 +35,7 @@ from known_tables import Table, home_positions, make_table
 from dh2urdf.errors import Dh2UrdfError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
-from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf_plugins.readers.plain.rows import PlainRows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

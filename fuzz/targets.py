@@ -18,9 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from unittest.mock import patch
 
-from dh2urdf.attribution import Call
-from dh2urdf.config import load_config
-from dh2urdf.conversion import make_robot
+from dh2urdf.conversion.one_manipulator import make_robot
 from dh2urdf.errors import (
     ConfigError,
     EmitterError,
@@ -29,20 +27,22 @@ from dh2urdf.errors import (
     ProofError,
     TableError,
 )
-from dh2urdf.kinematics import forward_kinematics
-from dh2urdf.plan import make_plan
-from dh2urdf.proof import proof_vectors, prove
-from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit
-from dh2urdf.registry import load
+from dh2urdf.kinematics.chain import forward_kinematics
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import proof_vectors, prove
+from dh2urdf.plugin_system.calls import Call
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate, find_unit
 from dh2urdf.robot_check import check_robot
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
 from dh2urdf.stages import Rejected
-from dh2urdf.truth import Truth
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.plain_rows import PlainRows
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.statements.statements import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.urdf_reader import parse_urdf
 from dh2urdf_plugins.xacro_fence.expansion import callables, closed_symbols
 from dh2urdf_plugins.xacro_fence.expressions import evaluate as evaluate_xacro
 
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf.stages import Reader

@@ -21,10 +21,10 @@ import pytest
 from lxml import etree
 
 from dh2urdf.cli import _status
-from dh2urdf.coercion import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence

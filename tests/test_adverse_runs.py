@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import dh2urdf
-from dh2urdf.batches import Expected, items
 from dh2urdf.errors import OutputError, TableError
-from dh2urdf.file_patterns import matching
-from dh2urdf.manifest_table import ManifestTable
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.registry import load
+from dh2urdf.output.file_patterns import matching
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.report.ledger import Ledger
-from dh2urdf.runs import load_plan
+from dh2urdf.running.run import load_plan
+from dh2urdf.tasks.batch import Expected, items
+from dh2urdf.tasks.manifest_table import ManifestTable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -133,7 +133,7 @@ def test_an_upgrade_between_a_killed_run_and_its_resumption_makes_everything_aga
     rows = (folder / "out/manifest.jsonl").read_bytes().splitlines(keepends=True)
     (folder / "out/manifest.jsonl").unlink()
     (journal / "000000000.jsonl").write_bytes(b"".join(rows[:-1]) + rows[-1][:40])
-    for module in ("keys", "report.json"):
+    for module in ("conversion.keys", "report.json"):
         monkeypatch.setattr(f"dh2urdf.{module}.__version__", "99.0")
     told = cli(*words, "--resume").stdout
     assert "13 made" in told
@@ -214,7 +214,7 @@ def test_a_pattern_over_a_whole_disk_has_a_bound(folder: Path, monkeypatch: pyte
     """The message says how many files and folders it leads past, though few match."""
     for number in range(30):
         (folder / f"{number}.txt").touch()
-    monkeypatch.setattr("dh2urdf.file_patterns.MOST_ENTRIES", 20)
+    monkeypatch.setattr("dh2urdf.output.file_patterns.MOST_ENTRIES", 20)
     with pytest.raises(dh2urdf.errors.ConfigError, match="leads past more than 20 files and folders"):
         matching(folder, "**/*.csv")
 
@@ -276,6 +276,6 @@ def test_a_run_without_pyarrow_leaves_no_table_of_another_run(
     """An older one would tell of other manipulators."""
     (folder / "out").mkdir()
     (folder / "out/manifest.parquet").write_bytes(b"PAR1")
-    monkeypatch.setattr("dh2urdf.runs.can_write_parquet", lambda: False)
+    monkeypatch.setattr("dh2urdf.running.run.can_write_parquet", lambda: False)
     cli("run", "run.yaml", "--workers", 1)
     assert not (folder / "out/manifest.parquet").exists()

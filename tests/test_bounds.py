@@ -15,20 +15,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from dh2urdf.documents.composer import MAX_ALIASED, MAX_DEPTH
+from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.quantities import MAX_CHARACTERS, MAX_NESTING, Dimension, QuantityError, evaluate
+from dh2urdf.quantities.quantity import MAX_CHARACTERS, MAX_NESTING, Dimension, QuantityError, evaluate
 from dh2urdf.stages import Rejected
-from dh2urdf.textfiles import MAX_BYTES
-from dh2urdf.yaml_composer import MAX_ALIASED, MAX_DEPTH
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.bounds import MAX_JOINTS
-from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT
-from dh2urdf_plugins.readers.csv_header import MAX_HEADER
-from dh2urdf_plugins.readers.names import MAX_NAME
-from dh2urdf_plugins.readers.rows import MAX_PROBLEMS
-from dh2urdf_plugins.readers.statements import TableOptions
-from dh2urdf_plugins.readers.text import MAX_LINE
+from dh2urdf_plugins.readers.csv_file.header import MAX_HEADER
+from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
+from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT
+from dh2urdf_plugins.readers.statements.statements import TableOptions
+from dh2urdf_plugins.readers.statements.text import MAX_LINE
+from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
+from dh2urdf_plugins.readers.words.names import MAX_NAME
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -250,7 +250,7 @@ CASES = [
     Broken(MAP, "lambda work, tasks, _: []", NO_RESULT, BOTH),
     Broken(MAP, "lambda work, tasks, _: list(tasks) and []", NO_RESULT, BOTH),
     Broken(MAP, "lambda work, tasks, _: (None for task in tasks)",
-           f"{X}TypeError: it gave None, not dh2urdf.batch_report.BatchReport or dh2urdf.stages.Lost", BOTH),
+           f"{X}TypeError: it gave None, not dh2urdf.tasks.batch_report.BatchReport or dh2urdf.stages.Lost", BOTH),
     Broken(MAP, "lambda work, tasks, _: (each for task in tasks for each in [work(task)] * 2)", "", ()),
     Broken(MAP, "lambda work, tasks, _: raising(KeyError('gone'))()", f"{BROKEN}the executor 'bad' failed: KeyError: 'gone'", ALL),
     Broken("executor.require", "giving(False)", f"{BROKEN}`require` of the executor 'bad' failed: TypeError: it gave bool", ALL),

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf import agreement
 from dh2urdf.cli.check import command
+from dh2urdf.kinematics import comparison as agreement
 from dh2urdf_plugins.lint.inspection import inspect_urdf
-from dh2urdf_plugins.lint.models import CONSUMERS as MODEL_CONSUMERS
-from dh2urdf_plugins.lint.models import model_rules
+from dh2urdf_plugins.lint.models import CONSUMERS as MODEL_CONSUMERS, model_rules
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 
 if TYPE_CHECKING:

@@ -32,12 +32,11 @@ import click
 import pytest
 from lxml import etree
 
-from dh2urdf.cli import COMMANDS
-from dh2urdf.cli import dh2urdf as program
-from dh2urdf.config import load_config
-from dh2urdf.plan import make_plan
-from dh2urdf.registry import load
+from dh2urdf.cli import COMMANDS, dh2urdf as program
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.report.schema import report_schema
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -17,7 +17,7 @@ import pytest
 from dh2urdf.cli import _status
 from dh2urdf.errors import InputError, StageError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.registry import KINDS, RECORDS, load
+from dh2urdf.plugin_system.catalog import KINDS, RECORDS, load
 from dh2urdf.studio.opening import open_tables
 from dh2urdf.studio.save import table_file
 from dh2urdf.studio.viewing import load_figures
@@ -409,7 +409,7 @@ def test_a_fault_of_the_host_is_no_executor_s(
     def fail(*_arguments: Any) -> None:
         raise LookupError("the ground is gone")
 
-    monkeypatch.setattr("dh2urdf.making._Work.done", fail)
+    monkeypatch.setattr("dh2urdf.running.worker._Work.done", fail)
     assert "dh2urdf: internal error: LookupError: the ground is gone" in said(cli("run", "run.yaml", status=1))
 
 

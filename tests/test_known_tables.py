@@ -14,9 +14,9 @@ from known_quantities import ANGLE, LENGTH, Exact
 from known_words import documented
 from tables import Figures, WrongReading, cases, counted_fast, run_all, run_case
 
-from dh2urdf.units import Unit
-from dh2urdf_plugins.readers import row_table
-from dh2urdf_plugins.readers.plain_rows import PlainRows
+from dh2urdf.quantities.units import Unit
+from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.tables import row_table
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import dh2urdf
-from dh2urdf.layouts import Form
+from dh2urdf.output.layouts import Form
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,9 +13,9 @@ from jsonschema import Draft202012Validator
 from lxml import etree
 
 import dh2urdf
-from dh2urdf import mesh_conversion
 from dh2urdf.errors import ConfigError, CrashError, EmitterError
-from dh2urdf.mesh_forms import MeshConversion, forms_of
+from dh2urdf.meshes import conversion as mesh_conversion
+from dh2urdf.meshes.forms import MeshConversion, forms_of
 from dh2urdf.report.schema import manifest_schema
 
 if TYPE_CHECKING:

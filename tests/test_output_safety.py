@@ -365,7 +365,7 @@ def test_a_run_that_was_interrupted_can_be_done_again(dh2urdf: Any, tmp_path: Pa
 
 def test_an_interrupt_between_any_two_steps_leaves_no_temporary_folder(tmp_path: Path) -> None:
     """A folder for temporary files is gone whatever step of its making, its use and its removal is interrupted."""
-    from dh2urdf.output import staging
+    from dh2urdf.output.whole_files import staging
 
     interrupted = 0
     for step in range(1, 1000):

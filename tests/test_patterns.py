@@ -9,14 +9,14 @@ import sys
 import pytest
 
 from dh2urdf.patterns import late_pattern
-from dh2urdf.spellings import advice, misreading
+from dh2urdf.quantities.spellings import advice, misreading
 
 _STARTED = """
 import re, sys
 compiled = []
 compile_ = re.compile
 re.compile = lambda *given: compiled.append(given) or compile_(*given)
-from dh2urdf.spellings import misreading
+from dh2urdf.quantities.spellings import misreading
 before = len(compiled)
 misreading("12-14")
 print(before, len(compiled) > before)

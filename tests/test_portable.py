@@ -20,10 +20,10 @@ import pytest
 from lxml import etree
 
 from dh2urdf.cli import _status
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.manipulator import JointType
-from dh2urdf_plugins.urdf_reader import read_urdf
-from dh2urdf_plugins.xacro_reader import expand
+from dh2urdf_plugins.read_back.urdf_reader import read_urdf
+from dh2urdf_plugins.read_back.xacro_reader import expand
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -8,15 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from dh2urdf.conversion import Call, Recipe, make_robot, read_items, write_robot
+from dh2urdf.conversion.one_manipulator import Call, Recipe, make_robot, read_items, write_robot
+from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.options import make_options
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system.options import make_options
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -33,42 +33,31 @@ TABLE = re.compile(r"(?<=<!-- public: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!
 
 PUBLIC = {
     "dh2urdf": "the commands as functions, and the records of arms: the Python API",
-    "dh2urdf.at_work": "who is at work, where it survives the end of a process",
-    "dh2urdf.attribution": "calls of stages, and whose fault it is when one fails",
     "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
-    "dh2urdf.conversion": "one manipulator on its way: transform, check, emit, prove",
-    "dh2urdf.discovery": "the plugins that are installed, before anything of them is imported",
-    "dh2urdf.documents": "YAML with the place of every value",
+    "dh2urdf.documents": "YAML with the place of every value, and text files in whatever encoding",
     "dh2urdf.elementwise": "arithmetic that is the same for numbers and for arrays of them",
     "dh2urdf.errors": "every exception, with its exit status",
-    "dh2urdf.fence": "a child process that gives up all but reading some folders, before it works on a foreign file",
     "dh2urdf.hookspecs": "the hooks, and the version of this interface",
-    "dh2urdf.isolation": "a function in a child process, which may crash",
+    "dh2urdf.isolation": "a function in a child process, which may crash, and may be shut off from the machine",
     "dh2urdf.kinematics": "the DH product and forward kinematics",
     "dh2urdf.manipulator": "what a table says: readers make it, transforms take it",
     "dh2urdf.mass_properties": "mass, centre and inertia of shapes and of compounds",
-    "dh2urdf.mesh_triangles": "the triangles of mesh files, and the body that they enclose",
-    "dh2urdf.meshes": "mesh files, and where descriptions name them",
-    "dh2urdf.number_text": "the shortest text of a number",
-    "dh2urdf.options": "options of a stage, checked and described",
-    "dh2urdf.output": "files that are written whole or not at all",
-    "dh2urdf.own_process": "whether this process belongs to dh2urdf, so that its switches may be set",
+    "dh2urdf.meshes": "mesh files: where descriptions name them, their triangles, and the body that they enclose",
+    "dh2urdf.output": "files that are written whole or not at all, and which names of many have been seen",
     "dh2urdf.patterns": "regular expressions that are compiled when they are first used",
+    "dh2urdf.plugin_system": "the catalog of the stages that are installed, and their options",
     "dh2urdf.provenance": "what the cells of a table say, and where",
-    "dh2urdf.quantities": "numbers with units, as expressions",
-    "dh2urdf.registry": "the catalog of the stages that are installed",
+    "dh2urdf.quantities": "numbers with units, as expressions, and the shortest text of a number",
     "dh2urdf.results": "the types of reports as plain data, for type checkers",
     "dh2urdf.robot": "what will be written: transforms make it, emitters take it",
     "dh2urdf.robot_check": "the rules that every robot keeps",
     "dh2urdf.rotations": "rotations and rigid transforms, exact at quarter turns",
-    "dh2urdf.seen": "which names of a long file have been seen",
+    "dh2urdf.row_fields": "the numbers of a row: what each measures, which joints have it, which values it takes",
     "dh2urdf.source": "a place in a file, and a problem there",
     "dh2urdf.stages": "the records that a plugin gives, one for each kind of stage",
     "dh2urdf.table_text": "a table as its author types it: texts in cells",
     "dh2urdf.testing": "contract tests for the stages of a plugin, and fixtures",
-    "dh2urdf.textfiles": "text files in whatever encoding",
     "dh2urdf.unchecked_records": "the records of a robot without their checks, for numbers that a stage has computed",
-    "dh2urdf.units": "units of lengths and angles",
     "dh2urdf_plugins.readers.table": "the grammar of all tables: rows of cells become manipulators",
 }
 """Modules that a third party may import, and what each is for. Of each, whatever it defines without an underscore."""
@@ -201,7 +190,8 @@ def version_of(record: dict[str, Any]) -> tuple[int, int]:
 def wrong_version(old: dict[str, Any], new: dict[str, Any]) -> str:
     """Why the version of the interface does not go with what has changed; empty where it does."""
     words = set(changes(old, new).values())
-    if "removed" in words and version_of(new)[0] <= version_of(old)[0]:
+    is_settled = version_of(old) >= (1, 0)  # before that, a minor version may take something away
+    if is_settled and "removed" in words and version_of(new)[0] <= version_of(old)[0]:
         return f"something public is gone since interface {old['version']}: the major number has to be higher"
     if words and version_of(new) <= version_of(old):
         return f"something public is new or other since interface {old['version']}: the version has to be higher"
@@ -332,6 +322,12 @@ class TestTheComparison:
         new = record(stages={"Reader": {"bases": [], "fields": {"read": "G"}, "methods": {"name": "property"}}})
         assert changes(old, new) == {"dh2urdf.stages.Reader": "changed", "dh2urdf.stages.Reader.of": "removed"}
         assert "major" in wrong_version(old, {**new, "version": "1.1"})
+
+    def test_what_may_go_before_the_first_settled_version(self) -> None:
+        """Anything, with another minor version."""
+        old, gone = {**OLD, "version": "0.2"}, {**CHANGED, "version": "0.2"}
+        assert "has to be higher" in wrong_version(old, gone)
+        assert wrong_version(old, {**gone, "version": "0.3"}) == ""
 
     def test_what_the_changelog_mentions(self) -> None:
         """A name counts where it stands as code, by itself, with its module, or with something behind it."""

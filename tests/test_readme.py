@@ -23,11 +23,11 @@ from PIL import Image
 
 import dh2urdf_plugins
 from dh2urdf.cli import COMMANDS
-from dh2urdf.config import load_config
-from dh2urdf.options import describe_options
-from dh2urdf.plan import make_plan
-from dh2urdf.registry import KINDS, Catalog, Plugin, load
-from dh2urdf.runs import execute
+from dh2urdf.plugin_system.catalog import KINDS, Catalog, Plugin, load
+from dh2urdf.plugin_system.options import describe_options
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.running.run import execute
 
 if TYPE_CHECKING:
     from collections.abc import Callable

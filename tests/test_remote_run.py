@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.open_store import open_store
+from dh2urdf.output.open_store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
     from subprocess import CompletedProcess
 
-    from dh2urdf.stores import Store
+    from dh2urdf.output.store import Store
 
 RUN = """\
 inputs: arms.csv

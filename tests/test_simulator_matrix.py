@@ -20,7 +20,7 @@ from lxml import etree
 from dh2urdf.cli import _status
 from dh2urdf.errors import PluginError
 from dh2urdf.manipulator import JointType
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.rotations import norm
 
 if TYPE_CHECKING:

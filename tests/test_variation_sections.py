@@ -9,14 +9,13 @@ from typing import Any
 
 import pytest
 import variations
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from variation_sections import make_rule, make_section
 from variations import TOGETHER, Figures, WrongRunError, try_sections
 
-from dh2urdf.sampling import Sampling
-from dh2urdf.variation_section import LAWS, WORD_LAWS
-from dh2urdf.variations import FIELDS
+from dh2urdf.run_file.variation_section import LAWS, WORD_LAWS
+from dh2urdf.variations.sampling import Sampling
+from dh2urdf.variations.variation import FIELDS
 
 PAIRS = [(field, law) for field, what in FIELDS.items() for law in (WORD_LAWS if what.dimension is None else LAWS)]
 
@@ -61,7 +60,7 @@ def test_a_fault_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     """What the loop is for: a stage that raises, and a run that does."""
     section = {"name": "v", "of": "ur5", "vary": [{"field": "a", "joints": 2, "scale": [0.9, 1.1]}], "count": 3}
     with monkeypatch.context() as patch:
-        patch.setattr("dh2urdf.making.variant_columns", lambda *_: {}["nothing"])
+        patch.setattr("dh2urdf.running.worker.variant_columns", lambda *_: {}["nothing"])
         with pytest.raises(WrongRunError, match="the run raised KeyError"):
             try_sections([section], tmp_path, "files", Figures())
     with monkeypatch.context() as patch:

@@ -6,7 +6,7 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf import hookspecs
-from dh2urdf.registry import RECORDS
+from dh2urdf.plugin_system import RECORDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics import dh_transform, row_transform
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.registry import load
+from dh2urdf.plugin_system import load
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate, scale
 from drawing import FAINT, INK, X_COLOUR, Z_COLOUR, Camera, Drawing, axis_tip, svg
 

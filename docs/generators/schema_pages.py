@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.report.schema import manifest_schema, report_schema
-from dh2urdf.schema import run_schema
+from dh2urdf.run_file.schema import run_schema
 from pieces import code, prose, table
 from stage_pages import built_in
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from itertools import starmap
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.options import describe_options
-from dh2urdf.registry import KINDS, Catalog, Provided, load
+from dh2urdf.plugin_system import KINDS, Catalog, Provided, describe_options, load
 from pieces import code, prose, table
 
 if TYPE_CHECKING:

@@ -5,79 +5,43 @@ What this module names is imported when it is asked for: `import dh2urdf` costs 
 
 from __future__ import annotations
 
-from dh2urdf._version import __version__
+import sys
+
+from dh2urdf._faces import Moved, face
+from dh2urdf._version import __version__ as __version__
 
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
 if TYPE_CHECKING:
-    from dh2urdf import errors, kinematics, results
-    from dh2urdf.api import check, convert, read, read_all, run
-    from dh2urdf.errors import Dh2UrdfError
-    from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
-    from dh2urdf.robot import Robot
-    from dh2urdf.rotations import RigidTransform
-    from dh2urdf.single_table import Conversion
-    from dh2urdf.stages import Rejected
+    from dh2urdf import errors as errors, kinematics as kinematics, results as results
+    from dh2urdf.api import check as check, convert as convert, read as read, read_all as read_all, run as run
+    from dh2urdf.commands.convert import Conversion as Conversion
+    from dh2urdf.errors import Dh2UrdfError as Dh2UrdfError
+    from dh2urdf.manipulator import (
+        Convention as Convention,
+        DHRow as DHRow,
+        Inertia as Inertia,
+        JointType as JointType,
+        Limits as Limits,
+        LinkGeometry as LinkGeometry,
+        Manipulator as Manipulator,
+    )
+    from dh2urdf.robot import Robot as Robot
+    from dh2urdf.rotations import RigidTransform as RigidTransform
+    from dh2urdf.stages import Rejected as Rejected
 
-__all__ = [
-    "Convention",
-    "Conversion",
-    "DHRow",
-    "Dh2UrdfError",
-    "Inertia",
-    "JointType",
-    "Limits",
-    "LinkGeometry",
-    "Manipulator",
-    "Rejected",
-    "RigidTransform",
-    "Robot",
-    "__version__",
-    "check",
-    "convert",
-    "errors",
-    "kinematics",
-    "read",
-    "read_all",
-    "results",
-    "run",
-]
-
-_MODULES = {
-    "Convention": "manipulator",
-    "Conversion": "single_table",
-    "DHRow": "manipulator",
-    "Dh2UrdfError": "errors",
-    "Inertia": "manipulator",
-    "JointType": "manipulator",
-    "Limits": "manipulator",
-    "LinkGeometry": "manipulator",
-    "Manipulator": "manipulator",
-    "Rejected": "stages",
-    "RigidTransform": "rotations",
-    "Robot": "robot",
-    "check": "api",
-    "convert": "api",
-    "read": "api",
-    "read_all": "api",
-    "run": "api",
-}
-"""Where the names are that are no modules themselves."""
-
-if not TYPE_CHECKING:  # A type checker that saw this would take any name for one of them.
-
-    def __getattr__(name: str) -> object:
-        """What a name stands for, imported now (PEP 562)."""
-        from importlib import import_module
-
-        if name in _MODULES:
-            value = getattr(import_module(f"dh2urdf.{_MODULES[name]}"), name)
-        elif name in __all__:
-            value = import_module(f"dh2urdf.{name}")
-        else:
-            raise AttributeError(f"module 'dh2urdf' has no attribute {name!r}")
-        globals()[name] = value
-        return value
-
-    def __dir__() -> list[str]:
-        """The names that are there, and those that would be imported."""
-        return sorted({*globals(), *__all__})
+else:
+    sys.meta_path.append(Moved)
+    __all__, __getattr__, __dir__ = face(
+        __name__,
+        {
+            "api": "check convert read read_all run",
+            "commands.convert": "Conversion",
+            "errors": "Dh2UrdfError",
+            "manipulator": "Convention DHRow Inertia JointType Limits LinkGeometry Manipulator",
+            "robot": "Robot",
+            "rotations": "RigidTransform",
+            "stages": "Rejected",
+        },
+        ("errors", "kinematics", "results"),
+    )
+    __all__ += ["__version__"]

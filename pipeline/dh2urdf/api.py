@@ -12,28 +12,28 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.argument_words import word_of
-from dh2urdf.asking import Asker, Setting, asker_of, stage_calls
-from dh2urdf.attribution import blaming
-from dh2urdf.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
-from dh2urdf.conversion import checked_items, read_items
+from dh2urdf.commands.argument_words import word_of
+from dh2urdf.commands.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
+from dh2urdf.commands.convert import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, plan_conversion
+from dh2urdf.commands.given_tables import GivenRows, as_file
+from dh2urdf.commands.options_of_stages import Asker, Setting, asker_of, stage_calls
+from dh2urdf.conversion.one_manipulator import checked_items, read_items
+from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, TableError
-from dh2urdf.given_tables import GivenRows, as_file
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.registry import load
+from dh2urdf.output.spooled import STEM
+from dh2urdf.plugin_system.calls import blaming
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system.stage_answers import items_of
 from dh2urdf.robot import Robot
-from dh2urdf.single_table import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, plan_conversion
 from dh2urdf.source import Problem, shown
-from dh2urdf.spooled import STEM
-from dh2urdf.stage_answers import items_of
-from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from dh2urdf.attribution import Call
-    from dh2urdf.given_tables import Source, StrPath
-    from dh2urdf.registry import Catalog
+    from dh2urdf.commands.given_tables import Source, StrPath
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import RunReport
     from dh2urdf.stages import Inspection, Reader, Rejected
     from dh2urdf.table_text import CellRow
@@ -244,7 +244,7 @@ def check(
         ConfigError: files of the format cannot be checked, or the format of a text is not said.
         PluginError: a plugin that is needed is broken.
     """
-    from dh2urdf.inspecting import inspect
+    from dh2urdf.commands.check import inspect
     from dh2urdf.stages import Expansion
 
     asker = _asker("check")
@@ -302,8 +302,8 @@ def run(
         ExecutorError: nobody does the work.
         PluginError: the run needs a plugin that is broken, or something it needs is not installed.
     """
-    from dh2urdf.runs import execute, load_plan
-    from dh2urdf.settings import Asked
+    from dh2urdf.run_file.overrides import Asked
+    from dh2urdf.running.run import execute, load_plan
 
     asker, root = _asker("run"), None
     for flag, value in (("resume", resume), ("dry_run", dry_run), ("keep", keep)):
@@ -313,7 +313,7 @@ def run(
     overrides = [setting.text for setting in _settings(settings or {})]
     catalog = _catalog(without, asker)
     if isinstance(config, Mapping):
-        from dh2urdf.documents import load_yaml
+        from dh2urdf.documents.document import load_yaml
 
         root = load_yaml(word_of(config), str(asker.mark), ConfigError)
         config = "run"

@@ -1,7 +1,8 @@
 """The hooks of a plugin: one per kind of stage, each giving records of `dh2urdf.stages`.
 
 A plugin implements any of them with `hookimpl`, in a module that its distribution names as an entry point of the
-group ``dh2urdf``. The group says for which major version of this interface the plugin is made: `dh2urdf.discovery`.
+group ``dh2urdf``. The group says for which major version of this interface the plugin is made: see
+`dh2urdf.plugin_system.discovery`.
 """
 
 from __future__ import annotations
@@ -16,10 +17,11 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
 
 PROJECT = "dh2urdf"
-INTERFACE_VERSION = "1.1"
+INTERFACE_VERSION = "0.2"
 """Version of all that is public, which `tests/public_interface/recorded.json` lists.
 
-The major number changes where plugins have to change with it, the minor number where something is added.
+The major number changes where plugins have to change with it, the minor number where something is added. Before 1.0 the
+minor number stands for both.
 """
 
 hookspec = pluggy.HookspecMarker(PROJECT)

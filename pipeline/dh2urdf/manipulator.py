@@ -1,7 +1,7 @@
 """A manipulator as its table says it: Denavit-Hartenberg rows, in SI units.
 
 What is None was not said; the transform computes it. Nothing here is interpreted: the convention, the offset and
-the sign stay as the table has them, and `dh2urdf.kinematics` is the one place that knows what they mean.
+the sign stay as the table has them, and `dh2urdf.kinematics.chain` is the one place that knows what they mean.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from dh2urdf.coercion import refuse, take_exact_fields, take_fields
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.validation.coercion import refuse, take_exact_fields, take_fields
 
 if TYPE_CHECKING:
     import os
@@ -349,13 +349,13 @@ class Manipulator:
             RecordValueError: the table says something that CSV has no place for, such as meshes.
             OutputError: the file cannot be written.
         """
-        from dh2urdf.written_tables import write_table
+        from dh2urdf.commands.written_tables import write_table
 
         return write_table(self, "csv", out, "Manipulator.to_csv()")
 
     def to_yaml(self, out: str | os.PathLike[str] | None = None) -> str:
         """The table as YAML, as `to_csv` has it as CSV."""
-        from dh2urdf.written_tables import write_table
+        from dh2urdf.commands.written_tables import write_table
 
         return write_table(self, "yaml", out, "Manipulator.to_yaml()")
 
@@ -374,7 +374,7 @@ class Manipulator:
             RecordError: the joint vectors have another number of values than the table has moving rows, a joint is
                 unknown or missing, or a value is not a finite number. It is a TypeError or a ValueError, too.
         """
-        from dh2urdf.pose_arrays import table_pose
+        from dh2urdf.kinematics.pose_arrays import table_pose
 
         return table_pose(self, q, full=full)
 
@@ -394,7 +394,7 @@ class Manipulator:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.pose_arrays import table_poses
+        from dh2urdf.kinematics.pose_arrays import table_poses
 
         return table_poses(self, q, full=full)
 
@@ -414,7 +414,7 @@ class Manipulator:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.pose_arrays import table_jacobian
+        from dh2urdf.kinematics.pose_arrays import table_jacobian
 
         return table_jacobian(self, q, full=full)
 

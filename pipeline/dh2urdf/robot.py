@@ -15,10 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-from dh2urdf.coercion import take_fields
 from dh2urdf.manipulator import Inertia, JointType, Limits, MeshFile
 from dh2urdf.rotations import Z_AXIS, ZERO, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem
+from dh2urdf.validation.coercion import take_fields
 
 if TYPE_CHECKING:
     import os
@@ -319,7 +319,7 @@ class Robot:
                 moving joints on the way, a joint is unknown or missing, or a value is not a finite number. It is a
                 TypeError or a ValueError, too.
         """
-        from dh2urdf.pose_arrays import robot_pose
+        from dh2urdf.kinematics.pose_arrays import robot_pose
 
         return robot_pose(self, q, tip)
 
@@ -336,7 +336,7 @@ class Robot:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.pose_arrays import robot_poses
+        from dh2urdf.kinematics.pose_arrays import robot_poses
 
         return robot_poses(self, q)
 
@@ -355,7 +355,7 @@ class Robot:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.pose_arrays import robot_jacobian
+        from dh2urdf.kinematics.pose_arrays import robot_jacobian
 
         return robot_jacobian(self, q, tip)
 
@@ -375,19 +375,19 @@ class Robot:
             ConfigError: an option is unknown or its value wrong.
             OutputError: the file cannot be written.
         """
-        from dh2urdf.written_robots import write_description
+        from dh2urdf.commands.written_robots import write_description
 
         return write_description(self, "urdf", out, options)
 
     def to_sdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as SDF, as `to_urdf` has it as URDF."""
-        from dh2urdf.written_robots import write_description
+        from dh2urdf.commands.written_robots import write_description
 
         return write_description(self, "sdf", out, options)
 
     def to_mjcf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as MJCF for MuJoCo, as `to_urdf` has it as URDF."""
-        from dh2urdf.written_robots import write_description
+        from dh2urdf.commands.written_robots import write_description
 
         return write_description(self, "mjcf", out, options)
 

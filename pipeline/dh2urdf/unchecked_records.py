@@ -6,9 +6,9 @@ vector a tuple of floats. Whatever somebody else handed over belongs into the cl
 
 from __future__ import annotations
 
-from dh2urdf.coercion import unchecked
 from dh2urdf.manipulator import Inertia, Limits
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Visual
+from dh2urdf.validation.coercion import unchecked
 
 collision = unchecked(Collision)
 inertia = unchecked(Inertia)

@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 
 @hookimpl
 def dh2urdf_readers() -> Iterable[Reader[Any]]:
-    """Tables as CSV, as Parquet, as workbooks and as YAML."""
+    """Tables as CSV, as Parquet, as workbooks and as YAML, and the chains of robot descriptions."""
+    from dh2urdf_plugins.extraction import readers as descriptions
     from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 
-    return (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
+    tables = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
+    return (*tables, descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)
 
 
 @hookimpl
@@ -42,7 +44,12 @@ def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
 @hookimpl
 def dh2urdf_loaders() -> Iterable[Loader[Any]]:
     """The simulators."""
-    from dh2urdf_plugins.loaders import coppeliasim, drake, gazebo, mujoco, pinocchio, pybullet
+    from dh2urdf_plugins.loaders.coppeliasim import loader as coppeliasim
+    from dh2urdf_plugins.loaders.drake import loader as drake
+    from dh2urdf_plugins.loaders.gazebo import loader as gazebo
+    from dh2urdf_plugins.loaders.mujoco import loader as mujoco
+    from dh2urdf_plugins.loaders.pinocchio import loader as pinocchio
+    from dh2urdf_plugins.loaders.pybullet import loader as pybullet
 
     return (
         pybullet.LOADER,

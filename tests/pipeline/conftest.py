@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.open_store import open_store
-from dh2urdf.remote_store import RemoteStore
+from dh2urdf.output.open_store import open_store
+from dh2urdf.output.remote_store import RemoteStore
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.stores import Store
+    from dh2urdf.output.store import Store
 
 
 @pytest.fixture(params=["local", "memory", "s3", "folders"])

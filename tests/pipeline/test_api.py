@@ -43,7 +43,7 @@ class TestNames:
             assert name in dir(dh2urdf)
             assert getattr(dh2urdf, name) is not None
         assert dh2urdf.Manipulator is sys.modules["dh2urdf.manipulator"].Manipulator
-        assert dh2urdf.kinematics is sys.modules["dh2urdf.kinematics"]
+        assert dh2urdf.kinematics.chain is sys.modules["dh2urdf.kinematics.chain"]
 
     def test_no_other(self) -> None:
         """A name that is not there is an AttributeError, as of any module, and so is one of an inner module."""
@@ -82,8 +82,8 @@ class TestNames:
         )
         told = checked.stdout.splitlines()
         assert 'Revealed type is "dh2urdf.manipulator.Manipulator"' in told[0]
-        assert "dh2urdf.proof.Proof | None" in told[1].replace(
-            "Union[dh2urdf.proof.Proof, None]", "dh2urdf.proof.Proof | None"
+        assert "dh2urdf.kinematics.proof.Proof | None" in told[1].replace(
+            "Union[dh2urdf.kinematics.proof.Proof, None]", "dh2urdf.kinematics.proof.Proof | None"
         )
         assert "numpy.ndarray" in told[2]
         assert [line.partition(": error: ")[0] for line in told if ": error:" in line] == ["use.py:6", "use.py:7"]

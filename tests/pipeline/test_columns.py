@@ -3,15 +3,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.coercion import replace_unchecked
 from dh2urdf.columns import RobotColumns, columns_of, in_columns, replaced
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark, Problem
+from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

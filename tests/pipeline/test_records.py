@@ -16,7 +16,6 @@ import pytest
 
 import dh2urdf
 from dh2urdf import robot as robots
-from dh2urdf.coercion import replace_unchecked
 from dh2urdf.errors import Dh2UrdfError, RecordError, RecordTypeError, RecordValueError, TableError
 from dh2urdf.manipulator import (
     Convention,
@@ -32,6 +31,7 @@ from dh2urdf.manipulator import (
 from dh2urdf.robot import Box, Cylinder, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark
+from dh2urdf.validation.coercion import replace_unchecked
 
 
 class Measured:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf import __version__
-from dh2urdf.registry import KINDS
+from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.scaffold import LONGEST, stage_name
 
 if TYPE_CHECKING:

@@ -4,15 +4,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import LinkGeometry
-from dh2urdf.quantities import evaluate
+from dh2urdf.quantities.quantity import evaluate
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark
 from dh2urdf.table_text import Place, TableText, WrittenTable, number_in, table_text, transform_text, yaml_word
-from dh2urdf.units import UNITS
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot

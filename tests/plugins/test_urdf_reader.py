@@ -8,7 +8,7 @@ import pytest
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Cylinder, Inertial, Material, Mesh, Origin, Robot, Sphere
-from dh2urdf_plugins.urdf_reader import parse_urdf, read_urdf
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf, read_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path

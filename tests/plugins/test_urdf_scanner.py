@@ -9,18 +9,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from dh2urdf.conversion import Call, make_robot
+from dh2urdf.conversion.one_manipulator import Call, make_robot
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.options import make_options
-from dh2urdf.registry import load
-from dh2urdf_plugins import urdf_scanner
-from dh2urdf_plugins.urdf_reader import parse_urdf
-from dh2urdf_plugins.urdf_scanner import scan_columns
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system.options import make_options
+from dh2urdf_plugins.read_back import urdf_scanner
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -206,7 +205,7 @@ class TestWhatIsRead:
 
     def test_nothing_comes_from_the_emitter(self) -> None:
         """The scanner imports no emitter."""
-        code = "import sys, dh2urdf_plugins.urdf_scanner; print([m for m in sys.modules if 'emitters' in m])"
+        code = "import sys, dh2urdf_plugins.read_back.urdf_scanner; print([m for m in sys.modules if 'emitters' in m])"
         result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert result.stdout.strip() == "[]"
 

@@ -9,7 +9,7 @@ import dh2urdf.studio
 from dh2urdf.studio import gallery
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
 GALLERY = Path(dh2urdf.studio.__file__).parent / "arms"
@@ -23,7 +23,7 @@ def test_the_gallery_is_configs() -> None:
 
 
 @pytest.mark.parametrize("item", gallery.exhibits(), ids=lambda item: item.name)
-def test_every_arm_can_be_opened(item: gallery.Exhibit, catalog: Catalog) -> None:
+def test_every_arm_can_be_opened(item: gallery.GalleryTable, catalog: Catalog) -> None:
     """Each opens under its name, and a line tells what it is."""
     table = gallery.exhibit(item.file, catalog)
     assert table.name == item.name

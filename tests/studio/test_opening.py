@@ -13,7 +13,7 @@ from dh2urdf.studio.opening import open_tables
 from dh2urdf.studio.reading import read_whole
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 REFERENCE = Path(__file__).parents[1] / "reference" / "inputs"
 TABLES = Path(__file__).parents[2] / "configs" / "tables"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from dh2urdf.kinematics import as_matrices, forward_kinematics, joint_variables
+from dh2urdf.kinematics.chain import as_matrices, forward_kinematics, joint_variables
 from dh2urdf.manipulator import Convention
 from dh2urdf.robot import Joint, Link, Mesh, Robot, Visual
 from dh2urdf.rotations import RigidTransform
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 
 def figure(arm: Manipulator, catalog: Catalog) -> Figure:

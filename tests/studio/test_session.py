@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from dh2urdf.kinematics import as_matrices
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio import edits, gallery
 from dh2urdf.studio.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 
 @pytest.fixture

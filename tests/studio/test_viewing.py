@@ -5,15 +5,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import trimesh
 
 from dh2urdf.errors import InputError
-from dh2urdf.kinematics import as_matrices
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.robot import Mesh
 from dh2urdf.studio.viewing import View, ends, load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -44,6 +46,29 @@ def test_a_cell_is_one_robot(catalog: Catalog) -> None:
     assert set(tips(view)) == {"left_tool0", "right_tool0"}
     folder = load_figures([CONFIGS / "folder.yaml"], catalog)
     assert {figure.title for figure in folder} >= {"ur5", "panda", "scara"}
+
+
+def test_a_run_file_is_planned_as_a_run_plans_it(catalog: Catalog, tmp_path: Path) -> None:
+    """Its meshes are on the links, and its variants are shown beside the table that they are drawn from."""
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "part.stl")
+    (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d,theta\n0.3,0,0,0\n0.2,0,0,0\n")
+    run = tmp_path / "run.yaml"
+    text = (
+        "inputs: arm.csv\nemitters: [urdf]\nloaders: [pybullet]\noutput: {directory: build}\n"
+        "meshes: [{of: arm, joints: {joint_1: {mesh: part.stl}}}]\n"
+        "variations: [{name: more, of: arm, count: 3, seed: 1, vary: [{joints: all, field: a, uniform: [0.1, 0.5]}]}]\n"
+    )
+    run.write_text(text)
+    figures = load_figures([run], catalog)
+    assert [figure.title for figure in figures] == ["arm", "more_1", "more_2", "more_3"]
+    shapes = [visual.geometry for link in figures[0].robot.links for visual in link.visuals]
+    assert any(isinstance(shape, Mesh) for shape in shapes)
+    lengths = {row.a for figure in figures[1:] if figure.manipulator for row in figure.manipulator.rows}
+    assert len(lengths) == 6
+    run.write_text(text.replace("count: 3", "count: 1000000"))
+    with pytest.raises(InputError, match="these are more than 50 robots"):
+        load_figures([run], catalog)
+    assert not (tmp_path / "build").exists()
 
 
 def test_a_single_robot_has_its_own_names(catalog: Catalog) -> None:

@@ -13,7 +13,7 @@ from dh2urdf.studio.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 
 def status(session: Session) -> tuple[str, str]:

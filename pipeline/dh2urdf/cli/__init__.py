@@ -14,10 +14,10 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn
 import click
 
 from dh2urdf._version import __version__
-from dh2urdf.at_work import at_work_here
 from dh2urdf.cli.leaving_out import without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
-from dh2urdf.own_process import claim
+from dh2urdf.isolation.own_process import claim
+from dh2urdf.plugin_system.at_work import at_work_here
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -231,7 +231,7 @@ def _wants_json(words: list[str]) -> bool:
 
 
 def _print_error(error: BaseException, status: int, text: str, kind: str | None) -> None:
-    from dh2urdf.outcome import kind_of, to_text
+    from dh2urdf.conversion.outcome import kind_of, to_text
     from dh2urdf.report.errors import error_report
 
     message = error.format_message() if isinstance(error, click.ClickException) else text

@@ -9,7 +9,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.printed import NamedLines
+from dh2urdf.plugin_system.printed import NamedLines
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,28 +8,28 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dh2urdf.asking import stage_calls
-from dh2urdf.chosen_table import chosen_reader, read_manipulator
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, READER_OPTIONS, package_paths_option, table_options
+from dh2urdf.commands.check import given_arguments, inspect, inspect_several, repaired
+from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
+from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, TableError
-from dh2urdf.inspecting import given_arguments, inspect, inspect_several, repaired
-from dh2urdf.options import COMMAND_LINE
-from dh2urdf.output import write_whole
+from dh2urdf.output.whole_files import write_whole
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
 from dh2urdf.stages import Expansion
-from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from dh2urdf.agreement import Agreement
-    from dh2urdf.inspecting import Inspections
+    from dh2urdf.commands.check import Inspections
+    from dh2urdf.kinematics.comparison import Agreement
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Finding
 
@@ -224,7 +224,7 @@ def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None])
 def _agreement(
     robot: Robot | None, manipulator: Manipulator, file: Path, base_link: str | None, tip_link: str | None
 ) -> Agreement:
-    from dh2urdf.agreement import Agreement, compare
+    from dh2urdf.kinematics.comparison import Agreement, compare
 
     if robot is None:
         return Agreement(

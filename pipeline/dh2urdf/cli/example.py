@@ -8,7 +8,7 @@ import click
 
 from dh2urdf.cli.answers import answer
 from dh2urdf.errors import ConfigError
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold.shipped import shipped_table, shipped_tables, summary_of
 from dh2urdf.scaffold.tables import write_new
 from dh2urdf.source import Problem, shown

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.agreement import changes
 from dh2urdf.cli.answers import answer, answers
+from dh2urdf.kinematics.comparison import changes
 from dh2urdf.report.findings import OTHER_ARM, counts
 from dh2urdf.source import printable
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.agreement import Agreement, Difference
+    from dh2urdf.kinematics.comparison import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Finding
 

@@ -7,27 +7,27 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from dh2urdf.asking import stage_calls
-from dh2urdf.attribution import default_call
-from dh2urdf.chosen_table import chosen_reader, refuse_run_file
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import given_table
-from dh2urdf.cli.tables import ASKER, READER_OPTIONS, settings_of, table_options
-from dh2urdf.conversion import make_robot, read_items
+from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, READER_OPTIONS, chain_options, settings_of, table_options
+from dh2urdf.commands.chosen_table import chosen_reader, refuse_run_file
+from dh2urdf.commands.convert import DEFAULT_TRANSFORM
+from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.conversion.one_manipulator import make_robot, read_items
+from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.provenance import Trace
 from dh2urdf.report.info import brief, details, info_report
 from dh2urdf.report.info_text import lines, markdown, print_on_terminal
-from dh2urdf.single_table import DEFAULT_TRANSFORM
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.textfiles import check_file
 
 if TYPE_CHECKING:
-    from dh2urdf.attribution import Call
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import BriefEntry, Detail
     from dh2urdf.stages import Reader, Rejected
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 @click.command(name="info", epilog=EXIT_STATUS)
 @click.argument("table", type=click.Path(path_type=Path))
 @table_options
+@chain_options
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
 @click.option("--json", "form", flag_value="json", help="Print it as JSON.")
 @click.option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
@@ -62,7 +63,7 @@ def command(
     installed = catalog()
     path, reader = given_table(table, reader_name, installed)
     check_file(path, TableError)
-    given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
+    given = {"reader": {name: flags[name] for name in (*READER_OPTIONS, *CHAIN_OPTIONS)}}
     stages = {"reader": [chosen_reader(installed, path, reader, ASKER)]}
     (call,) = stage_calls(installed, stages, ASKER, given, settings_of(settings))["reader"]
     arms, chosen, trace = _read(call, path, robot)
@@ -72,7 +73,7 @@ def command(
     report = info_report(str(path), arms, detail, status)
     click.get_current_context().meta[SETTLED] = status
     if form == "json":
-        from dh2urdf.outcome import to_text
+        from dh2urdf.conversion.outcome import to_text
 
         answer(to_text(report), nl=False)
     elif form == "markdown":

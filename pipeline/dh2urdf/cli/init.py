@@ -7,12 +7,12 @@ from pathlib import Path
 
 import click
 
-from dh2urdf.attribution import default_call
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.plugin_system.calls import default_call
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold.tables import MOST_AXES, chosen_writer, run_template, table_template, write_new
 from dh2urdf.source import Problem
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import TypeVar
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
     F = TypeVar("F", bound=Callable[..., Any])
 
@@ -41,7 +41,7 @@ def catalog() -> Catalog:
     Raises:
         ConfigError: what it leaves out is not there.
     """
-    from dh2urdf.registry import load
+    from dh2urdf.plugin_system.catalog import load
 
     context = click.get_current_context()
     keep_apart(context)

@@ -10,7 +10,7 @@ import click
 
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
-from dh2urdf.registry import KINDS
+from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.scaffold import write_plugin
 
 if TYPE_CHECKING:

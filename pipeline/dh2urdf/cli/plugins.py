@@ -8,7 +8,7 @@ import click
 
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
-from dh2urdf.registry import KINDS
+from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.report.plugins import plugins_report
 from dh2urdf.source import printable
 

@@ -11,8 +11,8 @@ from collections import Counter
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from dh2urdf.batch_report import is_new
 from dh2urdf.errors import SCREENFUL
+from dh2urdf.tasks.batch_report import is_new
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-    from dh2urdf.batch_report import BatchReport
-    from dh2urdf.runs import Note
+    from dh2urdf.running.run import Note
     from dh2urdf.source import Problem
+    from dh2urdf.tasks.batch_report import BatchReport
 
 LINE_EVERY = 10.0
 """Time between two lines in a log [s]."""

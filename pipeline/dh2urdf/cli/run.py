@@ -10,9 +10,9 @@ from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import refuse_dash
-from dh2urdf.outcome import to_text
+from dh2urdf.conversion.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
-from dh2urdf.runs import execute, load_plan
+from dh2urdf.running.run import execute, load_plan
 
 
 @click.command(name="run", epilog=EXIT_STATUS)

@@ -13,7 +13,7 @@ from dh2urdf.stages import SEVERITIES
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from dh2urdf.inspecting import Inspections
+    from dh2urdf.commands.check import Inspections
     from dh2urdf.stages import Finding
 
 MOST_OF_A_FILE = 3

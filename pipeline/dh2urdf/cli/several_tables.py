@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dh2urdf.cli.convert import print_report, row_of
+from dh2urdf.cli.conversion_rows import print_report, row_of
 from dh2urdf.cli.standard_input import DASH, NAME
+from dh2urdf.commands.convert import DEFAULT_EMITTER
 from dh2urdf.errors import ConfigError, Dh2UrdfError, InputError, ManipulatorError, TableError, UnknownStageError
-from dh2urdf.options import COMMAND_LINE
-from dh2urdf.output import safe_stem
-from dh2urdf.single_table import DEFAULT_EMITTER
+from dh2urdf.output.spooled import STEM
+from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, printable, shown
-from dh2urdf.spooled import STEM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.commands.convert import Conversion, Planned
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import ConversionEntry
-    from dh2urdf.single_table import Conversion, Planned
 
 _PATTERN = frozenset("*?[")
 _OF_THE_TABLE = (ManipulatorError, TableError, ConfigError)
@@ -136,7 +136,7 @@ def _planned(plan: Callable[[Path, Path | None], Planned], table: Path, file: Pa
 
 def _failed(table: Path, error: Dh2UrdfError) -> ConversionEntry:
     """Says on standard error why a table failed; its row."""
-    from dh2urdf.outcome import kind_of
+    from dh2urdf.conversion.outcome import kind_of
     from dh2urdf.report.conversions import failed_row
 
     click.echo("\n".join(map(printable, str(error).splitlines())), err=True)

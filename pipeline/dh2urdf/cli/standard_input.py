@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.output.spooled import spooled
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem
-from dh2urdf.spooled import spooled
-from dh2urdf.textfiles import MAX_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 DASH = "-"
 FILE = "/dev/stdin"
@@ -116,8 +116,11 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
         TableError: no reader does, or several do.
     """
     names: list[str] = []
+    is_markup = content.lstrip().startswith(b"<")
     for provided in catalog.provided("reader"):
         reader: Any = provided.stage
+        if reader.reads_descriptions and not is_markup:
+            continue
         with spooled(content, NAME, reader.suffixes[0] if reader.suffixes else "") as path, suppress(Exception):
             # A reader may raise anything of what is not its own format.
             if next(iter(reader.read(path, reader.options())), None) is not None:

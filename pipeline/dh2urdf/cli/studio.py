@@ -33,11 +33,11 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     dh2urdf studio
     dh2urdf studio ur5.csv --port 9000 --no-browser
     """
+    from dh2urdf.documents.text_files import check_file
     from dh2urdf.errors import TableError
     from dh2urdf.studio.opening import open_tables
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.words import without
-    from dh2urdf.textfiles import check_file
 
     refuse_dash([table], "studio")
     require_nicegui("studio")

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
-    from dh2urdf.result import Result
     from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry, RunReport
+    from dh2urdf.tasks.result import Result
 
 MOST_ROWS = 40
 """Rows that a summary shows [1]; of a longer run it shows the failures first and counts the rest."""

@@ -11,7 +11,7 @@ from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import package_paths_option
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.plugin_system.options import COMMAND_LINE
 
 
 @click.command(name="view", epilog=EXIT_STATUS)
@@ -40,7 +40,7 @@ def command(
     dh2urdf view pair.yaml
     dh2urdf view ur.urdf.xacro ur_type:=ur10 --package-path ~/ws/src
     """
-    from dh2urdf.inspecting import given_arguments
+    from dh2urdf.commands.check import given_arguments
     from dh2urdf.stages import Expansion
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.viewing import load_figures

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+    from dh2urdf.commands.convert import Conversion
     from dh2urdf.errors import Dh2UrdfError
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.results import ConversionEntry, ConversionsReport, ConvertedFileEntry
     from dh2urdf.robot import Robot
-    from dh2urdf.single_table import Conversion
 
 SCHEMA: Final = "dh2urdf-conversions/1"
 """Name and version of the form of what `dh2urdf convert --json` prints."""
@@ -139,7 +139,7 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
     Raises:
         ConfigError: a file that was not written is no text.
     """
-    from dh2urdf.outcome import proof_facts
+    from dh2urdf.conversion.outcome import proof_facts
 
     manipulator = conversion.manipulator
     files: list[ConvertedFileEntry] = []

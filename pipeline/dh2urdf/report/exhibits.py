@@ -9,21 +9,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.cells import Cell
-from dh2urdf.conversion import make_item
+from dh2urdf.cells.cell import Cell
+from dh2urdf.conversion.one_manipulator import make_item
+from dh2urdf.conversion.outcome import ManifestRow
 from dh2urdf.errors import ManipulatorError
+from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.outcome import Row
 from dh2urdf.robot import Joint, Link, Robot
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.attribution import Call
-    from dh2urdf.batches import Batch, Single
     from dh2urdf.manipulator import DHRow
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.stages import Transform
+    from dh2urdf.tasks.batch import Batch, Single
 
 FULL = 24
 """Manipulators of a run that is shown in full [1]."""
@@ -91,13 +91,13 @@ class Exhibit:
     """
 
     number: int
-    row: Row
+    row: ManifestRow
     what: Manipulator | Cell | None
     robot: Robot | None = None
     truth: Truth | None = None
 
     @classmethod
-    def of(cls, number: int, row: Row, what: Single, transform: Call[Transform[Any]]) -> Exhibit:
+    def of(cls, number: int, row: ManifestRow, what: Single, transform: Call[Transform[Any]]) -> Exhibit:
         """What is shown of a manipulator whose row is known.
 
         Of one without files no robot is made again: what it did to a worker it would do to the run.

@@ -16,8 +16,8 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any, Self
 from xml.etree import ElementTree as ET
 
-from dh2urdf.kinematics import as_matrices
-from dh2urdf.proof import joint_ranges
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.kinematics.proof import joint_ranges
 from dh2urdf.report.skeletons import arm_skeleton
 from dh2urdf.rotations import add, rotate
 
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from dh2urdf.kinematics.expected_poses import Truth
     from dh2urdf.report.skeletons import Skeleton
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import Vec3
-    from dh2urdf.truth import Truth
 
 SAMPLES = 5000
 """Joint vectors at which the workspace is looked at [1]."""
@@ -106,7 +106,7 @@ def skeleton_figure(arms: Sequence[Skeleton], what: str, key: str) -> str:
     low, high = points.min(axis=0), points.max(axis=0)
     size = max(float((high - low).max()), 1e-3)
     middle, extent = (low + high) / 2.0, np.maximum(high - low, 0.45 * size) + 0.16 * size
-    with _Drawing(5.2, 3.9) as drawing:
+    with _Canvas(5.2, 3.9) as drawing:
         axes: Any = drawing.figure.add_axes((-0.09, -0.06, 1.12, 1.16), projection="3d", proj_type="ortho")
         axes.set_box_aspect(extent / extent.max(), zoom=min(1.04, 0.96 * _height(np.ones(3)) / _height(extent)))
         for name, centre, width in zip("xyz", middle, extent, strict=True):
@@ -205,7 +205,7 @@ class Workspace:
         together = np.concatenate([*self.points.values(), np.zeros((1, 3))])
         low, high = together.min(axis=0), together.max(axis=0)
         pad = 0.06 * max(float((high - low).max()), 1e-3)
-        with _Drawing(8.0, 3.7) as drawing:
+        with _Canvas(8.0, 3.7) as drawing:
             views = drawing.figure.subplots(1, 2)
             for axes, vertical, title in zip(views, (1, 2), ("from the top", "from the side"), strict=True):
                 for colour, points in zip(_cycled(len(self.points)), self.points.values(), strict=True):
@@ -255,7 +255,7 @@ def bars_figure(several: Sequence[Bars], what: str, key: str, columns: int = 3) 
     """Distributions beside each other, as SVG, with a key as of `arm_figure`."""
     rows = -(-len(several) // columns)
     wide = min(columns, len(several))
-    with _Drawing(3.1 * wide, 1.9 * rows + 0.1) as drawing:
+    with _Canvas(3.1 * wide, 1.9 * rows + 0.1) as drawing:
         grid = drawing.figure.subplots(rows, wide, squeeze=False)
         for axes, bars in zip(grid.flat, several, strict=False):
             _draw_bars(axes, bars)
@@ -308,7 +308,7 @@ def without_warnings() -> Iterator[None]:
 # --- SVG ------------------------------------------------------------------------------------------------------------
 
 
-class _Drawing:
+class _Canvas:
     """A figure of some size [inch] in the style of the page."""
 
     def __init__(self, width: float, height: float) -> None:

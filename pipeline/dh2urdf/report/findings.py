@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from dh2urdf._version import __version__
-from dh2urdf.agreement import changes, number_text
+from dh2urdf.kinematics.comparison import changes, number_text
 from dh2urdf.manipulator import JointType
 from dh2urdf.stages import SEVERITIES, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from dh2urdf.agreement import Agreement, Difference
+    from dh2urdf.kinematics.comparison import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.source import Mark
 

@@ -19,8 +19,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
-from dh2urdf.layouts import Form
-from dh2urdf.number_text import format_number
+from dh2urdf.output.layouts import Form
+from dh2urdf.quantities.number_text import format_number
 from dh2urdf.report.exhibits import Exhibit
 from dh2urdf.report.figures import ARMS, LARGEST, Workspace, arm_figure, bars_figure, without_warnings
 from dh2urdf.report.overview import MOST_DRAWN, checks
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
     from jinja2 import Environment, PackageLoader
 
-    from dh2urdf.conversion import Recipe
-    from dh2urdf.layouts import Layout
+    from dh2urdf.conversion.one_manipulator import Recipe
+    from dh2urdf.output.layouts import Layout
+    from dh2urdf.output.store import Store
     from dh2urdf.report.exhibits import Exhibits
     from dh2urdf.report.ledger import Ledger
     from dh2urdf.report.overview import Overview
-    from dh2urdf.stores import Store
 
 PAGE = "report.html"
 HOW_TO_GET = "a page with pictures of it, report.html, needs jinja2 and matplotlib: pip install 'dh2urdf[report]'"

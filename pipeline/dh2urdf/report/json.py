@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any, Final
 import orjson
 
 from dh2urdf._version import __version__
-from dh2urdf.outcome import to_text
-from dh2urdf.output import reporting_os_errors
+from dh2urdf.conversion.outcome import to_text
+from dh2urdf.output.whole_files import reporting_os_errors
 
 if TYPE_CHECKING:
+    from dh2urdf.output.store import Store
     from dh2urdf.report.ledger import Ledger
-    from dh2urdf.result import Result
     from dh2urdf.results import RunReport
-    from dh2urdf.stores import Store
+    from dh2urdf.tasks.result import Result
 
 SCHEMA: Final = "dh2urdf-report/1"
 """Name and version of the form of `report.json`."""

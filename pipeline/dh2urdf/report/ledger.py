@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from orjson import loads
 
-from dh2urdf.failure_index import FailureIndex
-from dh2urdf.output import reporting_os_errors, write_all
+from dh2urdf.output.whole_files import reporting_os_errors, write_all
 from dh2urdf.report.verdicts import Verdicts
+from dh2urdf.tasks.failure_index import FailureIndex
 
 if TYPE_CHECKING:
-    from dh2urdf.manifest_table import ManifestTable
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import Reproduction
+    from dh2urdf.tasks.manifest_table import ManifestTable
 
 
 class Ledger:

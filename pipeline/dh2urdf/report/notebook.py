@@ -14,11 +14,11 @@ from importlib.resources import files
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import printable
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

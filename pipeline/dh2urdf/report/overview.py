@@ -9,17 +9,17 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
 
-from dh2urdf.laws import Value
-from dh2urdf.proof import TOLERANCE
+from dh2urdf.kinematics.proof import TOLERANCE
+from dh2urdf.quantities.units import Dimension
 from dh2urdf.report.figures import Bars
 from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry
-from dh2urdf.units import Dimension
-from dh2urdf.variations import FIELDS
+from dh2urdf.variations.laws import DrawnValue
+from dh2urdf.variations.variation import FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from dh2urdf.failure_index import FailureIndex
+    from dh2urdf.tasks.failure_index import FailureIndex
 
 LISTED = 1000
 """Manipulators that the table of all lists [1]: failures first, then the first others."""
@@ -149,7 +149,7 @@ class Draw:
     """
 
     key: str
-    values: list[Value] = field(default_factory=list)
+    values: list[DrawnValue] = field(default_factory=list)
     ranks: array[int] = field(default_factory=lambda: array("I"))
 
     @property
@@ -158,7 +158,7 @@ class Draw:
         field = FIELDS.get(self.key.rpartition("_")[0])
         return " or ".join(_UNITS.get(what, "SI") for what in (field.dimension, field.linear) if what) if field else ""
 
-    def add(self, value: Value, rank: int) -> None:
+    def add(self, value: DrawnValue, rank: int) -> None:
         """Takes a value of a manipulator."""
         self.values.append(value)
         self.ranks.append(rank)
@@ -268,7 +268,7 @@ class Overview:
         if len(entries) < LISTED:
             entries.append(self._entry(row, remarks))
 
-    def _sample(self, drawn: Mapping[str, Value]) -> None:
+    def _sample(self, drawn: Mapping[str, DrawnValue]) -> None:
         rank = self.count * 2654435769 % _RANKS
         for key in drawn if len(self.drawn) < MOST_DRAWN else ():
             if key not in self.drawn and len(self.drawn) < MOST_DRAWN:

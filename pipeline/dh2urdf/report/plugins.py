@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, cast
 
 from dh2urdf._version import __version__
-from dh2urdf.attribution import Call, depending_on
 from dh2urdf.errors import BrokenPluginError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION
-from dh2urdf.options import describe_options
-from dh2urdf.registry import KINDS
+from dh2urdf.plugin_system.calls import Call, depending_on
+from dh2urdf.plugin_system.catalog import KINDS
+from dh2urdf.plugin_system.options import describe_options
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog, Provided
+    from dh2urdf.plugin_system.catalog import Catalog, Provided
     from dh2urdf.results import KindName, OptionEntry, PluginsReport, RefusedPluginEntry, StageEntry
     from dh2urdf.stages import Kind
 

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from pathlib import Path
 
-    from dh2urdf.attribution import Call
-    from dh2urdf.conversion import Recipe
+    from dh2urdf.conversion.one_manipulator import Recipe
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import InputEntry, Reproduction
-    from dh2urdf.variations import VariationCall
+    from dh2urdf.variations.variation import VariationCall
 
 MOST_INPUTS = 1000
 """Input files that are hashed and listed; of a longer list the first ones."""
@@ -30,7 +30,7 @@ HOW_DRAWN = (
     'random.Random("dh2urdf N"), where N is the number of joints; simulators are asked at the vector nearest to zero '
     "and at the first of these vectors"
 )
-"""Where joint vectors of proofs and of simulators come from: `dh2urdf.proof` draws them."""
+"""Where joint vectors of proofs and of simulators come from: `dh2urdf.kinematics.proof` draws them."""
 
 
 def command_line(path: Path, overrides: Sequence[str]) -> str:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from dh2urdf.registry import KINDS
+from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.report.json import REPORTED, SCHEMA
 from dh2urdf.report.plugins import SCHEMA as PLUGINS_SCHEMA
 from dh2urdf.report.schema_words import count, list_of, object_of, or_null, size, text
-from dh2urdf.schema import DIALECT
+from dh2urdf.run_file.schema import DIALECT
 
 
 def report_schema() -> dict[str, Any]:

@@ -12,7 +12,7 @@ from dh2urdf.stages import SEVERITIES
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from dh2urdf.inspecting import Inspections
+    from dh2urdf.commands.check import Inspections
     from dh2urdf.stages import Finding
 
 

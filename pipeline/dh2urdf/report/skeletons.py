@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics import forward_kinematics, joint_variables, row_transform
+from dh2urdf.kinematics.chain import forward_kinematics, joint_variables, row_transform
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate
 
 if TYPE_CHECKING:
+    from dh2urdf.kinematics.expected_poses import Tip
     from dh2urdf.robot import Robot
-    from dh2urdf.truth import Tip
 
 
 class JointAxis(NamedTuple):

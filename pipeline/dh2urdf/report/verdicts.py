@@ -15,7 +15,7 @@ from dh2urdf.source import Mark
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from dh2urdf.conversion import Recipe
+    from dh2urdf.conversion.one_manipulator import Recipe
     from dh2urdf.results import CoverageEntry, ManipulatorEntry, SimulatorNotice
 
 MOST_NOTICES = 200

@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING
 
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError
-from dh2urdf.output import reporting_os_errors, safe_stem
+from dh2urdf.output.whole_files import reporting_os_errors, safe_stem
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Kind
 
 TEMPLATES = Path(__file__).with_name("templates")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.options import COMMAND_LINE
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, did_you_mean, shown
 
 _IN_A_WHEEL = Path(__file__).parents[1] / "tables"

@@ -6,22 +6,22 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.conversion import read_items
+from dh2urdf.commands.written_tables import in_format
+from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import ConfigError, OutputError, TableError
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.options import COMMAND_LINE
-from dh2urdf.output import reporting_os_errors
+from dh2urdf.output.spooled import spooled
+from dh2urdf.output.whole_files import reporting_os_errors
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, shown
-from dh2urdf.spooled import spooled
 from dh2urdf.table_text import TableText, yaml_word
-from dh2urdf.written_tables import in_format
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from dh2urdf.attribution import Call
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
 
 MOST_AXES = 100

@@ -16,7 +16,7 @@ from dh2urdf.studio.viewing import View
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.scene import Figure
     from dh2urdf.table_text import TableText
 

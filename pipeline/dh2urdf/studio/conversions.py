@@ -15,11 +15,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
-from dh2urdf.number_text import format_number
-from dh2urdf.quantities import QuantityError, evaluate
+from dh2urdf.quantities.number_text import format_number
+from dh2urdf.quantities.quantity import QuantityError, evaluate
+from dh2urdf.quantities.units import UNITS, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
 from dh2urdf.table_text import TableText, dimension_of, number_in, table_text, transform_text, unit_of
-from dh2urdf.units import UNITS, Unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,7 +31,7 @@ ANGLE_UNITS = ("rad", "deg")
 _MASS_FIELDS = ("com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
-class Screw(NamedTuple):
+class CommonNormal(NamedTuple):
     """Tx(a)·Rx(alpha).
 
     Attributes:
@@ -68,13 +68,13 @@ def with_convention(table: TableText, manipulator: Manipulator, convention: Conv
     if to_modified:
         last = manipulator.rows[-1]
         first = _screw_of(base)
-        base, tool = (IDENTITY if first else base), Screw(last.a, last.alpha).transform @ tool
-        shifted = [_texts(first or Screw(), length, angle), *screws[:-1]]
+        base, tool = (IDENTITY if first else base), CommonNormal(last.a, last.alpha).transform @ tool
+        shifted = [_texts(first or CommonNormal(), length, angle), *screws[:-1]]
     else:
         row = manipulator.rows[0]
         final = _screw_of(tool)
-        base, tool = base @ Screw(row.a, row.alpha).transform, (IDENTITY if final else tool)
-        shifted = [*screws[1:], _texts(final or Screw(), length, angle)]
+        base, tool = base @ CommonNormal(row.a, row.alpha).transform, (IDENTITY if final else tool)
+        shifted = [*screws[1:], _texts(final or CommonNormal(), length, angle)]
     bodies = [_body_texts(row, to_modified=to_modified, length=length) for row in _cut(manipulator, convention)]
     rows = tuple(
         {
@@ -94,16 +94,16 @@ def with_convention(table: TableText, manipulator: Manipulator, convention: Conv
     )
 
 
-def _screw_of(transform: RigidTransform) -> Screw | None:
+def _screw_of(transform: RigidTransform) -> CommonNormal | None:
     """The a and alpha of a transform that is Tx(a)·Rx(alpha); None where it is another one, or the identity."""
     x, y, z = transform.translation
     roll, pitch, yaw = transform.rpy
-    screw = Screw(x, roll)
+    screw = CommonNormal(x, roll)
     plain = not (y or z or pitch or yaw) and transform != IDENTITY
     return screw if plain and screw.transform == transform else None
 
 
-def _texts(screw: Screw, length: Unit, angle: Unit) -> dict[str, str]:
+def _texts(screw: CommonNormal, length: Unit, angle: Unit) -> dict[str, str]:
     return {"a": number_in(screw.a, length), "alpha": number_in(screw.alpha, angle)}
 
 
@@ -118,10 +118,10 @@ def _cut(manipulator: Manipulator, convention: Convention) -> list[_Cut]:
     """Every row with S_i, which leads from its modified frame to its standard one, in the screws that it will have."""
     rows = manipulator.rows
     if convention is Convention.MODIFIED:
-        return [_Cut(row, Screw(row.a, row.alpha).transform) for row in rows]
-    final = _screw_of(manipulator.tool) or Screw()
+        return [_Cut(row, CommonNormal(row.a, row.alpha).transform) for row in rows]
+    final = _screw_of(manipulator.tool) or CommonNormal()
     return [
-        _Cut(row, (Screw(after.a, after.alpha) if after else final).transform)
+        _Cut(row, (CommonNormal(after.a, after.alpha) if after else final).transform)
         for row, after in zip(rows, (*rows[1:], None), strict=True)
     ]
 

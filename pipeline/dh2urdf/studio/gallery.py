@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.studio.opening import open_tables
 
 if TYPE_CHECKING:
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
 
 _FOLDER = files("dh2urdf.studio") / "arms"
 
 
-class Exhibit(NamedTuple):
+class GalleryTable(NamedTuple):
     """A table of the gallery.
 
     Attributes:
@@ -28,12 +28,12 @@ class Exhibit(NamedTuple):
     told: str
 
 
-def exhibits() -> tuple[Exhibit, ...]:
+def exhibits() -> tuple[GalleryTable, ...]:
     """What there is in the gallery, by name."""
     found = []
     for entry in sorted(_FOLDER.iterdir(), key=lambda entry: entry.name):
         first = entry.read_text("utf-8").partition("\n")[0]
-        found.append(Exhibit(entry.name.partition(".")[0], entry.name, first.lstrip("# ")))
+        found.append(GalleryTable(entry.name.partition(".")[0], entry.name, first.lstrip("# ")))
     return tuple(found)
 
 

@@ -7,9 +7,9 @@ import random
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from dh2urdf.kinematics.proof import LARGEST_SAMPLE
 from dh2urdf.manipulator import JointType
-from dh2urdf.proof import LARGEST_SAMPLE
-from dh2urdf.units import UNITS, Unit
+from dh2urdf.quantities.units import UNITS, Unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.attribution import blaming, default_call
-from dh2urdf.config import RUN_SUFFIXES, is_run_file
-from dh2urdf.conversion import read_items
+from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import blaming, default_call
+from dh2urdf.plugin_system.stage_answers import whole_records
+from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_answers import whole_records
 from dh2urdf.stages import Rejected
 from dh2urdf.studio.reading import read_whole
 from dh2urdf.table_text import FIELDS, TableText, table_text
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
 
 

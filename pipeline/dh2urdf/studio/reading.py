@@ -12,22 +12,22 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, default_call
-from dh2urdf.conversion import make_robot, read_items
+from dh2urdf.commands.written_tables import in_format
+from dh2urdf.conversion.one_manipulator import make_robot, read_items
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.options import make_options
+from dh2urdf.plugin_system.calls import Call, default_call
+from dh2urdf.plugin_system.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Rejected, Transform
 from dh2urdf.studio.edits import begun
 from dh2urdf.table_text import FIELDS, TableText, WrittenTable
-from dh2urdf.written_tables import in_format
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
 
 READER = "csv"
 """The format in which a table is read while it is typed: the one that tells where each text stands."""

@@ -13,21 +13,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.attribution import Call, default_call
-from dh2urdf.conversion import Recipe, make_robot, read_items, write_robot
+from dh2urdf.commands.written_tables import in_format
+from dh2urdf.conversion.one_manipulator import Recipe, make_robot, read_items, write_robot
 from dh2urdf.errors import ManipulatorError, TableError
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import Proof
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.output import safe_stem
-from dh2urdf.proof import Proof
+from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.plugin_system.calls import Call, default_call
 from dh2urdf.studio.reading import READER, transform_call
 from dh2urdf.table_text import yaml_word
-from dh2urdf.truth import Truth
-from dh2urdf.written_tables import in_format
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Emitter
     from dh2urdf.table_text import TableText
 

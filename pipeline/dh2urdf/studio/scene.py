@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.kinematics import FLANGE, TOOL, dh_frames, joint_variables, link_poses
+from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, joint_variables, link_poses
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, add, cross, norm, scale
@@ -50,7 +50,7 @@ _DIGITS = 9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
+class ScenePart:
     """A body of a node.
 
     Attributes:
@@ -71,7 +71,7 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Node:
+class SceneNode:
     """A rigid thing.
 
     Attributes:
@@ -84,7 +84,7 @@ class Node:
 
     name: str
     row: int | None = None
-    parts: tuple[Part, ...] = ()
+    parts: tuple[ScenePart, ...] = ()
     label: str = ""
     layer: str = "frames"
 
@@ -141,7 +141,7 @@ class Drawing:
     """
 
     figures: tuple[Figure, ...] = ()
-    nodes: tuple[Node, ...] = ()
+    nodes: tuple[SceneNode, ...] = ()
     reach: float = 1.0
     unseen: tuple[str, ...] = field(default=())
 
@@ -238,7 +238,7 @@ def extent(robot: Robot) -> float:
 # --- Nodes ------------------------------------------------------------------------------------------------------------
 
 
-def _nodes(figure: Figure, reach: float) -> Iterator[Node]:
+def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     robot, table = figure.robot, figure.manipulator
     rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
     above = {joint.child: joint for joint in robot.joints}
@@ -250,20 +250,20 @@ def _nodes(figure: Figure, reach: float) -> Iterator[Node]:
         is_flange = link.name == FLANGE
         is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
         if is_frame:  # The flange's is smaller: tool0 often stands where it does.
-            parts.append(Part(shape="frame", size=(0.6 * size if is_flange else size,), layer="frames"))
+            parts.append(ScenePart(shape="frame", size=(0.6 * size if is_flange else size,), layer="frames"))
         label = link.name if is_frame else ""
         if joint is None and figure.title:
-            yield Node(name=figure.name + link.name, parts=tuple(parts), label=figure.title, layer="links")
+            yield SceneNode(name=figure.name + link.name, parts=tuple(parts), label=figure.title, layer="links")
         else:
-            yield Node(name=figure.name + link.name, row=row, parts=tuple(parts), label=label)
+            yield SceneNode(name=figure.name + link.name, row=row, parts=tuple(parts), label=label)
     if table is not None:
         for number in range(len(table.rows) + 1):
-            part = Part(shape="frame", size=(size,), layer="frames")
+            part = ScenePart(shape="frame", size=(size,), layer="frames")
             row = number - 1 if number else None
-            yield Node(name=f"{figure.name}frame {number}", row=row, parts=(part,), label=f"{{{number}}}")
+            yield SceneNode(name=f"{figure.name}frame {number}", row=row, parts=(part,), label=f"{{{number}}}")
 
 
-def _bodies(link: Link, tint: Colour | None) -> Iterator[Part]:
+def _bodies(link: Link, tint: Colour | None) -> Iterator[ScenePart]:
     for visual in link.visuals:
         yield from _part(visual.geometry, visual.origin.transform, "links", *_colour(visual.material, tint))
     for collision in link.collisions:
@@ -281,22 +281,26 @@ def _colour(material: Material | None, tint: Colour | None) -> tuple[Colour, flo
     return tint or (red, green, blue), opacity
 
 
-def _part(geometry: Geometry, pose: RigidTransform, layer: str, colour: Colour, opacity: float) -> Iterator[Part]:
+def _part(geometry: Geometry, pose: RigidTransform, layer: str, colour: Colour, opacity: float) -> Iterator[ScenePart]:
     match geometry:
         case Box(size=size):
-            yield Part(shape="box", size=size, pose=pose, layer=layer, colour=colour, opacity=opacity)
+            yield ScenePart(shape="box", size=size, pose=pose, layer=layer, colour=colour, opacity=opacity)
         case Cylinder(radius=radius, length=length):
-            yield Part(shape="cylinder", size=(radius, length), pose=pose, layer=layer, colour=colour, opacity=opacity)
+            yield ScenePart(
+                shape="cylinder", size=(radius, length), pose=pose, layer=layer, colour=colour, opacity=opacity
+            )
         case Sphere(radius=radius):
-            yield Part(shape="sphere", size=(radius,), pose=pose, layer=layer, colour=colour, opacity=opacity)
+            yield ScenePart(shape="sphere", size=(radius,), pose=pose, layer=layer, colour=colour, opacity=opacity)
 
 
-def _axis(joint: Joint, size: float) -> Iterator[Part]:
+def _axis(joint: Joint, size: float) -> Iterator[ScenePart]:
     """The axis of a joint in its child's frame."""
     colour = AXIS_COLOURS.get(joint.type)
     if colour is not None and norm(joint.axis) > 0.0:
         pose = RigidTransform(towards(joint.axis), (0.0, 0.0, 0.0))
-        yield Part(shape="cylinder", size=(0.035 * size, _AXIS_LENGTH * size), pose=pose, layer="axes", colour=colour)
+        yield ScenePart(
+            shape="cylinder", size=(0.035 * size, _AXIS_LENGTH * size), pose=pose, layer="axes", colour=colour
+        )
 
 
 def towards(direction: Vec3) -> Rotation:

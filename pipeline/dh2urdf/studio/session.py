@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from dh2urdf.kinematics import KinematicChain, angle_error, forward_kinematics, position_error, reach
+from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error, reach
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
@@ -21,7 +21,7 @@ from dh2urdf.table_text import FIELDS, TableText
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.joints import Slider
 
 Variant = Literal["exact", "paper", "both"]
@@ -32,7 +32,7 @@ _BESIDE = "paper/"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Arm:
+class OpenArm:
     """The last table that was right, as robots.
 
     Attributes:
@@ -71,7 +71,7 @@ class Session:
     def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
         self.catalog = catalog
         self.history = History(states=(table or TableText(name="arm"),))
-        self.arm: Arm | None = None
+        self.arm: OpenArm | None = None
         self.drawing = Drawing()
         self.sliders: tuple[Slider, ...] = ()
         self.q: dict[str, float] = {}
@@ -81,7 +81,7 @@ class Session:
         self.all_columns = False
         self.reading = Reading(table=self.table)
         self.problems_of_making: tuple[CellProblem, ...] = ()
-        self._before_preview: tuple[Arm | None] | None = None
+        self._before_preview: tuple[OpenArm | None] | None = None
         self.look()
 
     def copy(self) -> Session:
@@ -242,7 +242,7 @@ class Session:
             self.problems_of_making = made.problems
             return False
         paper = make(manipulator, "paper", reading.table, self.catalog)
-        self.arm = Arm(
+        self.arm = OpenArm(
             table=reading.table,
             manipulator=manipulator,
             robot=made.robot,

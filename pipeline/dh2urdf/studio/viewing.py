@@ -5,31 +5,32 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.attribution import Call, blaming, default_call
-from dh2urdf.cells import with_tables
-from dh2urdf.config import RUN_SUFFIXES, is_run_file, load_config
-from dh2urdf.conversion import make_cell, make_robot, read_items
-from dh2urdf.errors import ConfigError, InputError, ManipulatorError
-from dh2urdf.gathering import Gathering
-from dh2urdf.inspecting import expanded_with
-from dh2urdf.kinematics import link_poses
-from dh2urdf.options import make_options
+from dh2urdf.cells.cell import Cell
+from dh2urdf.commands.check import expanded_with
+from dh2urdf.conversion.one_manipulator import make_item, make_robot, read_items
+from dh2urdf.documents.text_files import check_file
+from dh2urdf.errors import InputError, ManipulatorError
+from dh2urdf.kinematics.chain import link_poses
+from dh2urdf.plugin_system.calls import blaming, default_call
+from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.run_file.config import DEFAULT_EXECUTOR, RUN_SUFFIXES, StageCall, is_run_file, load_config
+from dh2urdf.run_file.plan import make_plan
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stage_answers import a_whole_record
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.reading import transform_call
 from dh2urdf.studio.scene import Drawing, Figure, extent
-from dh2urdf.textfiles import check_file
+from dh2urdf.tasks.batch import Expected, items
+from dh2urdf.variations.variation import Variant
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.joints import Slider
 
 MOST_FIGURES = 50
@@ -64,9 +65,7 @@ def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion |
         message = "none of the files has macros: they take no arguments and no package paths"
         raise InputError(Problem(message=message, mark=Mark(file=str(paths[0])), accepted="a xacro among the files"))
     if len(found) > MOST_FIGURES:
-        raise InputError(
-            Problem(message=f"these are {len(found)} robots", accepted=f"at most {MOST_FIGURES} in one scene")
-        )
+        raise InputError(_too_many(str(len(found))))
     if len(found) == 1:
         return (replace(found[0], name="", title=""),)
     return tuple(_with_own_names(found))
@@ -104,33 +103,26 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
 
 
 def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
-    """The cells of a run file; of one that has none, its manipulators."""
+    """The cells of a run file; of one that has none, its manipulators with their meshes, and its variants."""
     config = load_config(path)
-    if config.problems:
-        raise ConfigError(config.problems)
-    stage = catalog.get("transform", config.transform.stage)
-    where = f"transform {stage.name!r}"
-    options = make_options(stage.options, config.transform.options, mark=config.transform.mark, where=where)
-    transform = Call(stage=stage, options=options, plugin=catalog.plugin_of(stage))
-    gathering = Gathering(arm.of for cell in config.cells for arm in cell.arms)
-    arms: list[Manipulator | Rejected] = []
-    for given in config.inputs:
-        for file in given.paths:
-            reader = catalog.get("reader", given.stage) if given.stage else catalog.reader_for(file)
-            chosen = make_options(reader.options, given.options, mark=given.mark, where=f"reader {reader.name!r}")
-            call = Call(stage=reader, options=chosen, plugin=catalog.plugin_of(reader))
-            for item in read_items(call, file):
-                gathering.see(item)
-                if len(arms) <= MOST_FIGURES:
-                    arms.append(item)
-    for cell in with_tables(config.cells, gathering):
-        if isinstance(cell, Rejected):
-            raise InputError(cell.problems, cell.notices)
-        robot, _ = make_cell(cell, transform)
-        yield Figure(robot=robot, title=robot.name)
-    if not config.cells:
-        for arm in map(_accepted, arms):
-            yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
+    # Nothing is written, loaded or handed to workers.
+    looking = replace(config, loaders=(), output=str(path.parent), execution=StageCall(stage=DEFAULT_EXECUTOR))
+    plan = make_plan(looking, catalog)
+    transform = plan.recipe.transform
+    every = (item.what for item in items(plan, Expected(plan)))
+    shown_only = (what for what in every if isinstance(what, Cell | Rejected) or not plan.cells)
+    for count, what in enumerate(shown_only):
+        if isinstance(what, Rejected):
+            raise InputError(what.problems, what.notices)
+        if count == MOST_FIGURES:
+            raise InputError(_too_many(f"more than {MOST_FIGURES}"))
+        arm = what.manipulator(what.drawn()) if isinstance(what, Variant) else what
+        robot, _ = make_item(arm, transform)
+        yield Figure(robot=robot, manipulator=None if isinstance(arm, Cell) else arm, title=robot.name)
+
+
+def _too_many(count: str) -> Problem:
+    return Problem(message=f"these are {count} robots", accepted=f"at most {MOST_FIGURES} in one scene")
 
 
 def _accepted(item: Manipulator | Rejected) -> Manipulator:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.table_text import number_in
-from dh2urdf.units import UNITS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

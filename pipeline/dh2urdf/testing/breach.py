@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import pytest
 
-from dh2urdf.registry import RECORDS
+from dh2urdf.plugin_system.catalog import RECORDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.registry import KINDS, RECORDS, Catalog, Plugin
+from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -64,10 +64,10 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
     Raises:
         Dh2UrdfError: whatever keeps the run from starting.
     """
-    from dh2urdf.config import load_config
-    from dh2urdf.plan import make_plan
-    from dh2urdf.registry import load
-    from dh2urdf.runs import execute
+    from dh2urdf.plugin_system.catalog import load
+    from dh2urdf.run_file.config import load_config
+    from dh2urdf.run_file.plan import make_plan
+    from dh2urdf.running.run import execute
 
     for name, content in tables.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)

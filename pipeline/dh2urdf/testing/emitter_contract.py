@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.columns import RobotColumns
 from dh2urdf.errors import Dh2UrdfError, EmitterError, InputError, PluginError
-from dh2urdf.proof import TOLERANCE, proof_vectors
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import TOLERANCE, proof_vectors
 from dh2urdf.robot import Box, Link, Sphere, Visual
 from dh2urdf.stages import EmittedFile, Emitter, Expansion
 from dh2urdf.testing.oracle import difference, robot_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -301,7 +301,7 @@ def _fault(file: EmittedFile) -> str | None:
         elif suffix == ".toml":
             tomllib.loads(file.content.decode())
         elif suffix in (".yaml", ".yml"):
-            from dh2urdf.documents import load_yaml
+            from dh2urdf.documents.document import load_yaml
 
             load_yaml(file.content.decode(), file.name)
         elif suffix in (".txt", ".md", ".csv", ".tsv", ".dot", ".gv", ".html", ".py"):

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError, UnknownStageError
-from dh2urdf.isolation import load_in_child
-from dh2urdf.proof import joint_vectors
-from dh2urdf.registry import load
+from dh2urdf.isolation.child_process import load_in_child
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import joint_vectors
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Problem
 from dh2urdf.stages import Emitter, Loader, LoadReport, LoadRequest
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable

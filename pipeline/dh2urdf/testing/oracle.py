@@ -1,6 +1,6 @@
 """T(q) of a table and of a robot by another way than the pipeline's: products of textbook matrices, element by element.
 
-It shares no code with `dh2urdf.kinematics` or `dh2urdf.rotations`, so that an error in those is found here.
+It shares no code with `dh2urdf.kinematics.chain` or `dh2urdf.rotations`, so that an error in those is found here.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.registry import Catalog
+    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.testing.catalogs import RunOutput
 

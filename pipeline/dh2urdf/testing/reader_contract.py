@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.errors import InputError, PluginError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.provenance import Trace
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.table_text import CellRow
 from dh2urdf.testing.stage_contract import StageContract, outcome
-from dh2urdf.units import UNITS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -240,7 +240,7 @@ class ReaderContract(StageContract):
             self.test_raises_documented_errors_only,
             found=f"{what} at {name}",
             accepted="dh2urdf.errors.TableError, or a Rejected for one manipulator of several",
-            remedy="read with dh2urdf.textfiles.read_bytes and decoded, which check the file; "
+            remedy="read with dh2urdf.documents.text_files.read_bytes and decoded, which check the file; "
             "turn what a parser raises into a TableError with a Problem that says where",
         )
 

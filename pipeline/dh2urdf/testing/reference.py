@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from dh2urdf.kinematics import ROOT, TOOL, row_transform
+from dh2urdf.kinematics.chain import ROOT, TOOL, row_transform
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY, RigidTransform

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 from dh2urdf.errors import CrashError, Dh2UrdfError, PluginError
 from dh2urdf.hookspecs import PROJECT
-from dh2urdf.isolation import ChildFailure
-from dh2urdf.option_types import describe_options
-from dh2urdf.options import make_options
-from dh2urdf.registry import RECORDS, Catalog, Plugin, load
+from dh2urdf.isolation.child_process import ChildFailure
+from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load
+from dh2urdf.plugin_system.option_types import describe_options
+from dh2urdf.plugin_system.options import make_options
 from dh2urdf.testing.breach import breach
 from dh2urdf.testing.catalogs import catalog_of
 from dh2urdf.testing.comparing import difference
@@ -163,7 +163,7 @@ class StageContract:
         from jsonschema import Draft202012Validator
         from jsonschema.exceptions import SchemaError, ValidationError
 
-        from dh2urdf.schema import DIALECT, run_schema
+        from dh2urdf.run_file.schema import DIALECT, run_schema
 
         self._require_dataclass(self.test_schema)
         name = f"{self.kind}.{self.stage.name}"

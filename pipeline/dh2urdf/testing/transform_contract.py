@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import PluginError, ProofError, TransformError
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import TOLERANCE, proof_vectors, prove
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
-from dh2urdf.proof import TOLERANCE, proof_vectors, prove
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.testing.oracle import difference, robot_pose, table_pose
 from dh2urdf.testing.reference import reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
-from dh2urdf.truth import Truth
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

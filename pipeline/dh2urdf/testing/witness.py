@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 from uuid import uuid4
 
 from dh2urdf.errors import CrashError
-from dh2urdf.isolation import run_in_child
+from dh2urdf.isolation.child_process import run_in_child
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

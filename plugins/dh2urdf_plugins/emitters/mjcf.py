@@ -14,13 +14,13 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
-from dh2urdf.number_text import format_numbers
+from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
-from dh2urdf_plugins.mjcf_reader import read_mjcf
+from dh2urdf_plugins.read_back.mjcf_reader import read_mjcf
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -22,7 +22,7 @@ from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.base_bodies import notices_for_gazebo, with_base_bodies
 from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
-from dh2urdf_plugins.sdf_reader import read_sdf
+from dh2urdf_plugins.read_back.sdf_reader import read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

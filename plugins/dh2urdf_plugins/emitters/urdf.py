@@ -16,8 +16,8 @@ from dh2urdf_plugins.emitters.profiles import (
     notices_of,
 )
 from dh2urdf_plugins.emitters.urdf_tree import Notation, check_lines, serialise, urdf_tree
-from dh2urdf_plugins.urdf_reader import read_urdf
-from dh2urdf_plugins.urdf_scanner import scan_columns
+from dh2urdf_plugins.read_back.urdf_reader import read_urdf
+from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
-from dh2urdf.number_text import format_columns, format_number
+from dh2urdf.quantities import format_columns, format_number
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.urdf_tree import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 

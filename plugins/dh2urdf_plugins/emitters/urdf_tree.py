@@ -14,7 +14,7 @@ from lxml import etree
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import has_meshes
-from dh2urdf.number_text import format_numbers
+from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.source import Problem, shown
 

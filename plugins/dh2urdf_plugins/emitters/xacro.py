@@ -23,7 +23,7 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.meshes import has_meshes
-from dh2urdf.number_text import format_number
+from dh2urdf.quantities import format_number
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
@@ -44,7 +44,7 @@ from dh2urdf_plugins.emitters.urdf_tree import (
     append_robot,
     serialise,
 )
-from dh2urdf_plugins.xacro_reader import read_foreign_xacro, read_xacro
+from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro, read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

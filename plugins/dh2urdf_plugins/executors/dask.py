@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
 from dh2urdf.errors import ExecutorError, MissingDependencyError
-from dh2urdf.own_process import is_own
+from dh2urdf.isolation import is_own
 from dh2urdf.source import Problem
 from dh2urdf.stages import Executor, Lost
 from dh2urdf_plugins.executors.local import processors

@@ -22,9 +22,9 @@ from operator import length_hint
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
-from dh2urdf.at_work import MARK, Place, unmarked
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import ChildFailure
+from dh2urdf.plugin_system import MARK, ChildPlace, unmarked
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import Executor, Lost
 from dh2urdf_plugins.executors.window import handed_over
@@ -187,7 +187,7 @@ class _Worker:
     """A worker process, in a session of its own, with all that it starts: Ctrl-C in a terminal reaches none of them."""
 
     def __init__(self, function: bytes) -> None:
-        self._place = Place()
+        self._place = ChildPlace()
         try:
             self._printed = tempfile.TemporaryFile("a+b", buffering=0)  # noqa: SIM115 - closed where it is read
             self._process = subprocess.Popen(  # noqa: S603 - our own script

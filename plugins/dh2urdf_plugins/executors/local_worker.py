@@ -40,7 +40,7 @@ def main() -> None:
     threading.Thread(target=_receive, args=(messages, received), daemon=True).start()
     sys.path[:], pickled_function = received.get()
     try:
-        from dh2urdf.own_process import claim
+        from dh2urdf.isolation import claim
 
         claim()
         function = pickle.loads(pickled_function)  # noqa: S301 - our own parent sent it

@@ -8,8 +8,7 @@ from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem, principal_moments
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.description import MOVING, Hit, few
-from dh2urdf_plugins.lint.gazebo import kept, mass_of, without_centre
-from dh2urdf_plugins.lint.gazebo import merged as merged_by_gazebo
+from dh2urdf_plugins.lint.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
 from dh2urdf_plugins.lint.merged import ELEMENTS, head_of, inertial_of, merged_inertial
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 from xml.parsers import expat
 
+from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
-from dh2urdf.number_text import format_numbers
+from dh2urdf.quantities import format_numbers
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Repair
-from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.lint.inspection import LONGEST
 from dh2urdf_plugins.lint.joints import UNIT
 from dh2urdf_plugins.lint.tree import numbers_of

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.source import Mark
 from dh2urdf.stages import Expansion, Finding, Inspection
-from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.lint import (
     bodies,
     coppeliasim,

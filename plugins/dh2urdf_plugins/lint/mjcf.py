@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.lint.mjcf_names import hits as hits_of_names
 from dh2urdf_plugins.lint.models import (
     FILE,
@@ -28,7 +28,7 @@ from dh2urdf_plugins.lint.models import (
     numbers,
     parsed,
 )
-from dh2urdf_plugins.mjcf_reader import read_mjcf
+from dh2urdf_plugins.read_back.mjcf_reader import read_mjcf
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

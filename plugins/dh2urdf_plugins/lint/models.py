@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import yaml
 from lxml import etree
 
+from dh2urdf.documents import read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
-from dh2urdf.textfiles import read_bytes
 from dh2urdf_plugins.lint.rules import Rule, rule_of
 from dh2urdf_plugins.lint.tree import numbers_of
 

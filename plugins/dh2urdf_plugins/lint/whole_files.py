@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
-from dh2urdf.textfiles import read_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Reader
-from dh2urdf_plugins.readers import csv_texts
-from dh2urdf_plugins.readers.csv_rows import CsvRows
+from dh2urdf_plugins.readers.csv_file import texts as csv_texts
+from dh2urdf_plugins.readers.csv_file.rows import CsvRows
 from dh2urdf_plugins.readers.table import TableOptions, read_table
 
 if TYPE_CHECKING:

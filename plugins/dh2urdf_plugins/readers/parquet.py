@@ -16,21 +16,20 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import load_yaml
+from dh2urdf.documents import check_file, load_yaml
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Reader
 from dh2urdf.table_text import CellRow
-from dh2urdf.textfiles import check_file
-from dh2urdf_plugins.readers.cells import text_of
-from dh2urdf_plugins.readers.comment_phrases import unit_of_measure
-from dh2urdf_plugins.readers.csv_comments import MAX_STATEMENT, STATEMENTS
-from dh2urdf_plugins.readers.fields import FIELDS, GROUPS
-from dh2urdf_plugins.readers.header_rows import completed
-from dh2urdf_plugins.readers.header_words import read_header
-from dh2urdf_plugins.readers.records import make_marks
+from dh2urdf_plugins.readers.header.header_rows import completed
+from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.rows.records import make_marks
+from dh2urdf_plugins.readers.statements.comment_phrases import unit_of_measure
+from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT, STATEMENTS
 from dh2urdf_plugins.readers.table import TableOptions, read_table
+from dh2urdf_plugins.readers.words.cells import text_of
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -40,10 +39,10 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.provenance import Trace
     from dh2urdf.stages import Rejected
-    from dh2urdf_plugins.readers.cells import Value
-    from dh2urdf_plugins.readers.comment_lines import Comment
-    from dh2urdf_plugins.readers.headers import Columns
-    from dh2urdf_plugins.readers.row_source import Row
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.rows.source import Row
+    from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _INDEX = "__index_level_0__"
 """The column that pandas writes for an index without a name."""

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
-from dh2urdf_plugins.readers.cell_rows import CellRows
-from dh2urdf_plugins.readers.cells import Cell
-from dh2urdf_plugins.readers.row_source import RowSource
-from dh2urdf_plugins.readers.row_table import RowTable
-from dh2urdf_plugins.readers.statements import TableOptions
-from dh2urdf_plugins.readers.top import read_top
+from dh2urdf_plugins.readers.rows.source import RowSource
+from dh2urdf_plugins.readers.statements.statements import TableOptions
+from dh2urdf_plugins.readers.statements.top import read_top
+from dh2urdf_plugins.readers.tables.cell_rows import CellRows
+from dh2urdf_plugins.readers.tables.row_table import RowTable
+from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Reader, Rejected
+from dh2urdf_plugins.readers.statements.top import find_header
 from dh2urdf_plugins.readers.table import TableOptions, read_table
-from dh2urdf_plugins.readers.top import find_header
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.provenance import Trace
-    from dh2urdf_plugins.readers.xlsx_rows import SheetRows
+    from dh2urdf_plugins.readers.xlsx_file.rows import SheetRows
 
 _FEW = 8
 
@@ -55,7 +55,7 @@ def read(path: Path, options: XlsxOptions, trace: Trace | None = None) -> Iterat
         from openpyxl import load_workbook
     except ImportError:
         raise MissingDependencyError("reader 'xlsx'", "openpyxl", "dh2urdf[xlsx]") from None
-    from dh2urdf_plugins.readers.xlsx_file import check_workbook
+    from dh2urdf_plugins.readers.xlsx_file.workbook import check_workbook
 
     check_workbook(path)
     with _reporting_errors(path):
@@ -80,7 +80,7 @@ class _Workbook:
     """A workbook that is being read."""
 
     def __init__(self, path: Path, book: Any, options: XlsxOptions, trace: Trace | None) -> None:  # noqa: ANN401
-        from dh2urdf_plugins.readers.xlsx_file import sheet_parts
+        from dh2urdf_plugins.readers.xlsx_file.workbook import sheet_parts
 
         self.path = path
         self.trace = trace
@@ -169,8 +169,8 @@ class _Workbook:
         )
 
     def _table(self, sheet: Any) -> SheetRows:  # noqa: ANN401 - a sheet of openpyxl
-        from dh2urdf_plugins.readers.xlsx_file import read_layout
-        from dh2urdf_plugins.readers.xlsx_rows import SheetRows
+        from dh2urdf_plugins.readers.xlsx_file.rows import SheetRows
+        from dh2urdf_plugins.readers.xlsx_file.workbook import read_layout
 
         with _reporting_errors(self.path):
             table = SheetRows(sheet, self.file, read_layout(self.path, self.parts[sheet.title]))
@@ -199,7 +199,7 @@ def _guarded(rows: SheetRows, path: Path) -> Iterator[Any]:
 
 def _hidden(table: SheetRows) -> list[Problem]:
     """A notice of hidden rows and columns, which are read as all others."""
-    from dh2urdf_plugins.readers.xlsx_rows import cell_mark, letters
+    from dh2urdf_plugins.readers.xlsx_file.rows import cell_mark, letters
 
     layout, title = table.layout, table.sheet.title
     rows = [row for row in layout.hidden_rows if row >= table.header]

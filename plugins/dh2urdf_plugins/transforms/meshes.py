@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.mass_properties import scaled
-from dh2urdf.mesh_triangles import FORMATS, Asset, asset_of, enclosed, load_scene, to_metres
-from dh2urdf.meshes import REMEDY, read_mesh
+from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, load_scene, read_mesh, to_metres
 from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual
 from dh2urdf.source import Problem, shown
 

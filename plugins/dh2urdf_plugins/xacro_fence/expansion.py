@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
-from dh2urdf.fence import enter
-from dh2urdf.isolation import run_in_child
+from dh2urdf.isolation import enter, run_in_child
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
@@ -51,7 +50,7 @@ def expand_foreign(
 ) -> Expanded:
     """The text that xacro makes of a file of unknown origin, which can do nothing but be read.
 
-    It is expanded in a child process behind `dh2urdf.fence`. Expressions are checked before they are evaluated, and
+    It is expanded in a child process behind `dh2urdf.isolation`. Expressions are checked before they are evaluated, and
     files are read from the folder of the file, or of its ROS package, and from those of the packages that are named.
     Variables of the environment are not given.
 

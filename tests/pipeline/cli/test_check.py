@@ -11,9 +11,9 @@ from urllib.parse import quote
 
 import pytest
 
+from dh2urdf.commands.check import inspect
 from dh2urdf.errors import ConfigError
-from dh2urdf.inspecting import inspect
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ from jsonschema import Draft202012Validator
 
 from dh2urdf import __version__
 from dh2urdf.hookspecs import INTERFACE_VERSION
-from dh2urdf.registry import KINDS, load
+from dh2urdf.plugin_system.catalog import KINDS, load
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.batch_report import BatchReport
 from dh2urdf.cli.progress import progress
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.source import Mark, Problem
+from dh2urdf.tasks.batch_report import BatchReport
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.cli.summary import MANY, MOST_ROWS, print_summary
-from dh2urdf.conversion import Written
-from dh2urdf.outcome import Outcome, Verdict
-from dh2urdf.proof import Proof
+from dh2urdf.conversion.one_manipulator import Written
+from dh2urdf.conversion.outcome import Outcome, Verdict
+from dh2urdf.kinematics.proof import Proof
 from dh2urdf.report.verdicts import Verdicts
-from dh2urdf.result import Result
 from dh2urdf.stages import EmittedFile, LoadReport
+from dh2urdf.tasks.result import Result
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -18,12 +18,12 @@ import pytest
 from lxml import etree, html
 from PIL import Image
 
-from dh2urdf.config import load_config
-from dh2urdf.outcome import make_row, to_line
-from dh2urdf.plan import make_plan
-from dh2urdf.proof import Proof
-from dh2urdf.registry import load
-from dh2urdf.runs import execute
+from dh2urdf.conversion.outcome import make_row, to_line
+from dh2urdf.kinematics.proof import Proof
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.running.run import execute
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
@@ -445,7 +445,7 @@ class TestRuns:
     ) -> None:
         """The run is done, and the summary ends with what to type; not where nobody wants the page."""
         monkeypatch.setattr("dh2urdf.cli.run.can_write_html", lambda: False)
-        monkeypatch.setattr("dh2urdf.runs.can_write_html", lambda: False)
+        monkeypatch.setattr("dh2urdf.running.run.can_write_html", lambda: False)
         _file(tmp_path, "run.yaml", RUN, arms=table(["arm"]))
         assert cli("run", "run.yaml").stdout.splitlines()[-1].endswith("pip install 'dh2urdf[report]'")
         assert not (tmp_path / "out" / "report.html").exists()
@@ -455,8 +455,8 @@ class TestRuns:
 class TestDrawings:
     def test_the_skeleton_ends_where_tool0_is(self, reference_robot: ReferenceRobot) -> None:
         """Joint axes and frames of every published table are those of its DH product at zero, in both conventions."""
-        from dh2urdf.kinematics import forward_kinematics
-        from dh2urdf.truth import Truth
+        from dh2urdf.kinematics.chain import forward_kinematics
+        from dh2urdf.kinematics.expected_poses import Truth
 
         table_ = reference_robot.manipulator
         arm = arm_skeleton(Truth.of(table_).tips[0])
@@ -479,8 +479,8 @@ class TestDrawings:
 
     def test_the_workspace_is_inside_the_reach(self, reference_robot: ReferenceRobot) -> None:
         """No point is farther from the root than the table's lengths together, and some are not near."""
-        from dh2urdf.conversion import Call, make_robot
-        from dh2urdf.truth import Truth
+        from dh2urdf.conversion.one_manipulator import Call, make_robot
+        from dh2urdf.kinematics.expected_poses import Truth
 
         stage = load().get("transform", "alpha-swap")
         robot = make_robot(reference_robot.manipulator, Call(stage=stage, options=stage.options()))

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf import __version__
-from dh2urdf.batch_report import BatchReport
+from dh2urdf.conversion.outcome import make_row, to_line, to_text
 from dh2urdf.errors import OutputError
-from dh2urdf.manifest_table import ManifestTable
-from dh2urdf.open_store import open_store
-from dh2urdf.outcome import make_row, to_line, to_text
+from dh2urdf.output.open_store import open_store
 from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
 from dh2urdf.report.ledger import Ledger
-from dh2urdf.result import Result
+from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.manifest_table import ManifestTable
+from dh2urdf.tasks.result import Result
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -169,6 +169,6 @@ def test_a_table_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("dh2urdf.manifest_table.ManifestTable.finish", full)
+    monkeypatch.setattr("dh2urdf.tasks.manifest_table.ManifestTable.finish", full)
     with pytest.raises(OutputError, match=r"cannot write '.*/manifest\.parquet': No space left on device"):
         write_reports(open_store(tmp_path), ledger(tmp_path, [ARM]), result(batch(ok=1)))

@@ -12,9 +12,9 @@ from lxml import html
 
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, Robot
-from dh2urdf.coercion import replace_unchecked
 from dh2urdf.report import notebook
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot
@@ -151,8 +151,8 @@ class TestDrawings:
 
     def test_the_robot_is_drawn_where_it_is(self, reference_robot: ReferenceRobot) -> None:
         """A drawn robot ends at tool0, and a joint's axis goes through the joint in its direction."""
+        from dh2urdf.kinematics.expected_poses import Truth
         from dh2urdf.report.skeletons import arm_skeleton, robot_skeleton
-        from dh2urdf.truth import Truth
 
         arm = reference_robot.manipulator
         bones, truth = robot_skeleton(robot_of(arm)), arm_skeleton(Truth.of(arm).tips[0])

@@ -4,8 +4,8 @@ import hashlib
 import re
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.registry import load
-from dh2urdf.runs import execute, load_plan
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.running.run import execute, load_plan
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -76,8 +76,8 @@ class Strange:
 
 def read(path: Path, _options: Any) -> Any:
     """A good reader: a line is a name, a and d."""
+    from dh2urdf.documents.text_files import check_file
     from dh2urdf.errors import TableError
-    from dh2urdf.textfiles import check_file
 
     check_file(path, TableError)
     with path.open("rb") as file:

@@ -15,16 +15,15 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.xacro_reader import expand, read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Mesh
 from dh2urdf.rotations import RigidTransform

@@ -16,13 +16,13 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.stages import LoadRequest
 from dh2urdf_plugins.emitters.profiles import PROFILES, Profile, ProfileName
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.read_back.xacro_reader import expand
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.xacro_reader import expand
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -248,7 +248,7 @@ def coppeliasim(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 def test_coppeliasim(reference_robots: Sequence[Any], write: Write, coppeliasim: Any) -> None:
     """No frame weighs a kilogram, and no link stands still, as they do by the portable file."""
-    from dh2urdf_plugins.loaders.coppeliasim import CoppeliaSimOptions, load
+    from dh2urdf_plugins.loaders.coppeliasim.loader import CoppeliaSimOptions, load
 
     manipulator = next(robot for robot in reference_robots if robot.id == "rtb_Puma560").manipulator
     puma = TRANSFORM.transform(manipulator, TRANSFORM.options())  # Its axes and limits are read right in any file.

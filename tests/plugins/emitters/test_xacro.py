@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Parameter, Robot
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER, XacroOptions, angle_text, macro_name
-from dh2urdf_plugins.urdf_reader import parse_urdf
-from dh2urdf_plugins.xacro_reader import expand, read_xacro
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.config import load_config
 from dh2urdf.errors import ConfigError, ExecutorError, MissingDependencyError
-from dh2urdf.plan import make_plan
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
 from dh2urdf.stages import Lost
 from dh2urdf_plugins.executors import dask
 from dh2urdf_plugins.executors.dask import EXECUTOR, DaskOptions, map_on_dask

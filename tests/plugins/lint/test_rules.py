@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from consumers import CHECK_URDF, SDFORMAT, Behaviour, behaviours
-from faulty_files import BOX, FAULTS, SOUND, TOOL0, TOOL0_JOINT, write_all
-from faulty_files import WEIGHTLESS as ZEROS
+from faulty_files import BOX, FAULTS, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
 
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.lint.inspection import inspect_urdf

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError, MissingProgramError
-from dh2urdf.isolation import load_in_child
+from dh2urdf.isolation.child_process import load_in_child
 from dh2urdf.robot import Collision, Mesh
-from dh2urdf_plugins.loaders import coppeliasim, turns
-from dh2urdf_plugins.loaders.coppeliasim import LOADER, CoppeliaSimOptions, load, require
-from dh2urdf_plugins.loaders.coppeliasim_arm import OPTIONS
-from dh2urdf_plugins.loaders.turns import turn
+from dh2urdf_plugins.loaders.coppeliasim import loader as coppeliasim, turns
+from dh2urdf_plugins.loaders.coppeliasim.arm import OPTIONS
+from dh2urdf_plugins.loaders.coppeliasim.loader import LOADER, CoppeliaSimOptions, load, require
+from dh2urdf_plugins.loaders.coppeliasim.turns import turn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError, MissingProgramError
-from dh2urdf.isolation import load_in_child
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.isolation.child_process import load_in_child
+from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.robot import Link, Origin
-from dh2urdf_plugins.loaders import gazebo
-from dh2urdf_plugins.loaders.gazebo import LOADER, GazeboOptions, find_command, load, read_output, require
-from dh2urdf_plugins.loaders.gazebo_arm import precision
+from dh2urdf_plugins.loaders.gazebo import loader as gazebo
+from dh2urdf_plugins.loaders.gazebo.arm import precision
+from dh2urdf_plugins.loaders.gazebo.loader import LOADER, GazeboOptions, find_command, load, read_output, require
 
 if TYPE_CHECKING:
     from dh2urdf.stages import LoadReport, LoadRequest

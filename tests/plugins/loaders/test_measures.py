@@ -3,8 +3,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere

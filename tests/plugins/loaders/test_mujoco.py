@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
-from dh2urdf.isolation import load_in_child
+from dh2urdf.isolation.child_process import load_in_child
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.robot import Collision, Cylinder, Origin
 from dh2urdf_plugins.emitters import mjcf
 from dh2urdf_plugins.emitters.urdf import EMITTER
-from dh2urdf_plugins.loaders import mujoco_arm
-from dh2urdf_plugins.loaders.mujoco import LOADER, MuJoCoOptions, load, read_output
-from dh2urdf_plugins.loaders.mujoco_picture import graphics
+from dh2urdf_plugins.loaders.mujoco.loader import LOADER, MuJoCoOptions, arm as mujoco_arm, load, read_output
+from dh2urdf_plugins.loaders.mujoco.picture import graphics
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:

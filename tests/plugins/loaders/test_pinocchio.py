@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
-from dh2urdf.isolation import load_in_child
-from dh2urdf_plugins.loaders import pinocchio_arm
-from dh2urdf_plugins.loaders.pinocchio import LOADER, PinocchioOptions, load, read_output
+from dh2urdf.isolation.child_process import load_in_child
+from dh2urdf_plugins.loaders.pinocchio import arm as pinocchio_arm
+from dh2urdf_plugins.loaders.pinocchio.loader import LOADER, PinocchioOptions, load, read_output
 
 if TYPE_CHECKING:
     from collections.abc import Callable

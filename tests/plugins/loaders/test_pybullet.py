@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError
-from dh2urdf.isolation import load_in_child
+from dh2urdf.isolation.child_process import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Collision, Cylinder, Inertial, Joint, Link, Origin, Robot
-from dh2urdf_plugins.loaders.pybullet import LOADER, PyBulletOptions, load, read_output
+from dh2urdf_plugins.loaders.pybullet.loader import LOADER, PyBulletOptions, load, read_output
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf_plugins.loaders.sdf_model import parse_sdf
+from dh2urdf_plugins.loaders.gazebo.sdf_model import parse_sdf
 
 if TYPE_CHECKING:
     from dh2urdf.rotations import RigidTransform

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from dh2urdf.kinematics import KinematicChain, as_matrices
+from dh2urdf.kinematics.chain import KinematicChain, as_matrices
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.robot import Box, Joint, Link, Origin, Robot, Visual
 from dh2urdf_plugins.loaders.viewpoint import FIELD_OF_VIEW, HEIGHT, WIDTH, best_view

@@ -10,13 +10,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import HALF_PI
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,12 +1,11 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf_plugins.readers.fields import convention_of, joint_type
-from dh2urdf_plugins.readers.header_words import misspelt, one_slip, read_header
+from dh2urdf_plugins.readers.header.words import misspelt, one_slip, read_header
+from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import pytest
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import JointType, Manipulator
-from dh2urdf_plugins.readers.plain_rows import PlainRows
-from dh2urdf_plugins.readers.row_names import are_joints, is_base, kind_of
+from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.rows.names import are_joints, is_base, kind_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

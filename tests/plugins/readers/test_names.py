@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.names import MAX_NAME, RESERVED, are_out_of_order, name_fault
+from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, are_out_of_order, name_fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -16,17 +16,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from pyarrow import parquet as pq
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Inertia, JointType, Manipulator, Payload
-from dh2urdf.registry import load
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, parquet
-from dh2urdf_plugins.readers.plain_rows import PlainRows
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -8,15 +8,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf_plugins.readers import csv
-from dh2urdf_plugins.readers.plain_rows import PlainRows
-from dh2urdf_plugins.readers.plain_sample import EVERY, HEAD, PlainSample
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample
+from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator

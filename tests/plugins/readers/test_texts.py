@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark
 from dh2urdf.table_text import FIELDS, TableText, table_text
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot

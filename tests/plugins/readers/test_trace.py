@@ -10,7 +10,7 @@ import pytest
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.provenance import Trace
 from dh2urdf_plugins.readers import csv, parquet, yaml
-from dh2urdf_plugins.readers.statements import TableOptions
+from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 TABLES = sorted((Path(__file__).parents[3] / "configs" / "tables").iterdir())
 CSV = """\
@@ -89,7 +89,7 @@ def test_a_parquet_file_has_rows_and_columns(tmp_path: Path) -> None:
 
 def test_reading_without_one_stays_fast(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a trace the careful reader is asked for a sample alone; with one for every row."""
-    from dh2urdf_plugins.readers import row_table
+    from dh2urdf_plugins.readers.tables import row_table
 
     asked: list[int] = []
 

@@ -19,9 +19,10 @@ from openpyxl.styles import Font
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers import csv, xlsx, xlsx_file
-from dh2urdf_plugins.readers.xlsx_formats import ShownOtherwiseError, shown_unit
-from dh2urdf_plugins.readers.xlsx_rows import letters
+from dh2urdf_plugins.readers import csv, xlsx
+from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
+from dh2urdf_plugins.readers.xlsx_file.formats import ShownOtherwiseError, shown_unit
+from dh2urdf_plugins.readers.xlsx_file.rows import letters
 
 if TYPE_CHECKING:
     from openpyxl.worksheet.worksheet import Worksheet

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from dh2urdf.coercion import replace_unchecked
 from dh2urdf.columns import in_columns
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import HALF_PI, RigidTransform
+from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import columns as transform_module
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, alpha_swap

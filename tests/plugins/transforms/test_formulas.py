@@ -4,8 +4,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.rotations import rotation_from_rpy
 from dh2urdf_plugins.transforms.formulas import (

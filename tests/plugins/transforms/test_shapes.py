@@ -6,8 +6,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
 from dh2urdf.robot import Box, Cylinder, Origin, Sphere

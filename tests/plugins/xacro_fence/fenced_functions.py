@@ -7,7 +7,7 @@ import socket
 import subprocess
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.fence import enter
+from dh2urdf.isolation.fence import enter
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,7 +42,7 @@ def fenced(folder: Path, deed: str) -> str:
 
 def landlocked(folder: Path) -> str:
     """What the kernel says without Python's own hook."""
-    from dh2urdf.fence import _lock
+    from dh2urdf.isolation.fence import _lock
 
     _lock([str(folder)])
     try:

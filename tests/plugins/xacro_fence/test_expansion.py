@@ -17,13 +17,13 @@ import pytest
 
 import dh2urdf
 from dh2urdf.errors import CrashError, InputError, ProofError
-from dh2urdf.isolation import run_in_child
-from dh2urdf.registry import load
+from dh2urdf.isolation.child_process import run_in_child
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Expansion
 from dh2urdf.studio.viewing import load_figures
 from dh2urdf_plugins.lint.inspection import inspect_xacro
+from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-from dh2urdf_plugins.xacro_reader import read_foreign_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -4,8 +4,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, ExpressionError, compiled, evaluate
 

@@ -11,13 +11,12 @@ import re
 import sys
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import Node, load_yaml
+from dh2urdf.documents import Node, decoded, load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf.stages import NoOptions, Reader
-from dh2urdf.textfiles import decoded, read_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

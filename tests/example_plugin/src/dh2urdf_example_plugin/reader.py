@@ -6,12 +6,12 @@ import tomllib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from dh2urdf.documents import decoded, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.quantities import Dimension, QuantityError, accepted_forms, evaluate
 from dh2urdf.source import Mark, Problem, did_you_mean
 from dh2urdf.stages import Reader
-from dh2urdf.textfiles import decoded, read_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,0 +1,68 @@
+"""Packages that name what their modules have, and import a module when one of its names is asked for."""
+
+from __future__ import annotations
+
+import sys
+
+TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from typing import TypeAlias
+
+    Face: TypeAlias = tuple[list[str], Callable[[str], object], Callable[[], list[str]]]
+
+
+def face(package: str, modules: Mapping[str, str], wholes: tuple[str, ...] = ()) -> Face:
+    """The ``__all__``, ``__getattr__`` and ``__dir__`` of a package (PEP 562).
+
+    Args:
+        package: its name.
+        modules: the names that each module of it gives, separated by spaces, by the path of the module in the package.
+        wholes: modules that it gives themselves.
+    """
+    places = {name: module for module, names in modules.items() for name in names.split()}
+    known = sorted({*places, *wholes})
+
+    def value_of(name: str) -> object:
+        from importlib import import_module
+
+        if name not in known:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module = import_module(f"{package}.{places.get(name, name)}")
+        value = getattr(module, name) if name in places else module
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return known, value_of, lambda: sorted({*vars(sys.modules[package]), *known})
+
+
+MOVED = {
+    "at_work": "plugin_system",
+    "attribution": "plugin_system.calls",
+    "discovery": "plugin_system.discovery",
+    "fence": "isolation",
+    "mesh_triangles": "meshes",
+    "number_text": "quantities",
+    "options": "plugin_system",
+    "own_process": "isolation",
+    "registry": "plugin_system",
+    "seen": "output",
+    "textfiles": "documents",
+    "units": "quantities",
+}
+"""Where the names are of modules that plugins could import once."""
+
+
+class Moved:
+    """Says where a module is now, to an import of its old name: the last finder of `sys.meta_path`."""
+
+    @staticmethod
+    def find_spec(name: str, _path: object = None, _target: object = None) -> None:
+        """Find nothing.
+
+        Raises:
+            ModuleNotFoundError: the module has moved.
+        """
+        package, _, module = name.partition(".")
+        if package == "dh2urdf" and module in MOVED:
+            raise ModuleNotFoundError(f"No module named {name!r}: see 'dh2urdf.{MOVED[module]}'", name=name)

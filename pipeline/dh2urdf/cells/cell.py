@@ -1,0 +1,300 @@
+"""Cells: several arms in one robot description, whose root is the link `world`.
+
+Every arm keeps what it is alone; its links, joints and materials get a prefix, and a fixed joint holds its root link on
+the world or on a link of another arm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.cells.wanted_tables import cannot_be_made
+from dh2urdf.errors import RobotError
+from dh2urdf.kinematics.chain import TOOL, KinematicChain, forward_kinematics
+from dh2urdf.kinematics.expected_poses import Stretch, Tip, Truth
+from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.robot import Arm, Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
+from dh2urdf.rotations import IDENTITY
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stages import Rejected
+from dh2urdf.validation.coercion import replace_unchecked
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from dh2urdf.cells.wanted_tables import Gathering
+    from dh2urdf.robot import Geometry
+
+WORLD = "world"
+"""The root link of a cell."""
+WEIGHTLESS = Inertial(mass=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArmCall:
+    """An arm of a cell as a run file asks for it.
+
+    Attributes:
+        name: its name in the cell.
+        of: name of the manipulator of the run that it is.
+        prefix: what stands before the names of its links, joints and materials.
+        parent: name of the arm that holds it; None for the world.
+        link: the link of that arm, without its prefix.
+        placement: its root link in the link that holds it.
+        mark: where it stands.
+        of_mark: where its manipulator is named.
+        parent_mark: where its parent is named.
+    """
+
+    name: str
+    of: str
+    prefix: str
+    parent: str | None = None
+    link: str = WORLD
+    placement: Origin = Origin()
+    mark: Mark | None = field(default=None, compare=False)
+    of_mark: Mark | None = field(default=None, compare=False)
+    parent_mark: Mark | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellCall:
+    """A cell as a run file asks for it.
+
+    Attributes:
+        name: its name.
+        arms: its arms, parents before children.
+        mark: where it stands.
+    """
+
+    name: str
+    arms: tuple[ArmCall, ...]
+    mark: Mark | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """A cell and the tables of its arms: all that a worker needs to make it.
+
+    Attributes:
+        call: the cell as the run file asks for it.
+        manipulators: the tables, by their names.
+    """
+
+    call: CellCall
+    manipulators: dict[str, Manipulator]
+
+    @property
+    def name(self) -> str:
+        """The cell's name."""
+        return self.call.name
+
+    @property
+    def mark(self) -> Mark | None:
+        """Where the cell stands."""
+        return self.call.mark
+
+
+def with_tables(cells: Sequence[CellCall], gathering: Gathering) -> Iterator[Cell | Rejected]:
+    """The cells with their tables, once everything has been seen; why not, where one cannot be made."""
+    for cell in cells:
+        found: dict[str, Manipulator] = {}
+        problems: list[Problem] = []
+        for arm in cell.arms:
+            match gathering.table(arm.of, _the_arm(arm), arm.of_mark or arm.mark):
+                case Manipulator() as table:
+                    found[arm.of] = table
+                case why_not:
+                    problems += why_not
+        yield (
+            Rejected(name=cell.name, problems=tuple(problems), mark=cell.mark)
+            if problems
+            else Cell(call=cell, manipulators=found)
+        )
+
+
+def cannot_be(arm: ArmCall, problems: Sequence[Problem]) -> Iterator[Problem]:
+    """The problems of an arm's table as problems of the cell, with a sentence before them that says so."""
+    yield cannot_be_made(arm.of, _the_arm(arm), arm.of_mark or arm.mark)
+    yield from problems
+
+
+def _the_arm(arm: ArmCall) -> str:
+    return f"the arm {shown(arm.name)}"
+
+
+def _of(arm: ArmCall, message: str, field: str, mark: Mark | None, **more: str | None) -> Problem:
+    return Problem(message=message, field=field, mark=mark or arm.mark, found=getattr(arm, field, None), **more)  # type: ignore[arg-type]  # texts
+
+
+# --- The robot --------------------------------------------------------------------------------------------------------
+
+
+def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
+    """The robot of a cell.
+
+    Args:
+        cell: the cell.
+        robots: the robots of its manipulators, by their names.
+
+    Raises:
+        RobotError: an arm stands on a link that there is not, or two arms have a name in common.
+    """
+    arms = tuple(_arms(cell, robots))
+    links, joints = [Link(name=WORLD)], []
+    for arm in arms:
+        kind, prefix = arm.kind, arm.prefix
+        joints.append(
+            Joint(
+                name=prefix + kind.mounting,
+                type=JointType.FIXED,
+                parent=arm.parent,
+                child=prefix + kind.root,
+                origin=arm.placement,
+            )
+        )
+        joints += [_placed_joint(joint, prefix) for joint in kind.joints]
+        # PyBullet takes a link without inertial for 1 kg, unless it is the root: here it is not.
+        root = kind.links[0]
+        root = root if root.inertial else replace(root, inertial=WEIGHTLESS)
+        links += [_placed_link(link, prefix) for link in (root, *kind.links[1:])]
+    return Robot(
+        name=cell.name,
+        links=tuple(links),
+        joints=tuple(joints),
+        comment=f"{cell.name}: a cell of {', '.join(f'{arm.name} ({arm.kind.name})' for arm in arms)}, made by dh2urdf",
+        arms=arms,
+    )
+
+
+def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
+    """The arms with their robots and the names of their parents in the cell.
+
+    Raises:
+        RobotError: as `compose`.
+    """
+    problems: list[Problem] = []
+    calls = {arm.name: arm for arm in cell.call.arms}
+    owners: dict[str, ArmCall | None] = {WORLD: None}
+    for arm in cell.call.arms:
+        kind = robots[arm.of]
+        names = [kind.mounting, *(link.name for link in kind.links), *(joint.name for joint in kind.joints)]
+        taken = next((name for name in names if arm.prefix + name in owners), None)
+        if taken is not None:
+            other = owners[arm.prefix + taken]
+            whose = f"the arm {shown(other.name)}" if other else "the root of the cell"
+            message = f"the arm {shown(arm.name)} has the name {shown(arm.prefix + taken)}, as has {whose}"
+            problems.append(_of(arm, message, "prefix", None, suggestion="give the arm a prefix of its own"))
+        owners.update(dict.fromkeys((arm.prefix + name for name in names), arm))
+        parent = WORLD
+        if arm.parent is not None:
+            holder = calls[arm.parent]
+            parent = holder.prefix + arm.link
+            known = [link.name for link in robots[holder.of].links]
+            if arm.link not in known:
+                message = f"the arm {shown(arm.name)} stands on {shown(f'{arm.parent}/{arm.link}')}, which is no link"
+                near = did_you_mean(arm.link, known) or did_you_mean(arm.link.removeprefix(holder.prefix), known)
+                accepted = ", ".join(f"{arm.parent}/{name}" for name in known)
+                problems.append(_of(arm, message, "parent", arm.parent_mark, accepted=accepted, suggestion=near))
+        yield Arm(name=arm.name, kind=kind, prefix=arm.prefix, parent=parent, placement=arm.placement)
+    if problems:
+        raise RobotError(problems)
+
+
+def _placed_joint(joint: Joint, prefix: str) -> Joint:
+    return replace(
+        joint,
+        name=prefix + joint.name,
+        parent=prefix + joint.parent,
+        child=prefix + joint.child,
+        origin=_number_origin(joint.origin),
+    )
+
+
+def _placed_link(link: Link, prefix: str) -> Link:
+    return replace(
+        link,
+        name=prefix + link.name,
+        visuals=tuple(_placed_visual(visual, prefix) for visual in link.visuals),
+        collisions=tuple(_number_shape(collision) for collision in link.collisions),
+    )
+
+
+def _placed_visual(visual: Visual, prefix: str) -> Visual:
+    material = visual.material and replace(visual.material, name=prefix + visual.material.name)
+    return replace(
+        visual, geometry=_number_geometry(visual.geometry), origin=_number_origin(visual.origin), material=material
+    )
+
+
+# A cell has no parameters of its own, for two arms would both have an a_1: its numbers have no formulas. Those of the
+# arms stand in `Arm.kind`.
+
+
+def _number_shape(collision: Collision) -> Collision:
+    return Collision(geometry=_number_geometry(collision.geometry), origin=_number_origin(collision.origin))
+
+
+def _number_origin(origin: Origin) -> Origin:
+    return Origin(xyz=origin.xyz, rpy=origin.rpy)
+
+
+def _number_geometry(geometry: Geometry) -> Geometry:
+    match geometry:
+        case Box(size=size):
+            return Box(size=size)
+        case Cylinder(radius=radius, length=length):
+            return Cylinder(radius=radius, length=length)
+        case _:
+            return geometry
+
+
+# --- What is proved ---------------------------------------------------------------------------------------------------
+
+
+def truth_of(cell: Cell, robots: Mapping[str, Robot]) -> Truth:
+    """Where the tables have tool0 of every arm of a cell.
+
+    Args:
+        cell: the cell.
+        robots: the robots of its manipulators, by their names, which say where the links stand that hold other arms.
+    """
+    calls = {arm.name: arm for arm in cell.call.arms}
+    rows = [(arm, row) for arm in cell.call.arms for row in cell.manipulators[arm.of].moving_rows]
+    joints = tuple(arm.prefix + row.joint for arm, row in rows)
+    columns = {name: column for column, name in enumerate(joints)}
+    before: dict[str, tuple[Stretch, ...]] = {}  # the way to what holds each arm
+    tips: list[Tip] = []
+    for arm in cell.call.arms:
+        before[arm.name] = ()
+        if arm.parent is not None:
+            holder = calls[arm.parent]
+            held = _up_to(arm.link, cell.manipulators[holder.of], robots[holder.of])
+            before[arm.name] = (*before[holder.name], _stretch(holder, held))
+        way = (*before[arm.name], _stretch(arm, cell.manipulators[arm.of]))
+        names = [name for stretch in way for name in stretch.joints]
+        tips.append(Tip(link=arm.prefix + TOOL, way=way, columns=tuple(columns[name] for name in names)))
+    return Truth(name=cell.name, root=WORLD, tips=tuple(tips), joints=joints, mark=cell.mark)
+
+
+def _stretch(arm: ArmCall, table: Manipulator) -> Stretch:
+    joints = tuple(arm.prefix + row.joint for row in table.moving_rows)
+    return Stretch(table, joints, arm.placement.transform)
+
+
+def _up_to(link: str, table: Manipulator, robot: Robot) -> Manipulator:
+    """An arm's table as far as one of its links, which stands where its tool would.
+
+    A table knows DH frames and tool0, not where a transform puts the frames of links. But a link moves as the DH frame
+    of its row does; how it stands in that frame is seen where all joint values are 0.
+    """
+    if link == TOOL:
+        return table
+    chain = KinematicChain.between(robot, robot.root, link)
+    moving = sum(joint.type is not JointType.FIXED for joint in chain.joints)
+    numbers = [number for number, row in enumerate(table.rows, start=1) if row.type is not JointType.FIXED]
+    rows = table.rows[: numbers[moving - 1]] if moving else ()
+    zero = [0.0] * moving
+    frame = forward_kinematics(replace_unchecked(table, rows=rows, tool=IDENTITY), zero)
+    return replace_unchecked(table, rows=rows, tool=frame.inverse @ chain.forward_kinematics(zero))

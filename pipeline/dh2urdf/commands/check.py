@@ -1,0 +1,194 @@
+"""What is to be said of a robot description of any origin: the work of `dh2urdf check`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.commands.described_files import described_files
+from dh2urdf.documents.text_files import check_file
+from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.plugin_system.calls import Call, depending_on
+from dh2urdf.plugin_system.stage_answers import a_whole_record
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import Expansion, Finding, Inspection, Repair
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stages import Emitter
+
+
+def inspect(
+    catalog: Catalog, file: Path, format_name: str | None, choice: str, expansion: Expansion | None = None
+) -> Inspection:
+    """What the emitter of a file's format says of it.
+
+    Args:
+        catalog: the emitters that there are.
+        file: a robot description.
+        format_name: the name of its format; by the suffix of the file where it is None.
+        choice: how a format is named, for messages.
+        expansion: how it is expanded, where it holds macros, and where its packages are.
+
+    Raises:
+        ConfigError: files of the format cannot be checked, or hold no macros that could be expanded.
+        BrokenPluginError: the emitter is at fault.
+    """
+    emitter = _emitter(catalog, file, format_name, choice)
+    if emitter.check is None:
+        able = [item.stage.name for item in catalog.provided("emitter") if getattr(item.stage, "check", None)]
+        raise ConfigError(
+            Problem(
+                message=f"files of the format {emitter.name!r} cannot be checked",
+                mark=Mark(file=str(file)),
+                accepted=", ".join(able),
+                suggestion=f"{choice} says what the file is, where its suffix does not",
+            )
+        )
+    with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
+        if emitter.finds_packages and not (expansion and expansion.arguments):
+            return a_whole_record(emitter.check(file, expansion or Expansion()), Inspection)
+        return a_whole_record(emitter.check(file, *expanded_with(emitter, expansion, file)), Inspection)
+
+
+_UNREADABLE = Finding(rule="unreadable-file", message="", mend="make it a file that can be read, or remove it")
+
+
+class Inspections(NamedTuple):
+    """What is to be said of several files.
+
+    Attributes:
+        files: the descriptions that were inspected.
+        looked_at: how many files were looked at to find them.
+        consumers: the consumers of their formats.
+        findings: what was found, in the order of the files; of a file that several include, once.
+    """
+
+    files: tuple[Path, ...]
+    looked_at: int
+    consumers: dict[str, str]
+    findings: tuple[Finding, ...]
+
+
+def inspect_several(
+    catalog: Catalog, paths: Iterable[Path], format_name: str | None, choice: str, expansion: Expansion
+) -> Inspections:
+    """What the emitters say of files, and of the descriptions in folders, which know the ROS packages in there.
+
+    Args:
+        catalog: the emitters that there are.
+        paths: files and folders.
+        format_name: the format of the files that are named; by their suffix where it is None.
+        choice: how a format is named, for messages.
+        expansion: how those are expanded that hold macros, and where packages are.
+
+    Raises:
+        InputError: a file that is named cannot be read, or there is nothing to inspect in a folder.
+        ConfigError: the format of a file that is named cannot be checked, or no file takes the arguments.
+        BrokenPluginError: an emitter is at fault.
+    """
+    waiting: list[tuple[Path, str | None]] = []
+    unreadable: list[Problem] = []
+    packages: list[Path] = []
+    looked_at = 0
+    for path in paths:
+        if path.is_dir():
+            found = described_files(catalog, [path])
+            waiting.extend(found.files)
+            unreadable.extend(found.unreadable)
+            looked_at += found.looked_at
+            packages.extend(found.packages)
+        else:
+            check_file(path, InputError)
+            waiting.append((path, format_name))
+            looked_at += 1
+    consumers: dict[str, str] = {}
+    findings = [replace(_UNREADABLE, message=problem.message, mark=problem.mark) for problem in unreadable]
+    waiting = list(dict.fromkeys(waiting))
+    is_used = expansion == Expansion()
+    known = replace(expansion, package_paths=(*expansion.package_paths, *packages))
+    for path, name in waiting:
+        emitter = _emitter(catalog, path, name, choice)
+        is_used = is_used or emitter.expandable or (emitter.finds_packages and not expansion.arguments)
+        given = known if emitter.expandable else replace(known, arguments={}) if emitter.finds_packages else None
+        try:
+            inspection = inspect(catalog, path, emitter.name, choice, given)
+        except InputError as error:
+            if isinstance(error, ConfigError):
+                raise
+            findings += [replace(_UNREADABLE, message=problem.message, mark=problem.mark) for problem in error.problems]
+            continue
+        consumers.update(inspection.consumers)
+        findings.extend(inspection.findings)
+    if not is_used:
+        message = "none of these files has macros: they take no arguments, and only a URDF takes package paths"
+        raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
+    different = {(finding.rule, finding.mark, finding.message): finding for finding in reversed(findings)}
+    return Inspections(tuple(path for path, _ in waiting), looked_at, consumers, tuple(reversed(different.values())))
+
+
+def repaired(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Repair:
+    """A file with what its emitter can fix.
+
+    Raises:
+        InputError: the file cannot be read.
+        ConfigError: files of the format are not fixed.
+        BrokenPluginError: the emitter is at fault.
+    """
+    emitter = _emitter(catalog, file, format_name, choice)
+    if emitter.fix is None:
+        message = f"files of the format {emitter.name!r} are not fixed"
+        suggestion = "fix them at the places that the findings name"
+        raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted="a URDF", suggestion=suggestion))
+    with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "fix"):
+        return a_whole_record(emitter.fix(file), Repair)
+
+
+def _emitter(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:
+    return (
+        catalog.get("emitter", format_name) if format_name else catalog.emitter_for(file, f"{choice} says what it is")
+    )
+
+
+def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path) -> tuple[Expansion, ...]:
+    """What an emitter's functions that read a file of any origin are given beside the file.
+
+    Raises:
+        ConfigError: the format knows no macros, and something was said of their expansion.
+    """
+    if emitter.expandable:
+        return (expansion or Expansion(),)
+    if expansion in (None, Expansion()):
+        return ()
+    refused = "no arguments" if emitter.finds_packages else "no arguments and no package paths"
+    raise ConfigError(
+        Problem(
+            message=f"files of the format {emitter.name!r} have no macros: they take {refused}",
+            mark=Mark(file=str(file)),
+            accepted="NAME:=VALUE with a xacro, and package paths with a xacro or a URDF",
+        )
+    )
+
+
+def given_arguments(words: Iterable[str], mark: Mark) -> dict[str, str]:
+    """Arguments of a description as ROS writes them, ``NAME:=VALUE``.
+
+    Raises:
+        ConfigError: a word is no such argument, or one is given twice.
+    """
+    found: dict[str, str] = {}
+    problems: list[Problem] = []
+    for word in words:
+        name, sign, value = word.partition(":=")
+        if not sign or not name.strip() or name in found:
+            message = "is given twice" if sign and name in found else "is no argument"
+            problems.append(
+                Problem(message=f"{shown(word)} {message}", mark=mark, accepted="NAME:=VALUE, each name once")
+            )
+        found[name.strip()] = value
+    if problems:
+        raise ConfigError(problems)
+    return found

@@ -1,0 +1,149 @@
+"""One manipulator of one table: the reader of the file, and the manipulator that is meant."""
+
+from __future__ import annotations
+
+import shlex
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.errors import ConfigError, TableError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stages import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from dh2urdf.commands.options_of_stages import Asker
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.provenance import Trace
+    from dh2urdf.stages import Reader
+
+
+def chosen_reader(catalog: Catalog, table: Path, name: str | None, asker: Asker) -> Reader[Any]:
+    """The reader that is named, or the one by the table's suffix.
+
+    Raises:
+        InputError: there is none, or several are.
+        PluginError: it is broken, or two plugins claim its name.
+    """
+    if name:
+        return catalog.get("reader", name)
+    return catalog.reader_for(table, f"`{asker.reader}NAME` chooses a reader")
+
+
+def is_table(path: Path, catalog: Catalog) -> bool:
+    """Whether a file is surely a table: one of a kind that only readers take, or one that can be read as it is."""
+    from dh2urdf.run_file.config import RUN_SUFFIXES
+
+    with suppress(Exception):  # Whatever it is instead, it is no table.
+        reader = catalog.reader_for(path)
+        if not path.name.lower().endswith(RUN_SUFFIXES):
+            return path.is_file()
+        return isinstance(next(iter(reader.read(path, reader.options())), None), Manipulator)
+    return False
+
+
+def read_manipulator(
+    call: Call[Reader[Any]], table: Path, robot: str | None, asker: Asker, trace: Trace | None = None
+) -> Manipulator:
+    """The manipulator of a table that is meant.
+
+    Args:
+        call: the reader.
+        table: the table's file.
+        robot: which manipulator is meant; None where the table has one.
+        asker: who asks.
+        trace: takes what the cells of the manipulator say, where it is wanted.
+
+    Raises:
+        TableError: it cannot be read, there is none, or which of several is not said.
+        ConfigError: the file is a run file.
+    """
+    with refuse_run_file(table, asker):
+        return chosen_manipulator(read_items(call, table, trace), robot, str(table), asker)
+
+
+@contextmanager
+def refuse_run_file(table: Path, asker: Asker) -> Iterator[None]:
+    """Says of a file that cannot be read as a table that it is a run file, where it is one.
+
+    Raises:
+        ConfigError: it is one.
+    """
+    try:
+        yield
+    except TableError:
+        from dh2urdf.run_file.config import (
+            is_run_file,  # Reading run files takes modules that a conversion does not need.
+        )
+
+        if not is_run_file(table):
+            raise
+        raise ConfigError(
+            Problem(
+                message="this is a run file, not a table",
+                mark=Mark(file=str(table)),
+                suggestion=f"`{asker.run(str(table))}` does what it says",
+            )
+        ) from None
+
+
+def chosen_manipulator(
+    items: Iterator[Manipulator | Rejected], robot: str | None, file: str, asker: Asker
+) -> Manipulator:
+    """The manipulator that is meant.
+
+    Args:
+        items: the manipulators of a table.
+        robot: which of them is meant; None where there is one.
+        file: what messages call the table.
+        asker: who asks.
+
+    Raises:
+        TableError: it cannot be read, there is none, or which of several is not said.
+    """
+    others: list[str] = []
+    chosen: Manipulator | Rejected | None = None
+    for item in items:
+        if robot is None and chosen is not None:
+            names = [f"{asker.robot}{shown(name)}" for name in (chosen.name, item.name)]
+            raise TableError(
+                Problem(
+                    message="the table holds several manipulators, and one conversion makes one",
+                    mark=Mark(file=file),
+                    accepted=f"{asker.robot}NAME, such as {' or '.join(names)}",
+                    suggestion=asker.every,
+                )
+            )
+        if robot in (None, item.name):
+            chosen = item
+            if robot is not None:
+                break
+        others.append(item.name)
+    if isinstance(chosen, Rejected):
+        raise TableError(chosen.problems, chosen.notices)
+    if chosen is None:
+        raise TableError(
+            Problem(
+                message=f"the table holds no manipulator {shown(robot)}" if robot else "the table holds no manipulator",
+                mark=Mark(file=file),
+                found=robot,
+                accepted=", ".join(others[:20]) or None,
+                suggestion=did_you_mean(robot or "", others),
+            )
+        )
+    return chosen
+
+
+def table_as_run_file(path: Path) -> Problem:
+    """What is said of a table where a run file is wanted."""
+    return Problem(
+        message="this is a table, not a run file",
+        mark=Mark(file=str(path)),
+        suggestion=f"`dh2urdf convert {shlex.quote(str(path))}` converts it; a run file names it: "
+        f"`inputs: {path.name}`",
+    )

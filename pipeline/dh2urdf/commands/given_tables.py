@@ -1,0 +1,301 @@
+"""Tables as programs have them: files, texts, streams, arrays, data frames and lists.
+
+A text or a stream becomes a file for its reader, under a name that messages say. An array, a data frame or a list
+becomes the rows of cells that every table consists of, so that the one grammar of tables says what it means.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence, Set as AbstractSet
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, TypeAlias
+
+from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError
+from dh2urdf.output.spooled import STEM, spooled
+from dh2urdf.patterns import late_pattern
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.table_text import CellRow
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.plugin_system.catalog import Catalog
+
+StrPath: TypeAlias = "str | os.PathLike[str]"
+Source: TypeAlias = "StrPath | bytes | IO[str] | IO[bytes]"
+"""A file, a text with several lines, bytes, or a stream."""
+CellValue: TypeAlias = "str | float | Problem | None"
+
+TEXT = "the text"
+"""What messages call a table that is in no file."""
+_COUNT = ("a", "alpha", "d", "theta")
+_PREFIX = "dh2urdf."
+"""What the keys begin with of a data frame's attributes that say something of all rows."""
+_ALMOST = late_pattern(r"^dh2urdf[\W_]*", re.IGNORECASE)
+_UNITS = ("unit", "length_unit", "angle_unit", "length unit", "angle unit")
+_SAID = ("convention", "units", "base", "tool", "payload", "defaults")
+
+
+# --- Files, texts and streams -----------------------------------------------------------------------------------------
+
+
+@contextmanager
+def as_file(source: Source, kind: str, name: str | None, catalog: Catalog, choice: str) -> Iterator[Path]:
+    """A file that holds what was given, as long as the context is open.
+
+    Args:
+        source: a file, a text of several lines, bytes, or a stream.
+        kind: ``reader`` or ``emitter``: what knows the format.
+        name: the name of the format, where it is said.
+        catalog: the stages that there are.
+        choice: how the format is named, for messages: ``reader=NAME``.
+
+    Raises:
+        RecordTypeError: it is none of these.
+        ConfigError: the format of a text or a stream is not said.
+        UnknownStageError: there is no such format.
+    """
+    content = _content(source)
+    if content is None:
+        yield Path(source)  # type: ignore[arg-type]  # a path is left
+        return
+    given = getattr(source, "name", None)
+    file = Path(given) if isinstance(given, str) else None
+    if name is None and (file is None or not file.suffix):
+        names = [item.stage.name for item in catalog.provided(kind)]  # type: ignore[arg-type]  # one of two kinds
+        message = "a text has no suffix that says its format"
+        problem = Problem(message=message, mark=Mark(file=TEXT), accepted=f"{choice}, with one of {', '.join(names)}")
+        raise ConfigError(problem)
+    suffix = file.suffix if file else ""
+    if name is not None:
+        stage: Any = catalog.get(kind, name)  # type: ignore[call-overload]  # one of two kinds
+        suffix = stage.suffixes[0] if stage.suffixes else suffix
+    with spooled(content, str(file) if file else TEXT, suffix, stem=file.stem if file else STEM) as path:
+        yield path
+
+
+def _content(source: Any) -> bytes | None:  # noqa: ANN401 - whatever is given
+    """What a text or a stream holds; None for the path of a file."""
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        return bytes(source)
+    if isinstance(source, str):
+        return source.encode() if "\n" in source or "\r" in source else None
+    if isinstance(source, os.PathLike):
+        return None
+    if callable(getattr(source, "read", None)):
+        found = source.read()
+        return found.encode() if isinstance(found, str) else bytes(found)
+    raise RecordTypeError(
+        Problem(
+            message=f"a {type(source).__name__} is no table in a file",
+            mark=Mark(file="dh2urdf"),
+            accepted="a path, a text of several lines, bytes, or a stream",
+            suggestion="`dh2urdf.Manipulator.from_dh` takes arrays, data frames and lists",
+        )
+    )
+
+
+# --- Arrays, data frames and lists ------------------------------------------------------------------------------------
+
+
+class GivenRows:
+    """The rows of a table that was given as an array, a data frame, a mapping of columns, or a list.
+
+    Attributes:
+        headers: the name of each column.
+        rows: the cells of each row.
+        function: what was called, for messages.
+    """
+
+    def __init__(self, table: Any, columns: Sequence[str] | None, function: str) -> None:  # noqa: ANN401 - whatever is given
+        """Takes the table.
+
+        Args:
+            table: the table.
+            columns: the names of the columns, in their order, where the table has none.
+            function: what was called, for messages.
+
+        Raises:
+            RecordTypeError: it is no table.
+            RecordValueError: its columns are not named, or twice, or its rows differ in length.
+        """
+        self.function = function
+        self.said = self._said(getattr(table, "attrs", None))
+        labelled = _labelled(table, function)
+        if labelled is None:
+            rows = self._rows(table)
+            if columns is None and rows and all(isinstance(cell, str) for cell in rows[0]):
+                columns, rows = rows[0], rows[1:]
+            if columns is None:
+                raise self._wrong(
+                    "the columns have no names, and their order is never guessed",
+                    accepted="columns=, in the order of the table, such as columns=['theta', 'd', 'a', 'alpha']",
+                )
+            self.headers, self.rows = list(columns), [list(row) for row in rows]
+        elif columns is not None:
+            raise self._wrong("the columns have names already", accepted="no columns=, or an array without names")
+        else:
+            self.headers, self.rows = labelled
+        for number, row in enumerate(self.rows, start=1):
+            if len(row) != len(self.headers):
+                message = f"row {number} has {len(row)} cells, and there are {len(self.headers)} columns"
+                raise self._wrong(message, accepted=f"one cell for each of {', '.join(map(str, self.headers))}")
+        if not all(isinstance(header, str) for header in self.headers):
+            accepted = f"names, such as {', '.join(_COUNT)}"
+            raise self._wrong(f"the columns are named {self.headers}", accepted=accepted)
+
+    def _said(self, attributes: Any) -> dict[str, object]:  # noqa: ANN401 - whatever a table has
+        """What the attributes of a data frame say of all rows, as the metadata of a Parquet file do.
+
+        Raises:
+            RecordValueError: one of them seems to say something under a key that nothing reads.
+        """
+        said: dict[str, object] = {}
+        for key, value in attributes.items() if isinstance(attributes, Mapping) else ():
+            word = str(key)
+            if word.startswith(_PREFIX):
+                said[word.removeprefix(_PREFIX)] = value
+            elif (meant := _ALMOST.sub("", word).casefold()) in (*_SAID, *_UNITS):
+                message = f"the attributes say {shown(word)}, and only keys that begin with {_PREFIX} are read"
+                raise self._wrong(message, accepted=f"the key {_PREFIX}{'units' if meant in _UNITS else meant}")
+        if unknown := said.keys() - {*_SAID, "name"}:
+            message = f"the attributes say {shown(_PREFIX + min(unknown))}, which nothing is called"
+            raise self._wrong(message, accepted=", ".join(f"{_PREFIX}{key}" for key in ("name", *_SAID)))
+        return said
+
+    def add_column(self, header: str, cells: Iterable[str], argument: str) -> None:
+        """A further column.
+
+        Raises:
+            RecordValueError: it has another length.
+        """
+        given = list(cells)
+        if len(given) != len(self.rows):
+            message = f"{argument}= has {len(given)} entries, and the table has {len(self.rows)} rows"
+            raise self._wrong(message, accepted="one for each row")
+        self.headers.append(header)
+        for row, cell in zip(self.rows, given, strict=True):
+            row.append(cell)
+
+    def cell_rows(self, statements: Mapping[str, object]) -> Iterator[CellRow]:
+        """The rows of cells: what holds for all rows, the header, and the rows."""
+        whole = Mark(file=self.function)
+        for key, value in {**self.said, **statements}.items():
+            yield CellRow([f"# {key}: {json.dumps(value, ensure_ascii=False)}"], whole)
+        yield CellRow(list(self.headers), whole)
+        for number, row in enumerate(self.rows, start=1):
+            marks = [
+                Mark(file=self.function, line=number, column=place, place=f"row {number}, column {header}")
+                for place, header in enumerate(self.headers, start=1)
+            ]
+            cells = [_cell(value, mark) for value, mark in zip(row, marks, strict=True)]
+            yield CellRow(cells, Mark(file=self.function, line=number, place=f"row {number}"), marks)
+
+    def _rows(self, table: Any) -> list[Sequence[Any]]:  # noqa: ANN401 - whatever is given
+        if isinstance(table, (str, bytes, Mapping, AbstractSet)) or not isinstance(table, Iterable):
+            raise RecordTypeError(
+                Problem(
+                    message=f"a {type(table).__name__} is no table",
+                    mark=Mark(file=self.function),
+                    accepted="an array of shape (rows, columns), a DataFrame, a list of rows, a list of mappings, a "
+                    "mapping of columns, or a text of several lines",
+                )
+            )
+        tuples = getattr(table, "itertuples", None)  # of a DataFrame, which iterates over its columns
+        rows = list(tuples(index=False, name=None) if tuples else table)
+        for row in rows:
+            if isinstance(row, (str, bytes, AbstractSet)) or not isinstance(row, Iterable):
+                message = f"a row is {shown(str(row))}, and no list of cells"
+                raise self._wrong(message, accepted="a table of two dimensions: rows of cells")
+        return [list(row) for row in rows]
+
+    def _wrong(self, message: str, *, accepted: str) -> RecordValueError:
+        return RecordValueError(Problem(message=message, mark=Mark(file=self.function), accepted=accepted))
+
+
+def _labelled(table: Any, function: str) -> tuple[list[Any], list[list[Any]]] | None:  # noqa: ANN401 - whatever is given
+    """The headers and the rows of a table whose columns have names; None of any other."""
+    if fields := getattr(getattr(table, "dtype", None), "names", None):  # a structured array
+        return list(fields), [list(row) for row in table.tolist()]
+    if hasattr(table, "columns") and hasattr(table, "itertuples"):
+        headers = list(table.columns)
+        if all(isinstance(header, int) for header in headers):  # nobody named them
+            return None
+        rows = [list(row) for row in table.itertuples(index=False, name=None)]
+        labels = list(table.index)
+        if any(isinstance(label, str) for label in labels):  # the names of the joints
+            headers.insert(0, table.index.name or "joint")
+            rows = [[label, *row] for label, row in zip(labels, rows, strict=True)]
+        return headers, [[None if _is_missing(cell) else cell for cell in row] for row in rows]
+    if isinstance(table, Mapping):
+        columns = {key: _column(key, column, function) for key, column in table.items()}
+        _check_labels(table, function)
+        count = max(map(len, columns.values()), default=0)
+        # A column that is too short has nothing in its last cells, and the reader says which they are.
+        return list(columns), [
+            [column[number] if number < len(column) else None for column in columns.values()] for number in range(count)
+        ]
+    if isinstance(table, (list, tuple)) and table and all(isinstance(row, Mapping) for row in table):
+        headers = list(dict.fromkeys(key for row in table for key in row))
+        return headers, [[row.get(header) for header in headers] for row in table]
+    return None
+
+
+def _column(header: object, column: Any, function: str) -> list[Any]:  # noqa: ANN401 - whatever is given
+    """The cells of a column that is given by its name."""
+    if isinstance(column, Mapping):  # such as those of `DataFrame.to_dict()`
+        return list(column.values())
+    if isinstance(column, (str, bytes, AbstractSet)) or not isinstance(column, Iterable):
+        raise RecordTypeError(
+            Problem(
+                message=f"the column {shown(str(header))} is {shown(str(column))}, and no list of cells",
+                mark=Mark(file=function),
+                field=str(header),
+                accepted="a list with one cell for each row",
+                suggestion="a list of mappings is a table of one mapping for each row",
+            )
+        )
+    return list(column)
+
+
+def _check_labels(table: Mapping[Any, Any], function: str) -> None:
+    """Refuse columns whose cells have labels, where they differ: what is in one row would be a guess."""
+    labels = {key: list(column) for key, column in table.items() if isinstance(column, Mapping)}
+    first = next(iter(labels), None)
+    for key, found in labels.items():
+        if found != labels[first]:
+            message = f"the rows of the columns {shown(str(first))} and {shown(str(key))} have different labels"
+            accepted = f"the labels {', '.join(map(str, labels[first]))} in this order, in each column"
+            raise RecordValueError(Problem(message=message, mark=Mark(file=function), accepted=accepted))
+
+
+def _is_missing(cell: Any) -> bool:  # noqa: ANN401 - whatever is given
+    """Whether a data frame has nothing in a cell: None, NaN, NaT or NA, none of which is equal to itself."""
+    return (
+        cell is None or type(cell).__name__ in ("NAType", "NaTType") or (isinstance(cell, float) and math.isnan(cell))
+    )
+
+
+def _cell(value: Any, mark: Mark) -> CellValue:  # noqa: ANN401 - whatever is given
+    """What a cell of a table holds."""
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str):
+        return str.__str__(value)
+    if isinstance(value, (list, tuple)) or getattr(value, "ndim", None):  # a range, a centre of mass, an inertia tensor
+        return json.dumps(value, default=lambda items: items.tolist() if hasattr(items, "tolist") else str(items))
+    from dh2urdf.validation.coercion import as_number
+
+    try:
+        number = as_number(value)
+    except RecordTypeError as error:
+        (problem,) = error.problems
+        return Problem(message=problem.message, mark=mark, found=problem.found, accepted="a number or text")
+    if not math.isfinite(number):
+        return Problem(message=f"{number} is not a finite number", mark=mark, found=str(value), accepted="a number")
+    return int(number) if isinstance(value, int) else number

@@ -1,0 +1,140 @@
+"""Who asks for what is done with one table, and which options of the stages they give."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.errors import ConfigError
+from dh2urdf.plugin_system.calls import Call
+from dh2urdf.plugin_system.options import make_options
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from dh2urdf.plugin_system.catalog import Catalog
+
+
+class Asker(NamedTuple):
+    """Who asks for a conversion: a command line or a program, as messages speak to it.
+
+    Attributes:
+        mark: the place of whatever is wrong with what was asked.
+        reader: what stands before the name of a reader.
+        format: what stands before the name of an emitter.
+        robot: what stands before the name of a manipulator.
+        out: what stands before the name of a file.
+        meshes: what stands before the word for how meshes are named.
+        convert_meshes: what stands before the word for what becomes of meshes.
+        setting: what stands before any other option of a stage.
+        nowhere: where a conversion goes that writes no file.
+        every: how to get all manipulators of a table.
+        run: how to do what a run file of some path says.
+    """
+
+    mark: Mark
+    reader: str
+    format: str
+    robot: str
+    out: str
+    meshes: str
+    convert_meshes: str
+    setting: str
+    nowhere: str
+    every: str
+    run: Callable[[str], str]
+
+
+def asker_of(function: str) -> Asker:
+    """A program that calls a function, as messages name it."""
+    return Asker(
+        mark=Mark(file=function),
+        reader="reader=",
+        format="formats=",
+        robot="robot=",
+        out="out=",
+        meshes="meshes=",
+        convert_meshes="convert_meshes=",
+        setting="",
+        nowhere="none is written",
+        every="`dh2urdf.read_all` gives all of them, one by one",
+        run="dh2urdf.run({!r})".format,
+    )
+
+
+class Setting(NamedTuple):
+    """An option of some stage.
+
+    Attributes:
+        text: as it was said.
+        key: ``frames``, or ``transform.frames`` where it has to be said whose option it is.
+        value: its value as a word of the command line; None where there is none.
+    """
+
+    text: str
+    key: str
+    value: str | None
+
+
+def stage_calls(
+    catalog: Catalog,
+    stages: Mapping[str, Sequence[Any]],
+    asker: Asker,
+    given: Mapping[str, Mapping[str, str | None]],
+    settings: Iterable[Setting] = (),
+) -> dict[str, list[Call[Any]]]:
+    """The calls of stages with their options, in the order of the stages of each kind.
+
+    Args:
+        catalog: where the stages are from.
+        stages: the stages by kind. Those of one kind share what is said: each takes the options that it has.
+        asker: who asks.
+        given: options by kind; a stage that has no such option is an error.
+        settings: options that go to the kind of stage which has them.
+
+    Raises:
+        ConfigError: an option is unknown or its value wrong; all of it is said at once.
+    """
+    words: dict[str, dict[str, str]] = {
+        kind: {name: value for name, value in given.get(kind, {}).items() if value is not None} for kind in stages
+    }
+    known = {kind: {name: None for stage in some for name in _fields(stage)} for kind, some in stages.items()}
+    problems: list[Problem] = []
+    for text, path, value in settings:
+        kind, _, key = path.rpartition(".")
+        kinds = [kind] if kind in known else [] if kind else [k for k in known if key in known[k]]
+        if value is None or len(kinds) != 1 or key not in known[kinds[0]]:
+            keys = [f"{k}.{name}" for k in known for name in known[k]]
+            wrong = "has no value" if value is None else "names no option"
+            near = None if value is None else did_you_mean(path, [*keys, *(key.partition(".")[2] for key in keys)])
+            problems.append(
+                Problem(
+                    message=f"{asker.setting}{shown(text)} {wrong}",
+                    mark=asker.mark,
+                    found=text,
+                    accepted=f"KEY=VALUE, where KEY is one of {', '.join(keys)}",
+                    suggestion=near,
+                )
+            )
+            continue
+        words[kinds[0]][key] = value
+    calls: dict[str, list[Call[Any]]] = {kind: [] for kind in stages}
+    for kind, some in stages.items():
+        for stage in some:
+            # What no stage of the kind has is left in, for the message that says so.
+            foreign = known[kind].keys() - _fields(stage).keys()
+            own = {name: word for name, word in words[kind].items() if name not in foreign}
+            plugin, where = catalog.plugin_of(stage), f"{kind} {stage.name!r}"
+            try:
+                options = make_options(stage.options, own, mark=asker.mark, where=where, plugin=plugin)
+                calls[kind].append(Call(stage=stage, options=options, plugin=plugin))
+            except ConfigError as error:
+                problems.extend(error.problems)
+    if problems:
+        raise ConfigError(problems)
+    return calls
+
+
+def _fields(stage: Any) -> Mapping[str, Any]:  # noqa: ANN401 - a stage of any kind
+    fields: Mapping[str, Any] = stage.options.__dataclass_fields__
+    return fields

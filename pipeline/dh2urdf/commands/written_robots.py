@@ -1,0 +1,85 @@
+"""A robot as a description, checked before it is written and read back after."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.columns import columns_of
+from dh2urdf.commands.argument_words import word_of
+from dh2urdf.commands.options_of_stages import asker_of, stage_calls
+from dh2urdf.errors import ProofError, RobotError
+from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
+from dh2urdf.manipulator import JointType
+from dh2urdf.meshes.files import FILE, located, prefix_of
+from dh2urdf.output.spooled import spooled
+from dh2urdf.output.whole_files import safe_stem, write_whole
+from dh2urdf.plugin_system.calls import blaming
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system.stage_answers import a_whole_record, emitted_files
+from dh2urdf.robot import Robot
+from dh2urdf.robot_check import check_robot
+from dh2urdf.source import Problem
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping
+
+    from dh2urdf.robot import Joint
+    from dh2urdf.source import Mark
+
+TOLERANCE = 1e-9
+"""What a written robot may differ from the robot [m and rad]."""
+
+
+def write_description(
+    robot: Robot, format_name: str, out: str | os.PathLike[str] | None, options: Mapping[str, object]
+) -> str:
+    """A robot in a format; see `Robot.to_urdf`."""
+    asker = asker_of(f"Robot.to_{format_name}()")
+    problems = [problem for problem in check_robot(robot) if problem.severity == "error"]
+    if columns_of(robot):
+        problems.append(Problem(message="a number of the robot is an array", robot=robot.name, accepted="one number"))
+    if problems:
+        raise RobotError(problem.about(mark=asker.mark) for problem in problems)
+    catalog = load()
+    emitter: Any = catalog.get("emitter", format_name)
+    given = {"emitter": {name: word_of(value) for name, value in options.items()}}
+    (call,) = stage_calls(catalog, {"emitter": [emitter]}, asker, given)["emitter"]
+    robot = located(robot, prefix_of(FILE))
+    with blaming(call):
+        emitted = emitter.emit(robot, safe_stem(robot.name), call.options)
+        content = emitted_files(emitted)[0].content
+        with spooled(content, str(asker.mark), emitter.suffixes[0]) as path:
+            described: Robot = a_whole_record(emitter.read_back(path), Robot)
+    _compare(robot, described, asker.mark)
+    if out is not None:
+        write_whole(Path(out), content)
+    return content.decode()
+
+
+def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
+    """Compare every way from the root to an outermost link, at four joint vectors.
+
+    Raises:
+        ProofError: one of them differs.
+    """
+    parents = {joint.parent for joint in robot.joints}
+    for tip in (joint.child for joint in robot.joints if joint.child not in parents):
+        given, found = (KinematicChain.between(each, robot.root, tip) for each in (robot, described))
+        moving = [joint for joint in given.joints if joint.type is not JointType.FIXED]
+        for part in (0.0, 1.0, 0.3, 0.7):
+            q = [_value(joint, part if number % 2 else 1.0 - part) for number, joint in enumerate(moving)]
+            left, right = given.forward_kinematics(q), found.forward_kinematics(q)
+            position, angle = position_error(left, right), angle_error(left, right)
+            if not (position <= TOLERANCE and angle <= TOLERANCE):
+                message = f"what was written has {tip} {position:.3g} m and {angle:.3g} rad away at q = {q}"
+                raise ProofError(Problem(message=message, mark=mark, robot=robot.name))
+
+
+def _value(joint: Joint, part: float) -> float:
+    """A joint value inside the limits [rad or m]."""
+    lower = -math.pi if joint.limits.lower is None else joint.limits.lower
+    upper = math.pi if joint.limits.upper is None else joint.limits.upper
+    return lower + part * (upper - lower)

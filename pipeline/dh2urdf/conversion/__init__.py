@@ -1,0 +1,1 @@
+"""One manipulator on its way: transform, check, emit, prove, load."""

@@ -1,0 +1,82 @@
+"""What the bytes of a manipulator's files depend on, as a hash: whether an earlier run's files are still right.
+
+A key covers the manipulator as its table says it, the stages with their options and the versions of their
+distributions, what the proof and the sample ask of it, and where its files go. Two runs that give one manipulator the
+same key give it the same files and the same row of the manifest.
+"""
+
+from __future__ import annotations
+
+import sys
+from enum import Enum
+from hashlib import sha256
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf._version import __version__
+from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.columns import ManipulatorColumns
+    from dh2urdf.conversion.one_manipulator import Recipe
+    from dh2urdf.plugin_system.calls import Call
+
+DIGITS = 32
+"""Hexadecimal digits of a key [1]: 128 bits, so that no two of a million manipulators share one by chance."""
+
+
+def recipe_key(recipe: Recipe) -> str:
+    """The key of all that is done with every manipulator."""
+    calls: list[Call[Any]] = [recipe.transform, *recipe.emitters, *recipe.loaders]
+    stages = [
+        (call.kind, call.stage.name, call.plugin.distribution if call.plugin else "", repr(call.options))
+        for call in calls
+    ]
+    python = sys.version_info[:2]
+    told = (sorted(recipe.optional), sorted(recipe.missing.items()))
+    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told), __version__)
+
+
+def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:
+    """The keys of manipulators that differ in numbers only; where their rows stand in a file does not matter.
+
+    Args:
+        columns: the manipulators.
+        recipe: the key of the recipe.
+        contexts: what besides its table counts for each: where it goes, where it comes from, how it is looked at.
+    """
+    table = columns.table
+    numbers: list[Any] = []
+    forms: list[Any] = []
+    for row in table.rows:
+        inertia = [getattr(row.inertia, name) for name in INERTIA] if row.inertia else []
+        entries = [*_numbers_of(row), *(row.com or ()), *inertia]
+        numbers += [entry for entry in entries if entry is not None]
+        given = tuple([entry is not None for entry in entries])
+        words = [word.value if isinstance(word, Enum) else word for word in _words_of(row)]
+        forms.append((*words, given))
+    common = key_of((table.convention.value, _others_of(table), forms, table.notices), recipe)
+    rows = zip(columns.names, contexts, _bytes_of(numbers, len(columns)), strict=True)
+    return [key_of((name, context, row), common) for name, context, row in rows]
+
+
+def key_of(what: object, recipe: str) -> str:
+    """The key of anything, by its text."""
+    return sha256(f"{recipe} {what!r}".encode(errors="surrogatepass")).hexdigest()[:DIGITS]
+
+
+_others_of = attrgetter(*(name for name in COMMON if name not in {"convention", "notices"}))
+_words_of = attrgetter(*WORDS)
+_numbers_of = attrgetter(*NUMBERS, *(f"limits.{name}" for name in LIMITS))
+
+
+def _bytes_of(numbers: Sequence[Any], count: int) -> list[bytes]:
+    """The numbers of each member."""
+    import numpy as np
+
+    table = np.zeros((count, len(numbers)))
+    for index, column in enumerate(numbers):
+        table[:, index] += column  # added to 0: the sign of a zero tells nothing
+    return [row.tobytes() for row in table]

@@ -1,0 +1,379 @@
+"""One manipulator on its way: transform, check, emit, prove, put in place.
+
+The command `convert` and every worker of a run go through here, so one table and a million are made alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from dh2urdf.cells.cell import Cell, cannot_be, compose, truth_of
+from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, TableError
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import TOLERANCE, Proof, proof_vectors, prove
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.meshes.conversion import converted
+from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
+from dh2urdf.meshes.forms import MeshConversion
+from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
+from dh2urdf.plugin_system.calls import Call, blaming, depending_on
+from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, emitted_files, items_of, whole_records
+from dh2urdf.robot import Robot
+from dh2urdf.robot_check import check_robot
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import EmittedFile, Emitter, Loader, Reader, Rejected, Transform
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from dh2urdf.kinematics.proof import Poses
+    from dh2urdf.provenance import Trace
+
+O = TypeVar("O")  # noqa: E741 - the options type of a stage
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """Which manipulators of a run are looked at, by their numbers from 0.
+
+    Attributes:
+        first: so many at the beginning [1].
+        every: of the rest every how many-th [1].
+    """
+
+    first: int = 0
+    every: int = 1
+
+    def __contains__(self, index: int) -> bool:
+        return index < self.first or index % self.every == 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recipe:
+    """What is done with every manipulator.
+
+    Attributes:
+        transform: makes the robot.
+        emitters: make the files.
+        loaders: load the files into simulators.
+        optional: the names of the loaders whose failures are notices.
+        missing: of these, what is not installed that they need, by their names.
+        poses: random joint vectors of a proof, besides zero and both ends of the limits.
+        proved: whose files are compared with the table.
+        sample: whose files go through what is slow: expansion of xacro, and simulators.
+        time_limit: how long one manipulator may take, simulators aside [s].
+        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
+        mesh_conversion: what becomes of meshes.
+    """
+
+    transform: Call[Transform[Any]]
+    emitters: tuple[Call[Emitter[Any]], ...]
+    loaders: tuple[Call[Loader[Any]], ...] = ()
+    optional: frozenset[str] = frozenset()
+    missing: Mapping[str, str] = field(default_factory=dict)
+    poses: int = 32
+    proved: Sample = Sample()
+    sample: Sample = Sample()
+    time_limit: float = 300.0
+    mesh_prefix: str | None = prefix_of(RELATIVE)
+    mesh_conversion: MeshConversion = MeshConversion.NEVER
+
+    @property
+    def keeps_kinematics(self) -> bool:
+        """Whether a difference from the DH product is a failure."""
+        with depending_on(self.transform, "keeps_kinematics"):
+            return a_record(self.transform.stage.keeps_kinematics(self.transform.options), bool)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Written:
+    """What an emitter made.
+
+    Attributes:
+        stage: name of the emitter.
+        files: its files, the main one first.
+        proof: how far the main file is from the DH product; None where the format cannot be read back or the proof
+            was left to a sample of the run.
+    """
+
+    stage: str
+    files: tuple[EmittedFile, ...]
+    proof: Proof | None
+
+
+def make_item(item: Manipulator | Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
+    """The robot of a manipulator or cell, checked, and what its tables say of it.
+
+    Raises:
+        ManipulatorError: as `make_robot` and `make_cell`.
+    """
+    if isinstance(item, Cell):
+        return make_cell(item, transform)
+    return make_robot(item, transform), Truth.of(item)
+
+
+def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Robot:
+    """The robot of a manipulator, checked.
+
+    Raises:
+        ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
+    """
+    with blaming(transform):
+        robot = _a_robot(transform.stage.transform(manipulator, transform.options), transform)
+    return _checked(robot, manipulator.mark)
+
+
+def make_cell(cell: Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
+    """The robot of a cell, checked, and what its tables say of it.
+
+    What there is to notice of each arm is said with the manipulator that it is.
+
+    Raises:
+        ManipulatorError: the transform refuses an arm, the arms do not go together, or the robot breaks a rule.
+    """
+    robots: dict[str, Robot] = {}
+    problems: list[Problem] = []
+    for arm in {arm.of: arm for arm in reversed(cell.call.arms)}.values():
+        try:
+            robots[arm.of] = make_robot(cell.manipulators[arm.of], transform)
+        except ManipulatorError as error:
+            problems += cannot_be(arm, error.problems)
+    if problems:
+        raise RobotError(problems)
+    robot = _checked(compose(cell, robots), cell.mark)
+    return robot, truth_of(cell, robots)
+
+
+def _a_robot(value: Robot, call: Call[Any]) -> Robot:
+    """The robot that a stage gave.
+
+    It may hold records of `dh2urdf.unchecked_records`, which a third party's stage may have filled with anything. The
+    built-in stages have tests instead: to look at each robot would take a third of a run.
+    """
+    is_trusted = call.plugin is not None and call.plugin.is_builtin
+    return a_record(value, Robot) if is_trusted else a_whole_record(value, Robot)
+
+
+def _checked(robot: Robot, mark: Mark | None) -> Robot:
+    """A robot that breaks no rule, with the notices of the check."""
+    problems = [problem.about(robot=robot.name, mark=mark) for problem in check_robot(robot)]
+    if any(problem.severity == "error" for problem in problems):
+        raise RobotError(problems)
+    return replace(robot, notices=(*robot.notices, *problems))
+
+
+def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
+    """A robot with the notices of the emitters that write its files; the same notice of several emitters stands once.
+
+    Raises:
+        StageError: an emitter is at fault.
+    """
+    notices = dict.fromkeys(robot.notices)
+    for call in emitters:
+        if call.stage.notices is not None:
+            with blaming(call, "notices"):
+                found = whole_records(call.stage.notices(robot, call.options), Problem)
+            notices.update(dict.fromkeys(replace(each.about(robot=robot.name), severity="notice") for each in found))
+    return replace(robot, notices=tuple(notices))
+
+
+def with_copies(robot: Robot, recipe: Recipe) -> Robot:
+    """A robot whose meshes are those that its descriptions shall name: converted, and named by their copies.
+
+    Raises:
+        ManipulatorError: a mesh cannot be converted.
+        MissingDependencyError: a package that converts is not installed.
+        OutputError: a mesh cannot be read any more.
+    """
+    return located(converted(robot, recipe.mesh_conversion), recipe.mesh_prefix)
+
+
+def write_robot(
+    truth: Truth,
+    robot: Robot,
+    recipe: Recipe,
+    *,
+    directory: Path,
+    stem: str,
+    main_file: str | None = None,
+    inputs: Iterable[Path] = (),
+) -> tuple[Written, ...]:
+    """Emit a robot with every emitter, prove each file, and put all of them in place, with its meshes, or none.
+
+    Args:
+        truth: what the tables say of it.
+        robot: the robot.
+        recipe: what is done.
+        directory: where the files go; made where it is missing.
+        stem: the stem of their names.
+        main_file: another name for the first emitter's main file.
+        inputs: files that are read, and so must not be overwritten; the robot's meshes are too.
+
+    Raises:
+        ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
+        OutputError: the files cannot be written, or one of them is an input.
+    """
+    originals = [Path(mesh.path) for mesh in mesh_files(robot)]
+    robot = with_copies(robot, recipe)
+    copies = mesh_files(robot) if recipe.mesh_prefix is not None else ()
+    with staging(directory) as folder:
+        written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
+        names = [file.name for emitted in written for file in emitted.files]
+        targets = [directory / name for name in (*names, *map(copy_path, copies))]
+        refuse_inputs(targets, [*inputs, *originals])
+        for file in copies:
+            write_whole(directory / copy_path(file), read_mesh(file))
+        put_in_place(folder, names, directory)
+    return written
+
+
+def emit_robot(
+    truth: Truth,
+    robot: Robot,
+    recipe: Recipe,
+    *,
+    folder: Path,
+    stem: str,
+    place: str = "",
+    main_file: str | None = None,
+    proved: bool = True,
+    sampled: bool = True,
+) -> tuple[Written, ...]:
+    """Emit a robot with every emitter into a folder of its own, and prove each file there.
+
+    Args:
+        truth: what the tables say of it.
+        robot: the robot.
+        recipe: what is done.
+        folder: a folder that nobody else uses.
+        stem: the stem of the files' names.
+        place: where the files will stand in the end, for messages; by default the folder above.
+        main_file: another name for the first emitter's main file.
+        proved: whether to prove the files.
+        sampled: whether to prove also those whose proof is slow.
+
+    Raises:
+        ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
+        OutputError: the files cannot be written.
+    """
+    poses = proof_vectors(truth, robot, recipe.poses) if proved else ()
+    written: list[Written] = []
+    taken: dict[str, str] = {}
+    for call in recipe.emitters:
+        emitter = call.stage
+        with blaming(call):
+            files = emitted_files(emitter.emit(robot, stem, call.options))
+            if not files:
+                raise ValueError("it gave no file")
+        if main_file is not None and not written:
+            files[0] = replace(files[0], name=main_file)
+        for file in files:
+            if other := taken.get(file.name.casefold()):  # as on file systems that ignore case
+                raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
+            taken[file.name.casefold()] = emitter.name
+        write_files(folder, files, place)
+        looked = proved and (sampled or not emitter.costly_proof)
+        proof = _prove_file(truth, folder / files[0].name, call, poses, recipe=recipe) if looked else None
+        written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
+    return tuple(written)
+
+
+def _prove_file(truth: Truth, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe) -> Proof | None:
+    emitter = call.stage
+    if emitter.read_back is None:
+        return None
+    with blaming(call, "read_back"):
+        described = _a_robot(emitter.read_back(path), call)
+    proof = prove(truth, described, poses)
+    accept(proof, emitter, truth.name, truth.mark, recipe=recipe)
+    return proof
+
+
+def accept(proof: Proof, emitter: Emitter[Any], name: str, mark: Mark | None, *, recipe: Recipe) -> None:
+    """Let a proof pass.
+
+    Raises:
+        ProofError: what was written is not the arm of the table, and the transform keeps the kinematics.
+    """
+    if recipe.keeps_kinematics and not proof.holds:
+        raise ProofError(
+            Problem(
+                message=(
+                    f"what the emitter {emitter.name!r} wrote is not the arm of the table: {proof.tip} is off by "
+                    f"{proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = {list(proof.q)}; "
+                    f"allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
+                ),
+                robot=name,
+                mark=mark,
+            )
+        )
+
+
+def read_items(call: Call[Reader[Any]], path: Path, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
+    """What a reader yields of a file, one by one.
+
+    Args:
+        call: the reader.
+        path: the file.
+        trace: takes what the cells of each manipulator say, where it is wanted and the reader knows it.
+
+    Raises:
+        TableError: the file as a whole cannot be read, or it has changed while it was read.
+        StageError: the reader raised something else.
+    """
+    before, reader = _state_of(path), call.stage
+    try:
+        with blaming(call):
+            if trace is None or reader.trace is None:
+                items = items_of(reader.read(path, call.options), Manipulator)
+            else:
+                items = items_of(reader.trace(path, call.options, trace), Manipulator)
+        yield from checked_items(items, call)
+    except TableError as error:
+        if _state_of(path) != before:
+            raise TableError([_changed(path), *error.problems], error.notices) from error
+        raise
+    if _state_of(path) != before:
+        raise TableError(_changed(path))
+
+
+def checked_items(items: Iterator[Manipulator | Rejected], call: Call[Reader[Any]]) -> Iterator[Manipulator | Rejected]:
+    """What a reader yields, each looked at.
+
+    Raises:
+        TableError: the file as a whole cannot be read.
+        StageError: the reader raised or gave something else.
+    """
+    end = Rejected(name="", problems=())
+    while True:
+        with blaming(call):  # What is done with an item is not the reader's work.
+            item = next(items, end)
+            if item is end:
+                return
+            if isinstance(item, Rejected):
+                a_whole_record(item, Rejected)
+                if not item.problems:
+                    raise ValueError(f"it rejected {shown(item.name)} and did not say why")
+            else:
+                a_record(item, Manipulator, Rejected)
+        yield item
+
+
+def _state_of(path: Path) -> tuple[int, ...] | None:
+    """What is another number once somebody has written to a file or put another one in its place; None without one."""
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return None
+    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
+
+
+def _changed(path: Path) -> Problem:
+    return Problem(
+        message="the file has changed while it was read: what was made of it may be of two versions",
+        mark=Mark(file=str(path)),
+        suggestion="leave the file alone and begin again; a run with `--resume` makes what is different",
+    )

@@ -1,0 +1,199 @@
+"""What became of one manipulator, and its row in the manifest."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import orjson
+
+from dh2urdf.conversion.one_manipulator import Written
+from dh2urdf.manipulator import MeshFile
+from dh2urdf.meshes.files import copy_path
+from dh2urdf.source import Problem
+from dh2urdf.stages import LoadReport
+from dh2urdf.variations.laws import DrawnValue
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from dh2urdf.kinematics.proof import Proof
+    from dh2urdf.results import FileEntry, LoadEntry, ManipulatorEntry, ProblemEntry, ProofEntry
+
+ManifestRow: TypeAlias = "ManipulatorEntry"
+"""A row of the manifest."""
+Status: TypeAlias = Literal["ok", "failed", "skipped"]
+NotLoaded: TypeAlias = Literal["not in the sample", "no file"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What came of a loader.
+
+    Attributes:
+        report: what the simulator says; without any measurement where it failed.
+        status: passed, failed, or missing where it is not installed.
+        optional: whether a failure of it is a notice.
+        errors: why it failed.
+    """
+
+    report: LoadReport
+    status: Literal["passed", "failed", "missing"] = "passed"
+    optional: bool = False
+    errors: tuple[Problem, ...] = ()
+
+    def entry(self) -> LoadEntry:
+        """It as plain data."""
+        told = {"verdict": self.status, "optional": self.optional}
+        problems = {"errors": [error.as_json() for error in self.errors]}
+        findings = {"findings": [finding.as_json() for finding in self.report.findings]}
+        entry: Any = {**told, **problems, **asdict(self.report), **findings}
+        facts: LoadEntry = entry  # `test_a_loaders_report_is_described_as_it_is` compares the fields.
+        return facts
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What became of one manipulator, cell or variant.
+
+    Attributes:
+        name: its name.
+        status: ok, failed, or skipped where the run only looked.
+        source: the file it comes from.
+        kind: of what kind its failure is, such as ``proof``.
+        drawn: what was drawn for it, by field and joint: ``a_2`` [SI].
+        was_read: whether there was a manipulator at all.
+        keeps_kinematics: whether its transform keeps T(q).
+        written: what each emitter made.
+        loads: what came of each loader that was asked, by its name.
+        not_loaded: why others were not, by their names.
+        pictures: the pictures that simulators took, by their names.
+        meshes: the mesh files that its files name by their copies.
+        notices: what a careful person would want to know.
+        errors: why it failed.
+        traceback: where a stage failed, for ``--debug``.
+        seconds: how long each step took [s].
+    """
+
+    name: str
+    status: Status
+    source: str
+    kind: str | None = None
+    drawn: dict[str, DrawnValue] = field(default_factory=dict)
+    was_read: bool = True
+    keeps_kinematics: bool = True
+    written: tuple[Written, ...] = ()
+    loads: dict[str, Verdict] = field(default_factory=dict)
+    not_loaded: dict[str, NotLoaded] = field(default_factory=dict)
+    pictures: dict[str, bytes] = field(default_factory=dict)
+    meshes: tuple[MeshFile, ...] = ()
+    notices: tuple[Problem, ...] = ()
+    errors: tuple[Problem, ...] = ()
+    traceback: str = ""
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def row(self, key: str, files: list[FileEntry]) -> ManifestRow:
+        """Its row in the manifest.
+
+        Args:
+            key: what its files depend on, as a hash.
+            files: where its files are.
+        """
+        row = make_row(
+            name=self.name,
+            status=self.status,
+            kind=self.kind,
+            source=self.source,
+            key=key,
+            drawn=self.drawn,
+            keeps_kinematics=self.keeps_kinematics,
+            files=files,
+            proofs={written.stage: written.proof for written in self.written},
+            loaders={name: verdict.entry() for name, verdict in self.loads.items()},
+            notices=[problem.as_json() for problem in self.notices],
+            errors=[problem.as_json() for problem in self.errors],
+        )
+        if self.meshes:
+            row["meshes"] = [{"path": copy_path(file), "sha256": file.sha256} for file in self.meshes]
+        if self.not_loaded:
+            row["not_loaded"] = self.not_loaded
+        return row
+
+
+def make_row(
+    *,
+    name: str,
+    status: Status,
+    source: str,
+    key: str,
+    files: list[FileEntry],
+    proofs: Mapping[str, Proof | None],
+    drawn: dict[str, DrawnValue],
+    keeps_kinematics: bool,
+    kind: str | None = None,
+    loaders: dict[str, LoadEntry] | None = None,
+    notices: Sequence[ProblemEntry] = (),
+    errors: Sequence[ProblemEntry] = (),
+) -> ManifestRow:
+    """A row of the manifest: all that is known of a manipulator, and no duration."""
+    return {
+        "name": name,
+        "status": status,
+        "kind": kind,
+        "source": source,
+        "key": key,
+        "drawn": drawn,
+        "keeps_kinematics": keeps_kinematics,
+        "files": files,
+        "proof": {stage: proof_facts(proof) if proof else None for stage, proof in proofs.items()},
+        "loaders": loaders or {},
+        "notices": list(notices),
+        "errors": list(errors),
+    }
+
+
+def kind_of(error: Exception) -> str:
+    """Of what kind a failure is: the words of its class, such as ``time limit`` of `TimeLimitError`."""
+    words = re.findall("[A-Z][a-z0-9]*", type(error).__name__.removesuffix("Error"))
+    return " ".join(words).lower()
+
+
+def to_line(data: Any) -> bytes:  # noqa: ANN401 - plain data
+    """Plain data as one line of JSON."""
+    return _to_json(data, orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS)
+
+
+def to_text(data: Any) -> bytes:  # noqa: ANN401 - plain data
+    """Plain data as indented JSON with a newline at its end."""
+    return _to_json(data, orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS)
+
+
+def _to_json(data: Any, options: int) -> bytes:  # noqa: ANN401 - plain data
+    try:
+        return orjson.dumps(data, option=options)
+    except orjson.JSONEncodeError:
+        return orjson.dumps(_in_utf_8(data), option=options)
+
+
+def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data
+    """The same data, lone surrogates spelled out: the name of a file may hold bytes that are no UTF-8."""
+    if isinstance(value, str):
+        return value.encode("utf-8", "backslashreplace").decode("utf-8")
+    if isinstance(value, dict):
+        return {_in_utf_8(key): _in_utf_8(entry) for key, entry in value.items()}
+    return [_in_utf_8(entry) for entry in value] if isinstance(value, (list, tuple)) else value
+
+
+def proof_facts(proof: Proof) -> ProofEntry:
+    """What a manifest says of a proof."""
+    row: ProofEntry = {
+        "position_error": proof.position_error,
+        "angle_error": proof.angle_error,
+        "q": list(proof.q),
+        "tolerance": proof.tolerance,
+        "poses": proof.poses,
+    }
+    if len(proof.tips) > 1:  # a cell
+        row["tip"], row["tips"] = proof.tip, dict(proof.tips)
+    return row

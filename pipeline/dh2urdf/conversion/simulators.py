@@ -1,0 +1,196 @@
+"""Hands a written file to simulators, one after the other, and says what each should find there."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from types import NoneType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
+from dh2urdf.errors import (
+    InputError,
+    ManipulatorError,
+    MissingDependencyError,
+    MissingProgramError,
+    OutputError,
+)
+from dh2urdf.isolation.child_process import load_in_child
+from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics.proof import joint_vectors
+from dh2urdf.plugin_system.calls import Call, blaming, depending_on
+from dh2urdf.plugin_system.stage_answers import a_plain_name, a_record
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import Loader, LoadReport, LoadRequest
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from dh2urdf.conversion.one_manipulator import Recipe, Written
+    from dh2urdf.kinematics.expected_poses import Truth
+    from dh2urdf.robot import Robot
+    from dh2urdf.rotations import RigidTransform
+
+
+def missing_of(recipe: Recipe) -> dict[str, str]:
+    """What is not installed that optional loaders need, by their names.
+
+    Raises:
+        PluginError: what another loader needs is not installed, or a loader is broken.
+    """
+    missing: dict[str, str] = {}
+    for call in recipe.loaders:
+        try:
+            require(call)
+        except (MissingDependencyError, MissingProgramError) as error:
+            if call.stage.name not in recipe.optional:
+                raise
+            missing[call.stage.name] = str(error)
+    return missing
+
+
+def require(call: Call[Any]) -> None:
+    """Ask a loader or an executor whether all is there that it needs.
+
+    Raises:
+        PluginError: something is not, or the stage is broken.
+    """
+    with depending_on(call, "require"):
+        a_record(call.stage.require(call.options), NoneType)
+
+
+def not_loaded(recipe: Recipe, outcome: Outcome, *, is_sampled: bool) -> dict[str, NotLoaded]:
+    """The loaders of a run that a manipulator did not go through, and why."""
+    if outcome.loads:
+        return {}
+    why: NotLoaded = "no file" if outcome.status == "failed" or is_sampled else "not in the sample"
+    return {call.stage.name: why for call in recipe.loaders}
+
+
+class Loaded(NamedTuple):
+    """What came of all loaders.
+
+    Attributes:
+        verdicts: what came of each, by its name.
+        pictures: the pictures that simulators took, by their names.
+        failures: what the loaders raised that may not fail.
+    """
+
+    verdicts: dict[str, Verdict]
+    pictures: dict[str, bytes]
+    failures: tuple[ManipulatorError | InputError, ...]
+
+
+def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
+    truth: Truth,
+    robot: Robot,
+    recipe: Recipe,
+    written: Sequence[Written],
+    folder: Path,
+    stem: str,
+    seconds: dict[str, float],
+) -> Loaded:
+    """What all loaders of a recipe say of the files of a manipulator; whatever one says, the next is asked.
+
+    Args:
+        truth: what the tables say of it.
+        robot: the robot.
+        recipe: what is done with every manipulator.
+        written: its files.
+        folder: where they are, and where pictures go.
+        stem: the stem of their names.
+        seconds: takes how long each loader took [s].
+
+    Raises:
+        PluginError: what a loader needs is not installed, and the loader is not optional.
+    """
+    verdicts: dict[str, Verdict] = {}
+    pictures: dict[str, bytes] = {}
+    failures: list[ManipulatorError | InputError] = []
+    for number, call in enumerate(recipe.loaders):
+        name = call.stage.name
+        optional = name in recipe.optional
+        if why := recipe.missing.get(name):
+            verdicts[name] = _missing(name, why)
+            continue
+        picture = folder / (f"{stem}.png" if number == 0 else f"{stem}.{name}.png")
+        started = time.perf_counter()
+        try:
+            report = load_written(
+                truth, robot, call, written, keeps_kinematics=recipe.keeps_kinematics, picture=picture
+            )
+        except OutputError:
+            raise
+        except (MissingDependencyError, MissingProgramError) as error:
+            if not optional:
+                raise
+            verdicts[name] = _missing(name, str(error))
+        except (ManipulatorError, InputError) as error:
+            errors = tuple(problem.about(robot=robot.name, mark=truth.mark) for problem in error.problems)
+            if optional:
+                errors = tuple(replace(problem, severity="notice") for problem in errors)
+            else:
+                failures.append(error)
+            unmeasured = LoadReport(simulator=name, version="")
+            verdicts[name] = Verdict(report=unmeasured, status="failed", optional=optional, errors=errors)
+        else:
+            verdicts[name] = Verdict(report=report, optional=optional)
+            if report.picture:
+                pictures[report.picture] = picture.with_name(report.picture).read_bytes()
+        finally:
+            seconds[f"load {name}"] = time.perf_counter() - started
+    return Loaded(verdicts, pictures, tuple(failures))
+
+
+def _missing(name: str, why: str) -> Verdict:
+    errors = (Problem(message=why, severity="notice"),)
+    return Verdict(report=LoadReport(simulator=name, version=""), status="missing", optional=True, errors=errors)
+
+
+def load_written(
+    truth: Truth,
+    robot: Robot,
+    call: Call[Loader[Any]],
+    written: Sequence[Written],
+    *,
+    keeps_kinematics: bool,
+    picture: Path,
+) -> LoadReport:
+    """What a simulator says of the file that was written beside where the picture goes.
+
+    Where the transform does not keep the kinematics, the simulator is held against the robot, not against the tables.
+    """
+    loader = call.stage
+    names = {emitted.stage: emitted.files[0].name for emitted in written}
+    path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
+    with blaming(call, "poses"):
+        count = a_record(loader.poses(call.options), int)
+    poses = joint_vectors(truth, robot, count)
+    with blaming(call, "picture"):
+        pictured = a_record(loader.picture(call.options), bool)
+    expected: dict[str, tuple[tuple[float, ...], ...]] = {}
+    for tip in truth.tips:
+        chain = KinematicChain.between(robot, truth.root, tip.link)
+        expected[tip.link] = tuple(
+            _elements(tip.pose(q) if keeps_kinematics else chain.forward_kinematics(tip.values(q))) for q in poses
+        )
+    request = LoadRequest(
+        path=path,
+        robot=robot,
+        poses=poses,
+        expected=expected,
+        mark=truth.mark,
+        picture=picture if pictured else None,
+    )
+    with blaming(call):
+        report = load_in_child(loader, request, call.options, f"the {call.at_work}")
+        if report.picture and not picture.with_name(a_plain_name(report.picture)).is_file():
+            raise ValueError(f"it reported a picture {shown(report.picture)} and wrote none")
+        return report
+
+
+def _elements(frame: RigidTransform) -> tuple[float, ...]:
+    """A rigid transform as the 16 elements of its homogeneous matrix, row by row."""
+    r, t = frame
+    return (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)

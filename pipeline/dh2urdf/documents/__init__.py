@@ -1,0 +1,20 @@
+"""Files from strangers: YAML with the place of every value, and text in whatever encoding."""
+
+from __future__ import annotations
+
+from dh2urdf._faces import face
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from dh2urdf.documents.document import load_yaml as load_yaml, stream_yaml as stream_yaml
+    from dh2urdf.documents.nodes import Item as Item, Node as Node
+    from dh2urdf.documents.text_files import check_file as check_file, decoded as decoded, read_bytes as read_bytes
+else:
+    __all__, __getattr__, __dir__ = face(
+        __name__,
+        {
+            "document": "load_yaml stream_yaml",
+            "nodes": "Item Node",
+            "text_files": "check_file decoded read_bytes",
+        },
+    )

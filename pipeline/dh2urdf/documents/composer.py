@@ -1,0 +1,324 @@
+"""Makes the nodes of a YAML document out of the parser's events."""
+
+from __future__ import annotations
+
+import re
+import sys
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
+
+import yaml
+
+from dh2urdf.documents.nodes import Item, Node, core_value
+from dh2urdf.documents.syntax import syntax_problem
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from dh2urdf.errors import InputError
+
+MAX_DEPTH = 64
+"""Mappings and lists that may stand inside each other [1]."""
+MAX_ALIASED = 1_000_000
+"""Values that all aliases of a document (``*name``) may stand for together [1]."""
+MAX_ALIASED_PER_CHARACTER = 10
+"""Values that they may stand for beyond `MAX_ALIASED`, for each character of the document before them [1]."""
+
+_NO_KEYS: Mapping[str, tuple[int, int]] = MappingProxyType({})
+
+# A character outside the first 65,536 as JSON may write it: two escapes, each half a character.
+_SURROGATE_ESCAPE = re.compile(r"\\u[dD][89a-fA-F]")
+_SLOW_PARSER_CHARACTERS = 2**20
+
+
+_Sized: TypeAlias = tuple[Node, int, int]
+"""A node, the number of values in it, and how many mappings and lists stand inside each other in it."""
+
+
+class _OpenNode:
+    """A mapping or list that is not finished."""
+
+    __slots__ = (
+        "anchor",
+        "depth",
+        "entries",
+        "key",
+        "key_places",
+        "merge_next",
+        "merged",
+        "place",
+        "problems_outside",
+        "size",
+    )
+
+    def __init__(self, entries: dict[str, Node] | list[Node], place: tuple[int, int], anchor: str | None) -> None:
+        self.entries = entries
+        self.place = place
+        self.anchor = anchor
+        self.key: str | None = None  # the key whose value comes next
+        self.key_places: dict[str, tuple[int, int]] = {}
+        self.merge_next = False  # whether that key is `<<`
+        self.merged: Node | None = None  # what `<<` stands for
+        self.size = 1  # values in it, those that aliases stand for included
+        self.depth = 1
+        self.problems_outside: list[Problem] | None = None  # where its entries are yielded one by one
+
+
+class Composer:
+    """Makes nodes of PyYAML's events, with a stack of its own in place of recursion."""
+
+    def __init__(
+        self, text: str, file: str, error: type[InputError], items_of: str | None, longest_list: int | None
+    ) -> None:
+        # libyaml refuses the two halves of a character that JSON writes as two escapes; PyYAML's own parser, ten
+        # times slower, passes them on.
+        self.halves = len(text) <= _SLOW_PARSER_CHARACTERS and bool(_SURROGATE_ESCAPE.search(text))
+        self.parser = (yaml.SafeLoader if self.halves else getattr(yaml, "CSafeLoader", yaml.SafeLoader))(text)
+        self.text = text
+        self.file = file
+        self.error = error
+        self.items_of = items_of
+        self.longest_list = longest_list or sys.maxsize
+        self.problems: list[Problem] = []
+        self.stack: list[_OpenNode] = []
+        self.root: Node | None = None
+        self.anchors: dict[str, _Sized | None] = {}  # None: not finished
+        self.aliased = 0
+
+    def run(self) -> Iterator[Item]:
+        """Yields the entries of the chosen list, and then the document."""
+        try:
+            yield from self._items()
+        except yaml.YAMLError as reason:
+            self._stop(syntax_problem(reason, self.text, self.file))
+        except (ValueError, OverflowError):  # PyYAML's own parser does not check what \U stands for; libyaml does.
+            place = Mark(file=self.file, line=self.parser.line + 1, column=self.parser.column + 1)
+            self._stop(
+                Problem(
+                    message="the escape \\U before this place stands for no character",
+                    mark=place,
+                    accepted="\\U00000000 to \\U0010FFFF",
+                    suggestion="write the character itself",
+                )
+            )
+
+    def _items(self) -> Iterator[Item]:
+        stack = self.stack
+        for event in iter(self.parser.get_event, None):
+            finished = self._finished(event)
+            if finished is None:
+                continue
+            if not stack:
+                self.root = finished[0]
+            elif stack[-1].problems_outside is None:
+                self._place(stack[-1], *finished)
+            else:
+                yield Item(finished[0], tuple(self.problems))
+                self.problems = []
+        if self.root is None or self.root.text == "":
+            self._stop(Problem(message="the file is empty", mark=Mark(file=self.file)))
+        yield Item(self.root, tuple(self.problems))
+
+    def _finished(self, event: yaml.Event) -> _Sized | None:
+        """The node that an event finishes, if any."""
+        if isinstance(event, yaml.ScalarEvent):
+            return self._scalar(event)
+        if isinstance(event, yaml.CollectionStartEvent):
+            self._open(event)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            return self._close(self.stack.pop())
+        elif isinstance(event, yaml.AliasEvent):
+            return self._alias(event)
+        elif isinstance(event, yaml.DocumentStartEvent) and self.root:
+            message = "a second document begins here"
+            self._stop(Problem(message=message, mark=self._mark(event), accepted="one document in a file"))
+        return None
+
+    def _scalar(self, event: yaml.ScalarEvent) -> _Sized:
+        text = self._joined_halves(event) if self.halves else event.value
+        quoted = bool(event.style)
+        node = Node(text if quoted else core_value(text), self.file, *_place(event), text, quoted, _NO_KEYS)
+        if event.tag:
+            self._refuse_tag(event, event.tag)
+        if event.anchor:
+            self._begin_anchor(event, event.anchor)
+            self.anchors[event.anchor] = node, 1, 0
+        return node, 1, 0
+
+    def _open(self, event: yaml.CollectionStartEvent) -> None:
+        """Begins a mapping or list."""
+        if event.tag:
+            self._refuse_tag(event, event.tag)
+        if event.anchor:
+            self._begin_anchor(event, event.anchor)
+        if len(self.stack) >= MAX_DEPTH:
+            self._too_deep(event)
+        is_list = isinstance(event, yaml.SequenceStartEvent)
+        frame = _OpenNode([] if is_list else {}, _place(event), event.anchor)
+        if self.items_of and is_list and len(self.stack) == 1 and self.stack[0].key == self.items_of:
+            frame.problems_outside, self.problems = self.problems, []
+        self.stack.append(frame)
+
+    def _close(self, frame: _OpenNode) -> _Sized:
+        """Ends a mapping or list."""
+        if frame.problems_outside is not None:
+            self.problems = frame.problems_outside
+        if frame.merged and isinstance(frame.entries, dict):
+            self._merge(frame.merged, frame.entries, frame.key_places)
+        node = Node(frame.entries, self.file, *frame.place, key_places=frame.key_places)
+        if frame.anchor:
+            self.anchors[frame.anchor] = node, frame.size, frame.depth
+        return node, frame.size, frame.depth
+
+    def _place(self, frame: _OpenNode, node: Node, size: int, depth: int) -> None:
+        """Puts a node into the mapping or list that it stands in, as a key, a value or an entry."""
+        entries = frame.entries
+        frame.size += size
+        if depth >= frame.depth:
+            frame.depth = depth + 1
+        if isinstance(entries, list):
+            entries.append(node)
+            if len(entries) > self.longest_list:
+                self._too_long(frame)
+        elif frame.merge_next:
+            frame.merge_next, frame.merged = False, node
+        elif frame.key is None:
+            self._take_key(frame, node)
+        else:
+            entries.setdefault(frame.key, node)  # Of two equal keys the first stands; the second is a problem.
+            frame.key = None
+
+    def _take_key(self, frame: _OpenNode, node: Node) -> None:
+        key = node.text
+        if key is None:
+            message = f"{node.describe()} stands as a key"
+            self._stop(Problem(message=message, mark=node.mark, accepted="a name as the key"))
+        if key == "<<" and not node.quoted:
+            frame.merge_next = True
+            if frame.merged:
+                self._refuse_duplicate(node, (frame.merged.line, frame.merged.column))
+        elif key in frame.key_places:
+            self._refuse_duplicate(node, frame.key_places[key])
+            frame.key = key
+        else:
+            frame.key_places[key] = node.line, node.column
+            frame.key = key
+
+    def _merge(self, merged: Node, entries: dict[str, Node], key_places: dict[str, tuple[int, int]]) -> None:
+        """Adds what ``<<`` stands for; keys of the mapping itself, and earlier ones of a list, win."""
+        for source in merged.value if isinstance(merged.value, list) else [merged]:
+            if not isinstance(source.value, dict):
+                self.problems.append(
+                    Problem(
+                        message=f"`<<` takes in the entries of a mapping, and this is {source.describe()}",
+                        mark=source.mark,
+                        found=source.text,
+                        accepted="an alias of a mapping, such as `<<: *defaults`, or a list of them",
+                    )
+                )
+                continue
+            for key, node in source.value.items():
+                if key not in entries:
+                    entries[key] = node
+                    key_places[key] = source.key_places[key]
+
+    def _begin_anchor(self, event: yaml.NodeEvent, name: str) -> None:
+        if name in self.anchors:
+            message = f"the anchor {shown('&' + name)} stands twice"
+            self.problems.append(Problem(message=message, mark=self._mark(event), suggestion="give each its own name"))
+        self.anchors[name] = None
+
+    def _alias(self, event: yaml.AliasEvent) -> _Sized:
+        """What an alias stands for."""
+        name, mark = str(event.anchor), self._mark(event)
+        alias, anchor = shown("*" + name), shown("&" + name)
+        if name not in self.anchors:
+            self._stop(
+                Problem(
+                    message=f"the alias {alias} stands for a value marked {anchor}, and nothing above is marked so",
+                    mark=mark,
+                    found=f"*{name}",
+                    suggestion=did_you_mean(name, self.anchors) or "quote it if it is meant as text",
+                )
+            )
+        anchored = self.anchors[name]
+        if anchored is None:
+            self._stop(Problem(message=f"the alias {alias} stands inside the value that it stands for", mark=mark))
+        _, size, depth = anchored
+        self.aliased += size
+        start: Any = event.start_mark
+        limit = MAX_ALIASED + MAX_ALIASED_PER_CHARACTER * start.index
+        if self.aliased > limit:
+            self._stop(
+                Problem(
+                    message=f"with {alias} the aliases of this file stand for more values than are read from aliases",
+                    mark=mark,
+                    found=f"*{name}",
+                    accepted=f"{limit:,} values at this place",
+                    suggestion="write the values out",
+                )
+            )
+        if len(self.stack) + depth > MAX_DEPTH:
+            self._too_deep(event)
+        return anchored
+
+    def _joined_halves(self, event: yaml.ScalarEvent) -> str:
+        r"""A text in which ``\ud83e\udd16`` has become one character."""
+        try:
+            return event.value.encode("utf-16", "surrogatepass").decode("utf-16")
+        except UnicodeDecodeError:
+            self.problems.append(
+                Problem(
+                    message=r"a \u escape from \ud800 to \udfff is half a character, and its other half is missing",
+                    mark=self._mark(event),
+                    suggestion="write the character itself",
+                )
+            )
+            return ""
+
+    def _refuse_tag(self, event: yaml.Event, tag: str) -> None:
+        found = tag.replace("tag:yaml.org,2002:", "!!")
+        self.problems.append(
+            Problem(
+                message=f"the YAML tag {shown(found)} is not accepted",
+                mark=self._mark(event),
+                found=found,
+                accepted="numbers, texts, lists and mappings without tags",
+                suggestion="remove the tag, or quote the value if this is meant as text",
+            )
+        )
+
+    def _refuse_duplicate(self, node: Node, first: tuple[int, int]) -> None:
+        line, column = first
+        self.problems.append(
+            Problem(
+                message=f"the key {shown(node.text or '')} stands here and in line {line}, column {column}",
+                mark=node.mark,
+                found=node.text,
+                accepted="each key once in a mapping",
+                suggestion="remove one of the two",
+            )
+        )
+
+    def _too_deep(self, event: yaml.Event) -> NoReturn:
+        message = f"more than {MAX_DEPTH} mappings and lists stand inside each other"
+        self._stop(Problem(message=message, mark=self._mark(event), accepted=f"at most {MAX_DEPTH}"))
+
+    def _too_long(self, frame: _OpenNode) -> NoReturn:
+        line, column = frame.place
+        message = f"the list that begins here has more than {self.longest_list:,} entries"
+        mark = Mark(file=self.file, line=line, column=column)
+        self._stop(Problem(message=message, mark=mark, accepted=f"at most {self.longest_list:,} entries"))
+
+    def _mark(self, event: yaml.Event) -> Mark:
+        line, column = _place(event)
+        return Mark(file=self.file, line=line, column=column)
+
+    def _stop(self, problem: Problem) -> NoReturn:
+        raise self.error([*self.problems, problem])
+
+
+def _place(event: yaml.Event) -> tuple[int, int]:
+    mark: Any = event.start_mark  # PyYAML's types say it may be None; a parsed event always has one.
+    return mark.line + 1, mark.column + 1

@@ -1,0 +1,157 @@
+"""A fence around a child process that works on a stranger's file: from then on it can compute, and read what it must.
+
+`enter` is called in a child of `dh2urdf.isolation.child_process`, after everything that the work needs is imported.
+Three layers hold independently of each other:
+
+- limits of the system on computing time, memory and written files (POSIX);
+- Landlock, where the kernel has it (Linux 5.13 and later): only the named folders can be read, and nothing written;
+- an audit hook of Python (PEP 578): no file is opened but for reading and below the named folders, no process is
+  started, no socket is opened, nothing is imported from C by `ctypes`. A hook cannot be taken off again.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+MEMORY = 2**31
+"""Address space of a fenced process [B]."""
+
+_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+_REFUSED = (
+    "socket.",
+    "subprocess.",
+    "os.exec",
+    "os.fork",
+    "os.posix_spawn",
+    "os.spawn",
+    "os.startfile",
+    "os.system",
+    "os.kill",
+    "os.putenv",
+    "os.unsetenv",
+    "os.remove",
+    "os.rename",
+    "os.rmdir",
+    "os.mkdir",
+    "os.link",
+    "os.symlink",
+    "os.truncate",
+    "os.chmod",
+    "os.chown",
+    "os.utime",
+    "os.setxattr",
+    "os.removexattr",
+    "os.chdir",
+    "os.fchdir",
+    "shutil.",
+    "tempfile.",
+    "ctypes.",
+    "pty.",
+    "signal.pthread_kill",
+    "urllib.",
+    "webbrowser.",
+    "winreg.",
+    "msvcrt.",
+    "_winapi.",
+    "mmap.",
+    "ensurepip.",
+    "cpython.run_",
+    "code.__new__",
+    "function.__new__",
+)
+"""Audit events that a fenced process has no business with, or what their names begin with."""
+
+
+class FenceError(PermissionError):
+    """A fenced process tried something that its fence refuses."""
+
+
+def enter(readable: Iterable[Path], seconds: float) -> None:
+    """Gives up, for the rest of this process, all that working on a stranger's file does not need.
+
+    Args:
+        readable: folders and files that may still be read.
+        seconds: computing time that is left [s]; the process is killed when it is over.
+    """
+    folders = sorted({os.path.realpath(path) for path in readable})
+    _end_with_parent()
+    _limit(seconds)
+    _lock(folders)
+    _watch(folders)
+
+
+def _end_with_parent() -> None:
+    """Has Linux kill this process with its parent, also while an endless computation lets no thread have its turn."""
+    if sys.platform != "linux":
+        return
+    import ctypes
+
+    set_parent_death_signal = 1  # PR_SET_PDEATHSIG of <linux/prctl.h>
+    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL, 0, 0, 0)
+
+
+def _limit(seconds: float) -> None:
+    """Bounds computing time, memory and the size of files."""
+    try:
+        import resource
+    except ImportError:  # Windows: the parent's clock is the limit there.
+        return
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    whole = int(used.ru_utime + used.ru_stime + seconds) + 1
+    for what, bound in (
+        (resource.RLIMIT_CPU, whole),
+        (resource.RLIMIT_AS, MEMORY),
+        (resource.RLIMIT_FSIZE, 0),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        _, hard = resource.getrlimit(what)
+        most = bound if hard == resource.RLIM_INFINITY else min(bound, hard)
+        try:
+            resource.setrlimit(what, (most, most))
+        except (ValueError, OSError):  # macOS refuses bounds of the address space.
+            if sys.platform == "linux":
+                raise
+
+
+def _lock(folders: list[str]) -> None:
+    """Has the kernel refuse all files but those of some folders, where it can."""
+    if sys.platform != "linux":
+        return
+    from landlock import FSAccess, LandlockError, Ruleset
+
+    try:
+        rules = Ruleset()
+        for folder in folders:
+            rules.allow(folder, rules=FSAccess.READ_FILE | (FSAccess.READ_DIR if Path(folder).is_dir() else 0))
+        rules.apply()
+    except (LandlockError, OSError) as error:  # A kernel without Landlock, or a container that forbids it.
+        print(f"no Landlock here: {error}", file=sys.stderr)  # noqa: T201 - to the parent, which keeps it
+
+
+def _watch(folders: list[str]) -> None:
+    """Has Python itself refuse what the process must not do."""
+    inside = tuple(os.path.join(folder, "") for folder in folders)  # noqa: PTH118 - compared as texts
+
+    def audit(event: str, args: tuple[Any, ...]) -> None:
+        if event == "open":
+            path, _, flags = args
+            if isinstance(path, int):
+                return  # a file that is open already
+            if flags & _WRITING:
+                raise FenceError(1, "nothing can be written here", os.fsdecode(path))
+            real = os.path.realpath(os.fsdecode(path))
+            if real not in folders and not real.startswith(inside):
+                raise FenceError(1, "the file is outside the folders that may be read", os.fsdecode(path))
+        elif event == "import" and args[1]:
+            raise FenceError(1, f"nothing more can be imported: {args[0]}")
+        elif event.startswith(_REFUSED):
+            raise FenceError(1, f"{event} is refused")
+
+    sys.addaudithook(audit)

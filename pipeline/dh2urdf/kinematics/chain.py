@@ -1,0 +1,306 @@
+"""Forward kinematics: the DH product that everything written is measured against.
+
+The one place that knows what the rows of a table mean. Every function takes joint values as floats or as numpy arrays
+of one shape, by the same spelled-out sums; the functions with `matrices` in their name give arrays of shape
+(..., 4, 4). A DH table of N rows, n of them moving, has joint vectors q of n entries [rad or m].
+
+Source: Denavit and Hartenberg (1955) in the form of Paul (1981) for the standard convention, Craig (Introduction to
+Robotics, 3rd edition, eq. 3.6) for the modified one; Rodrigues' formula for the joints of a robot description.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from dh2urdf.errors import RecordValueError
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    ZERO,
+    RigidTransform,
+    Rotation,
+    Vec3,
+    cos_sin,
+    multiply,
+    norm,
+    scale,
+    subtract,
+    transpose,
+)
+from dh2urdf.source import Problem, did_you_mean
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from dh2urdf.robot import Joint, Robot
+
+JointVector: TypeAlias = Sequence[Any]
+"""One value per moving joint, each a float or an array [rad or m]."""
+
+ROOT = "base_link"
+TOOL = "tool0"
+FLANGE = "flange"
+
+
+def dh_transform(convention: Convention, *, a: Any, alpha: Any, d: Any, theta: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike
+    """The transform A of one row.
+
+    Standard: A = Rz(theta)·Tz(d)·Tx(a)·Rx(alpha). Modified: A = Rx(alpha)·Tx(a)·Rz(theta)·Tz(d).
+
+    Args:
+        convention: which of the two.
+        a: length of the common normal [m].
+        alpha: twist [rad].
+        d: offset along the joint axis, joint value included [m].
+        theta: angle about the joint axis, joint value included [rad].
+    """
+    return dh_transform_of(convention, a=a, d=d, twist=cos_sin(alpha), turn=cos_sin(theta))
+
+
+def dh_transform_of(
+    convention: Convention,
+    *,
+    a: Any,  # noqa: ANN401 - floats and arrays alike
+    d: Any,  # noqa: ANN401
+    twist: tuple[Any, Any],
+    turn: tuple[Any, Any],
+) -> RigidTransform:
+    """The transform A of one row, given cosine and sine of alpha (twist) and of theta (turn)."""
+    (ca, sa), (ct, st) = twist, turn
+    if convention is Convention.STANDARD:
+        return RigidTransform((ct, -st * ca, st * sa, st, ct * ca, -ct * sa, 0.0, sa, ca), (a * ct, a * st, d))
+    return RigidTransform((ct, -st, 0.0, st * ca, ct * ca, -sa, st * sa, ct * sa, ca), (a, -d * sa, d * ca))
+
+
+def joint_variables(row: DHRow, q: Any = 0.0) -> tuple[Any, Any]:  # noqa: ANN401 - floats and arrays alike
+    """The angle theta [rad] and the offset d [m] of a row at joint value q [rad or m]."""
+    if row.type is JointType.FIXED:
+        return row.theta, row.d
+    if row.type is JointType.PRISMATIC:
+        return row.theta, row.d + row.offset + row.sign * q
+    return row.theta + row.offset + row.sign * q, row.d
+
+
+def row_transform(convention: Convention, row: DHRow, q: Any = 0.0) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike
+    """The transform A of a row at joint value q [rad or m]."""
+    theta, d = joint_variables(row, q)
+    return dh_transform(convention, a=row.a, alpha=row.alpha, d=d, theta=theta)
+
+
+def forward_kinematics(manipulator: Manipulator, q: JointVector) -> RigidTransform:
+    """T(q) = base · A_1 · … · A_N · tool: the truth for everything that is written.
+
+    Args:
+        manipulator: the table.
+        q: one value per moving joint [rad or m].
+
+    Raises:
+        ValueError: q has another number of entries than the table has moving joints.
+    """
+    values = _values(q, len(manipulator.moving_rows), manipulator.name)
+    pose = manipulator.base
+    for row in manipulator.rows:
+        value = 0.0 if row.type is JointType.FIXED else next(values)
+        pose = pose @ row_transform(manipulator.convention, row, value)
+    return pose @ manipulator.tool
+
+
+class KinematicChain(NamedTuple):
+    """The joints from one link of a robot to another, ready for many joint vectors.
+
+    Attributes:
+        joints: from the root outwards.
+        origins: their origins as rigid transforms, in the same order.
+    """
+
+    joints: tuple[Joint, ...]
+    origins: tuple[RigidTransform, ...]
+
+    @classmethod
+    def of(cls, joints: Sequence[Joint]) -> KinematicChain:
+        """The chain of some joints, from the root outwards."""
+        return cls(tuple(joints), tuple(joint.origin.transform for joint in joints))
+
+    @classmethod
+    def between(cls, robot: Robot, root: str = ROOT, tip: str = TOOL) -> KinematicChain:
+        """The chain from a root link to a tip link.
+
+        Raises:
+            ValueError: there is no way from the root to the tip.
+        """
+        return cls.of(joints_between(robot, root, tip))
+
+    def forward_kinematics(self, q: JointVector) -> RigidTransform:
+        """T(root → tip) at one value per moving joint of the chain, from the root outwards [rad or m].
+
+        Raises:
+            ValueError: q has another number of entries than the chain has moving joints.
+        """
+        moving = sum(joint.type is not JointType.FIXED for joint in self.joints)
+        values = _values(q, moving, "the chain")
+        pose = IDENTITY
+        for joint, origin in zip(self.joints, self.origins, strict=True):
+            pose = pose @ origin
+            if joint.type is not JointType.FIXED:
+                pose = pose @ joint_motion(joint, next(values))
+        return pose
+
+
+def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
+    """The joints from a root link to a tip link, from the root outwards.
+
+    Raises:
+        RecordValueError: there is no way from the root to the tip; also a ValueError.
+    """
+    above = {joint.child: joint for joint in robot.joints}
+    found: list[Joint] = []
+    link = tip
+    while link != root:
+        joint = above.pop(link, None)  # A cycle finds nothing on its second round.
+        if joint is None:
+            raise _no_way(robot, root, tip)
+        found.append(joint)
+        link = joint.parent
+    return tuple(reversed(found))
+
+
+def _no_way(robot: Robot, root: str, tip: str) -> RecordValueError:
+    links = [name for joint in robot.joints for name in (joint.parent, joint.child)]
+    return RecordValueError(
+        Problem(
+            message=f"robot {robot.name!r} has no chain from link {root!r} to link {tip!r}",
+            field="tip",
+            found=tip,
+            suggestion=did_you_mean(tip, links) if tip not in links else None,
+        )
+    )
+
+
+def link_poses(robot: Robot, q: Mapping[str, float]) -> dict[str, RigidTransform]:
+    """T(root → link) of every link that the root holds, by name.
+
+    Args:
+        robot: the robot, its links and joints in any order.
+        q: values of moving joints by name [rad or m]; those that are missing are 0.
+    """
+    below: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    held = {joint.child for joint in robot.joints}
+    waiting = [link.name for link in robot.links if link.name not in held]
+    poses = dict.fromkeys(waiting, IDENTITY)
+    while waiting:
+        for joint in below.get(parent := waiting.pop(), ()):
+            if joint.child not in poses:  # What two joints hold stays with the first of them.
+                poses[joint.child] = (
+                    poses[parent] @ joint.origin.transform @ joint_motion(joint, q.get(joint.name, 0.0))
+                )
+                waiting.append(joint.child)
+    return poses
+
+
+def dh_frames(manipulator: Manipulator, q: JointVector) -> tuple[RigidTransform, ...]:
+    """The DH frames 0 … N in base_link: the base transform, and the frame after every row.
+
+    Args:
+        manipulator: the table.
+        q: one value per moving joint [rad or m].
+
+    Raises:
+        ValueError: q has another number of entries than the table has moving joints.
+    """
+    values = _values(q, len(manipulator.moving_rows), manipulator.name)
+    frames = [manipulator.base]
+    for row in manipulator.rows:
+        value = 0.0 if row.type is JointType.FIXED else next(values)
+        frames.append(frames[-1] @ row_transform(manipulator.convention, row, value))
+    return tuple(frames)
+
+
+def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike
+    """What a joint does to its child's frame at a joint value [rad or m]."""
+    if joint.type is JointType.FIXED:
+        return IDENTITY
+    if joint.type is JointType.PRISMATIC:
+        return RigidTransform(IDENTITY_ROTATION, scale(value, joint.axis))
+    return RigidTransform(axis_rotation(joint.axis, value), ZERO)
+
+
+def axis_rotation(axis: Vec3, angle: Any) -> Rotation:  # noqa: ANN401 - floats and arrays alike
+    """Rotation by an angle [rad] about a unit vector (Rodrigues' formula)."""
+    x, y, z = axis
+    c, s = cos_sin(angle)
+    v = 1.0 - c
+    return (
+        c + x * x * v,
+        x * y * v - z * s,
+        x * z * v + y * s,
+        x * y * v + z * s,
+        c + y * y * v,
+        y * z * v - x * s,
+        x * z * v - y * s,
+        y * z * v + x * s,
+        c + z * z * v,
+    )
+
+
+def position_error(left: RigidTransform, right: RigidTransform) -> float:
+    """Distance between the origins of two frames [m]."""
+    return norm(subtract(left.translation, right.translation))
+
+
+def angle_error(left: RigidTransform, right: RigidTransform) -> float:
+    """Angle of the rotation between two frames [rad], right for small angles and for half turns."""
+    r = multiply(transpose(left.rotation), right.rotation)
+    twice_sine = math.hypot(r[7] - r[5], r[2] - r[6], r[3] - r[1])
+    return math.atan2(twice_sine, r[0] + r[4] + r[8] - 1.0)
+
+
+def reach(manipulator: Manipulator) -> float:
+    """An upper bound of the distance from base_link to tool0, prismatic joints at 0 and the others anywhere [m].
+
+    Takes columns.
+    """
+    segments = (abs(row.a) + abs(joint_variables(row)[1]) for row in manipulator.rows)
+    return norm(manipulator.base.translation) + sum(segments, 0.0) + norm(manipulator.tool.translation)
+
+
+def dh_transforms(
+    convention: Convention, a: ArrayLike, alpha: ArrayLike, d: ArrayLike, theta: ArrayLike
+) -> NDArray[np.float64]:
+    """The transforms A of many rows at once.
+
+    Args:
+        convention: which of the two.
+        a: lengths of the common normals [m], of any shape that broadcasts with the others.
+        alpha: twists [rad].
+        d: offsets along the joint axes [m].
+        theta: angles about the joint axes [rad].
+
+    Returns:
+        Homogeneous matrices of shape (..., 4, 4).
+    """
+    import numpy as np
+
+    arrays = (np.asarray(value, dtype=float) for value in (a, alpha, d, theta))
+    a_, alpha_, d_, theta_ = np.broadcast_arrays(*arrays)
+    return as_matrices(dh_transform(convention, a=a_, alpha=alpha_, d=d_, theta=theta_))
+
+
+def as_matrices(transform: RigidTransform) -> NDArray[np.float64]:
+    """A rigid transform, its elements floats or arrays of one shape, as homogeneous matrices (..., 4, 4)."""
+    import numpy as np
+
+    r, t = transform
+    elements = np.broadcast_arrays(*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)
+    return np.stack(elements, axis=-1).reshape(*elements[0].shape, 4, 4)
+
+
+def _values(q: JointVector, moving: int, whose: str) -> Any:  # noqa: ANN401 - an iterator of floats or arrays
+    if len(q) != moving:
+        raise ValueError(f"{whose} has {moving} moving joints, the joint vector has {len(q)} entries")
+    return iter(q)

@@ -1,0 +1,276 @@
+"""Whether a robot description is the arm of a table; and where it is not, what would make it so."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import ConfigError
+from dh2urdf.kinematics.chain import TOOL, KinematicChain, angle_error, forward_kinematics, position_error
+from dh2urdf.kinematics.screws import Mismatch, align, screws_of_chain, screws_of_table
+from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.kinematics.screws import Alignment
+    from dh2urdf.manipulator import DHRow
+    from dh2urdf.robot import Joint, Robot
+
+TOLERANCE = 1e-6
+"""What two arms may differ that are the same [m] and [rad]: what files lose that round their numbers to ten digits."""
+NEAR = 5e-3
+"""What the axes of two arms may differ that are nearly the same [m] and [rad]."""
+POSES = 32
+"""Random joint vectors at which poses are compared, besides zero [1]."""
+USUAL_TIPS = (TOOL, "tcp", "flange", "ee_link")
+"""Links that are the tip of an arm where a description has them, the likeliest first."""
+
+_DECIMALS = 12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Difference:
+    """How far two arms are from each other.
+
+    Attributes:
+        position_error: largest distance of the tips [m].
+        angle_error: largest angle between them [rad].
+        q: the description's joint vector at the largest distance [rad or m].
+    """
+
+    position_error: float
+    angle_error: float
+    q: tuple[float, ...]
+
+    @property
+    def is_none(self) -> bool:
+        """Whether they are the same arm."""
+        return max(self.position_error, self.angle_error) <= TOLERANCE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agreement:
+    """What came of laying a robot description beside a table.
+
+    Attributes:
+        base_link: where the description's chain begins.
+        tip_link: where it ends.
+        joints: its moving joints.
+        difference: how far the two are from each other as they stand; None where they cannot be compared.
+        corrected: the table with the base, tool, signs and offsets that make them the same arm, or nearly so; None
+            where there is no such table, or none is needed.
+        remaining: how far they are from each other then.
+        first_difference: why there is no such table: where they part, as a sentence.
+    """
+
+    base_link: str
+    tip_link: str
+    joints: tuple[str, ...]
+    difference: Difference | None
+    corrected: Manipulator | None = None
+    remaining: Difference | None = None
+    first_difference: str | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether the description is the arm of the table as it stands."""
+        return self.difference is not None and self.difference.is_none
+
+
+def compare(
+    robot: Robot, manipulator: Manipulator, *, base_link: str | None = None, tip_link: str | None = None
+) -> Agreement:
+    """Compare the kinematics of a description with those of a table, joint by joint in order.
+
+    Args:
+        robot: what the description says.
+        manipulator: the table.
+        base_link: where the chain begins; the root where it is not said.
+        tip_link: where it ends; where it is not said, a usual name, or the last link behind as many moving joints as
+            the table has.
+
+    Raises:
+        ConfigError: the description has no such link, or no chain between the two.
+    """
+    base = _link(robot, base_link, "--base-link") if base_link else robot.root
+    tip = _link(robot, tip_link, "--tip-link") if tip_link else _tip(robot, base, len(manipulator.moving_rows))
+    try:
+        chain = KinematicChain.between(robot, base, tip)
+    except ValueError as error:
+        raise ConfigError(
+            Problem(message=str(error), suggestion="--base-link and --tip-link choose the ends")
+        ) from None
+    moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
+    result = Agreement(base_link=base, tip_link=tip, joints=tuple(joint.name for joint in moving), difference=None)
+    if apart := _other_joints(moving, manipulator.moving_rows):
+        return replace(result, first_difference=apart)
+    difference = _difference(chain, manipulator, moving)
+    result = replace(result, difference=difference)
+    return result if difference.is_none else _with_correction(result, chain, manipulator, moving)
+
+
+# Which chain.
+
+
+def _link(robot: Robot, name: str, option: str) -> str:
+    names = [link.name for link in robot.links]
+    if name not in names:
+        raise ConfigError(
+            Problem(
+                message=f"the description has no link {shown(name)}",
+                mark=Mark(file="command line"),
+                field=option,
+                found=name,
+                accepted=", ".join(names[:20]),
+                suggestion=did_you_mean(name, names),
+            )
+        )
+    return name
+
+
+def _tip(robot: Robot, base: str, moving: int) -> str:
+    """The likeliest tip: a usual name, else the last link, of those behind as many moving joints as are wanted."""
+    count = {base: 0}
+    below: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    for name in (order := [base]):
+        for joint in below.get(name, ()):
+            if joint.child not in count:
+                count[joint.child] = count[name] + (joint.type is not JointType.FIXED)
+                order.append(joint.child)
+    wanted = min(count.values(), key=lambda number: (abs(number - moving), number))
+    fitting = [name for name in order if count[name] == wanted]
+    return next((name for name in USUAL_TIPS if name in fitting), fitting[-1])
+
+
+def _other_joints(joints: Sequence[Joint], rows: Sequence[DHRow]) -> str | None:
+    """Why the two cannot be compared joint by joint."""
+    if len(joints) != len(rows):
+        return f"the description has {len(joints)} moving joints on this chain, the table {len(rows)}"
+    for number, (joint, row) in enumerate(zip(joints, rows, strict=True), start=1):
+        if (joint.type is JointType.PRISMATIC) != (row.type is JointType.PRISMATIC):
+            return (
+                f"joint {number}, {shown(joint.name)}, is {joint.type} in the description and {row.type} in the table"
+            )
+    return None
+
+
+# How far apart.
+
+
+def _difference(chain: KinematicChain, manipulator: Manipulator, moving: Sequence[Joint]) -> Difference:
+    errors = [
+        (position_error(one, other), angle_error(one, other), q)
+        for q in _joint_vectors(moving, manipulator.name)
+        for one, other in [(chain.forward_kinematics(q), forward_kinematics(manipulator, q))]
+    ]
+    position, _, q = max(errors, key=lambda error: error[:2])
+    return Difference(position_error=position, angle_error=max(angle for _, angle, _ in errors), q=q)
+
+
+def _joint_vectors(moving: Sequence[Joint], name: str) -> Iterable[tuple[float, ...]]:
+    """Zero, and random values: limits do not matter where two chains are the same."""
+    draw = random.Random(f"dh2urdf {name}")  # noqa: S311 - reproducible on purpose
+    yield (0.0,) * len(moving)
+    for _ in range(POSES):
+        yield tuple(
+            draw.uniform(-1.0, 1.0) * (1.0 if joint.type is JointType.PRISMATIC else math.pi) for joint in moving
+        )
+
+
+# What would make them agree.
+
+
+def _with_correction(
+    result: Agreement, chain: KinematicChain, manipulator: Manipulator, moving: Sequence[Joint]
+) -> Agreement:
+    wanted, given = screws_of_chain(chain), screws_of_table(manipulator)
+    zero = chain.forward_kinematics((0.0,) * len(moving))
+    exact = align(wanted, given, TOLERANCE)
+    apart = _parting(exact, moving) if isinstance(exact, Mismatch) else None
+    found = align(wanted, given, NEAR) if isinstance(exact, Mismatch) else exact
+    if isinstance(found, Mismatch):
+        return replace(result, first_difference=apart)
+    candidates = [_corrected(manipulator, alignment, zero) for alignment in found]
+    corrected = min(candidates, key=lambda candidate: len(changes(manipulator, candidate)))
+    return replace(result, corrected=corrected, remaining=_difference(chain, corrected, moving), first_difference=apart)
+
+
+def _parting(mismatch: Mismatch, moving: Sequence[Joint]) -> str:
+    joint = f"joint {mismatch.joint + 1}, {shown(moving[mismatch.joint].name)}"
+    if mismatch.angle > TOLERANCE:
+        return (
+            f"they part at {joint}: to the joints before, its axis has another direction, by {mismatch.angle:.3g} rad"
+        )
+    return f"they part at {joint}: to the joints before, its axis stands elsewhere, by {mismatch.distance:.3g} m"
+
+
+def _corrected(manipulator: Manipulator, alignment: Alignment, zero: RigidTransform) -> Manipulator:
+    """The table with a base, signs and offsets of an alignment, and with the tool that makes the poses at zero one."""
+    base = _rounded(RigidTransform(alignment.rotation, alignment.translation) @ manipulator.base)
+    moved = iter(zip(alignment.signs, alignment.offsets, strict=True))
+    rows = tuple(row if row.type is JointType.FIXED else _row(row, *next(moved)) for row in manipulator.rows)
+    bare = replace(manipulator, base=base, rows=rows, tool=IDENTITY)
+    reached = forward_kinematics(bare, (0.0,) * len(bare.moving_rows))
+    return replace(bare, tool=_rounded(reached.inverse @ zero))
+
+
+def _row(row: DHRow, sign: int, offset: float) -> DHRow:
+    turned = row.offset + row.sign * offset
+    if row.type is not JointType.PRISMATIC:
+        turned = math.remainder(turned, math.tau)
+    return replace(row, sign=row.sign * sign, offset=_number(turned, is_angle=row.type is not JointType.PRISMATIC))
+
+
+def _rounded(pose: RigidTransform) -> RigidTransform:
+    x, y, z = (_number(value) for value in pose.translation)
+    roll, pitch, yaw = (_number(value, is_angle=True) for value in pose.rpy)
+    return RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw))
+
+
+def _number(value: float, *, is_angle: bool = False) -> float:
+    """A number without the rounding of what it was computed from; an angle near a quarter turn is one."""
+    if is_angle and abs(value - (turns := round(value / HALF_PI)) * HALF_PI) <= TOLERANCE / 10:
+        value = turns * HALF_PI
+        return value + 0.0 if value != -math.pi else math.pi
+    return round(value, _DECIMALS) + 0.0
+
+
+def changes(manipulator: Manipulator, corrected: Manipulator) -> tuple[str, ...]:
+    """What a corrected table says otherwise, a text each that can stand in a table: base, tool, signs, offsets."""
+    found = [
+        f"{name}: {{xyz: [{_vector(new.translation)}], rpy: [{_vector(new.rpy, is_angle=True)}]}}"
+        for name, old, new in (("base", manipulator.base, corrected.base), ("tool", manipulator.tool, corrected.tool))
+        if max(position_error(old, new), angle_error(old, new)) > TOLERANCE / 10
+    ]
+    for old_row, row in zip(manipulator.rows, corrected.rows, strict=True):
+        cells = [f"sign: {row.sign}"] if row.sign != old_row.sign else []
+        is_angle = row.type is not JointType.PRISMATIC
+        if abs(row.offset - old_row.offset) > TOLERANCE / 10:
+            cells.append(f"offset: {number_text(row.offset, is_angle=is_angle)}")
+        if cells:
+            found.append(f"joint {row.joint}: {', '.join(cells)}")
+    return tuple(found)
+
+
+def _vector(vector: Vec3, *, is_angle: bool = False) -> str:
+    return ", ".join(number_text(_number(value, is_angle=is_angle), is_angle=is_angle) for value in vector)
+
+
+def number_text(value: float, *, is_angle: bool = False) -> str:
+    """A number as a table may say it: whole quarter turns as parts of pi."""
+    from dh2urdf.quantities.number_text import format_number
+
+    if is_angle and value and (turns := round(value / HALF_PI)) * HALF_PI == value:
+        whole, half = divmod(abs(turns), 2)
+        text = (
+            f"{2 * whole + half}*pi/2" if half and whole else "pi/2" if half else f"{whole}*pi" if whole > 1 else "pi"
+        )
+        return text if turns > 0 else f"-{text}"
+    return format_number(value)

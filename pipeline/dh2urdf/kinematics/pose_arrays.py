@@ -1,0 +1,210 @@
+"""Poses and Jacobians of tables and robots at one joint vector or at many, as arrays.
+
+What `Manipulator` and `Robot` have as methods. The products are those of `dh2urdf.kinematics.chain`.
+
+Source of the Jacobian: Siciliano, Sciavicco, Villani and Oriolo, Robotics: Modelling, Planning and Control (2009),
+eqs. 3.29 and 3.30. A revolute joint with the axis z through the point p moves the origin o of the tool by z × (o − p)
+and turns it by z; a prismatic one moves it by z.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import RecordTypeError, RecordValueError
+from dh2urdf.kinematics.chain import (
+    ROOT,
+    TOOL,
+    KinematicChain,
+    as_matrices,
+    dh_frames,
+    joint_motion,
+    joints_between,
+    link_poses,
+)
+from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.rotations import IDENTITY, cross, rotate, scale, subtract
+from dh2urdf.source import Mark, Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+    from dh2urdf.rotations import RigidTransform, Vec3
+
+    Matrices = NDArray[np.float64]
+    Axis = tuple[JointType, Vec3, Vec3]
+    """The type of a joint, the direction of its axis and a point on it, in the base frame."""
+
+
+def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[np.float64]:
+    """Forward kinematics at many joint vectors at once.
+
+    Args:
+        model: a table, or a chain of a robot.
+        q: joint vectors of shape (..., n) [rad or m].
+
+    Returns:
+        T(base → tool0) of shape (..., 4, 4).
+
+    Raises:
+        RecordError: the joint vectors have another number of values than the model has moving joints, or a value is
+            none.
+    """
+    if isinstance(model, KinematicChain):
+        return chain_pose(model, joints_of_chain(model), q)
+    return table_pose(model, q)
+
+
+# --- Tables
+
+
+def table_pose(manipulator: Manipulator, q: Any, *, full: bool = False) -> Matrices:  # noqa: ANN401 - whatever is given
+    """T(base_link → tool0) of shape (..., 4, 4); see `Manipulator.fk`."""
+    function = "Manipulator.fk()"
+    values, shape = joint_values(q, _joints_of(manipulator, function, full=full))
+    return _matrices(dh_frames(manipulator, values)[-1] @ manipulator.tool, shape, function)
+
+
+def table_poses(manipulator: Manipulator, q: Any, *, full: bool) -> dict[str, Matrices]:  # noqa: ANN401 - whatever is given
+    """T(base_link → DH frame) by link; see `Manipulator.fk_all`."""
+    function = "Manipulator.fk_all()"
+    values, shape = joint_values(q, _joints_of(manipulator, function, full=full))
+    frames = dh_frames(manipulator, values)
+    poses = {ROOT: IDENTITY}
+    poses |= {row.link: frame for row, frame in zip(manipulator.rows, frames[1:], strict=True)}
+    poses[TOOL] = frames[-1] @ manipulator.tool
+    return {link: _matrices(pose, shape, function) for link, pose in poses.items()}
+
+
+def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:  # noqa: ANN401 - whatever is given
+    """The geometric Jacobian of tool0 in base_link, of shape (..., 6, n); see `Manipulator.jacobian`."""
+    function = "Manipulator.jacobian()"
+    values, shape = joint_values(q, _joints_of(manipulator, function, full=full))
+    frames = dh_frames(manipulator, values)
+    # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
+    before = manipulator.convention is Convention.STANDARD
+    axes: list[Axis] = []
+    for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True):
+        if row.type is not JointType.FIXED:
+            _, _, x, _, _, y, _, _, z = frame.rotation
+            axes.append((row.type, scale(row.sign, (x, y, z)), frame.translation))
+    return _jacobian(axes, (frames[-1] @ manipulator.tool).translation, shape, function)
+
+
+def _joints_of(manipulator: Manipulator, function: str, *, full: bool) -> JointNames:
+    if not isinstance(full, bool):
+        message = f"full={full!r} is neither True nor False"
+        raise RecordTypeError(Problem(message=message, mark=Mark(file=function), field="full", accepted="True, False"))
+    moving = tuple(row.joint for row in manipulator.moving_rows)
+    return JointNames(
+        wanted=tuple(row.joint for row in manipulator.rows) if full else moving,
+        moving=moving,
+        fixed=tuple(row.joint for row in manipulator.rows if row.type is JointType.FIXED),
+        whose=f"manipulator {shown(manipulator.name)}",
+        function=function,
+    )
+
+
+# --- Robots
+
+
+def robot_pose(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
+    """T(root → tip) of shape (..., 4, 4); see `Robot.fk`."""
+    return chain_pose(*_way_to(robot, tip, "Robot.fk()"), q)
+
+
+def chain_pose(chain: KinematicChain, names: JointNames, q: Any) -> Matrices:  # noqa: ANN401 - whatever is given
+    """T(root → tip) of shape (..., 4, 4) of a chain whose joints have these names."""
+    values, shape = joint_values(q, names)
+    return _matrices(chain.forward_kinematics(values), shape, names.function)
+
+
+def joints_of_chain(chain: KinematicChain) -> JointNames:
+    """The joints that a joint vector of a chain speaks of."""
+    moving = tuple(joint.name for joint in chain.joints if joint.type is not JointType.FIXED)
+    return JointNames(wanted=moving, moving=moving, whose="the chain", function="pose_matrices()")
+
+
+def robot_poses(robot: Robot, q: Any) -> dict[str, Matrices]:  # noqa: ANN401 - whatever is given
+    """T(root → link) by link; see `Robot.fk_all`."""
+    moving = tuple(joint.name for joint in robot.moving_joints)
+    names = JointNames(
+        wanted=moving,
+        moving=moving,
+        fixed=_fixed_joints(robot),
+        whose=f"robot {shown(robot.name)}",
+        function="Robot.fk_all()",
+    )
+    values, shape = joint_values(q, names)
+    poses = link_poses(robot, dict(zip(moving, values, strict=True)))
+    return {link.name: _matrices(poses[link.name], shape, names.function) for link in robot.links}
+
+
+def robot_jacobian(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
+    """The geometric Jacobian of a link in the root link, of shape (..., 6, n); see `Robot.jacobian`."""
+    chain, names = _way_to(robot, tip, "Robot.jacobian()")
+    values, shape = joint_values(q, names)
+    rest = iter(values)
+    pose = IDENTITY
+    axes: list[Axis] = []
+    for joint, origin in zip(chain.joints, chain.origins, strict=True):
+        pose = pose @ origin
+        if joint.type is not JointType.FIXED:
+            axes.append((joint.type, rotate(pose.rotation, joint.axis), pose.translation))
+            pose = pose @ joint_motion(joint, next(rest))
+    return _jacobian(axes, pose.translation, shape, names.function)
+
+
+def _way_to(robot: Robot, tip: str, function: str) -> tuple[KinematicChain, JointNames]:
+    """The joints on the way from the root to a link; a mapping may name the other joints of the robot too."""
+    joints = joints_between(robot, robot.root, tip)
+    moving = tuple(joint.name for joint in joints if joint.type is not JointType.FIXED)
+    names = JointNames(
+        wanted=moving,
+        moving=moving,
+        known=tuple(joint.name for joint in robot.moving_joints if joint.name not in moving),
+        fixed=_fixed_joints(robot),
+        whose=f"the way of robot {shown(robot.name)} to {shown(tip)}",
+        function=function,
+    )
+    return KinematicChain.of(joints), names
+
+
+def _fixed_joints(robot: Robot) -> tuple[str, ...]:
+    return tuple(joint.name for joint in robot.joints if joint.type is JointType.FIXED)
+
+
+# --- Arrays
+
+
+def _matrices(pose: RigidTransform, shape: tuple[int, ...], function: str) -> Matrices:
+    import numpy as np
+
+    return _finite(np.broadcast_to(as_matrices(pose), (*shape, 4, 4)), function)
+
+
+def _jacobian(axes: Sequence[Axis], tool: Vec3, shape: tuple[int, ...], function: str) -> Matrices:
+    import numpy as np
+
+    jacobian = np.zeros((*shape, 6, len(axes)))
+    for number, (kind, direction, point) in enumerate(axes):
+        slides = kind is JointType.PRISMATIC
+        linear = direction if slides else cross(direction, subtract(tool, point))
+        for element, value in enumerate((*linear, *((0.0, 0.0, 0.0) if slides else direction))):
+            jacobian[..., element, number] = value
+    return _finite(jacobian, function)
+
+
+def _finite(numbers: Matrices, function: str) -> Matrices:
+    import numpy as np
+
+    if not np.isfinite(numbers).all():
+        message = "the pose is not finite: the numbers of the arm are too large, or not finite themselves"
+        raise RecordValueError(Problem(message=message, mark=Mark(file=function)))
+    return numbers

@@ -1,0 +1,323 @@
+"""Which base, tool, signs and offsets make one arm of two that were described by different hands.
+
+Two serial arms move alike where their joints have the same axes: T(q) is a product of screw motions about the axes
+that the joints have at q = 0 (Brockett, 1984; Lynch and Park, Modern Robotics, eq. 4.14). So the table's axes are laid
+upon the description's, one after the other. A sign turns an axis round; a base transform X moves all axes; an offset c
+of a joint moves all axes behind it, as the joint does. With axes (w, p) of the description and (w', p') of the table,
+wanted are X, signs s and offsets c with
+
+    w_i = s_i Q_i w'_i    and    p_i - (Q_i p'_i + b_i) parallel to w_i,
+    where (Q_i, b_i) = X · motion_1(c_1) · … · motion_(i-1)(c_(i-1));
+
+a prismatic joint asks for the direction alone. The rotations follow one by one: until an axis fixes it, the arm may
+still turn about the axis before, and the turn goes to that joint's offset, or to X. An axis that is parallel to the
+one before does not fix the turn by its direction, but by where it stands. Then the positions are linear in what is
+left, the shift of X and the offsets of prismatic joints. Where an arm leaves a choice, nothing is corrected: a turn
+about the first axis goes to X, one about the last to the tool.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.kinematics.chain import axis_rotation, dh_transform, joint_variables
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    X_AXIS,
+    ZERO,
+    Rotation,
+    Vec3,
+    add,
+    multiply,
+    norm,
+    rotate,
+    scale,
+    subtract,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from dh2urdf.kinematics.chain import KinematicChain
+    from dh2urdf.manipulator import Manipulator
+
+MOST_STATES = 4096
+"""Beginnings of an arm that are tried [1]: only axes that meet at right angles leave two ways to go on."""
+
+
+class Screw(NamedTuple):
+    """The axis of a joint at q = 0.
+
+    Attributes:
+        direction: unit vector, in the direction that the joint counts.
+        point: a point of the axis [m].
+        slides: whether the joint is prismatic.
+    """
+
+    direction: Vec3
+    point: Vec3
+    slides: bool
+
+
+class Mismatch(NamedTuple):
+    """Where two arms part.
+
+    Attributes:
+        joint: index of the first joint whose axis cannot be laid upon the other's.
+        angle: by how much its direction differs then [rad]; 0 where that fits.
+        distance: by how much its position differs then [m].
+    """
+
+    joint: int
+    angle: float
+    distance: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alignment:
+    """What lays a table's axes upon a description's.
+
+    Attributes:
+        rotation: that of the base transform X.
+        translation: that of X [m].
+        signs: 1 or −1 per joint.
+        offsets: the table's joint values at the description's zero [rad or m].
+    """
+
+    rotation: Rotation
+    translation: Vec3
+    signs: tuple[int, ...]
+    offsets: tuple[float, ...]
+
+
+def screws_of_chain(chain: KinematicChain) -> list[Screw]:
+    """The axes of a chain's moving joints, in the frame of its root."""
+    found, pose = [], IDENTITY
+    for joint, origin in zip(chain.joints, chain.origins, strict=True):
+        pose = pose @ origin
+        if joint.type is not JointType.FIXED:
+            direction = rotate(pose.rotation, joint.axis)
+            found.append(Screw(direction, pose.translation, joint.type is JointType.PRISMATIC))
+    return found
+
+
+def screws_of_table(manipulator: Manipulator) -> list[Screw]:
+    """The axes of a table's moving joints, in the frame of its base link."""
+    found, pose = [], manipulator.base
+    for row in manipulator.rows:
+        theta, d = joint_variables(row)
+        step = dh_transform(manipulator.convention, a=row.a, alpha=row.alpha, d=d, theta=theta)
+        if row.type is not JointType.FIXED:
+            before = pose
+            if manipulator.convention is Convention.MODIFIED:  # the axis comes after a and alpha
+                before = pose @ dh_transform(manipulator.convention, a=row.a, alpha=row.alpha, d=0.0, theta=0.0)
+            direction = rotate(before.rotation, (0.0, 0.0, float(row.sign)))
+            found.append(Screw(direction, before.translation, row.type is JointType.PRISMATIC))
+        pose = pose @ step
+    return found
+
+
+class _State(NamedTuple):
+    """The first joints of the table, laid upon those of the description.
+
+    Attributes:
+        base: rotation of X.
+        signs: of these joints.
+        turns: offsets of those that turn, 0 of those that slide [rad].
+        placed: Q behind these joints.
+        hinge: what can still turn all that follows: index of a joint, −1 for X; None where nothing can.
+        last: index of the last joint that turns, or None.
+    """
+
+    base: Rotation
+    signs: tuple[int, ...]
+    turns: tuple[float, ...]
+    placed: Rotation
+    hinge: int | None
+    last: int | None
+
+
+_START = _State(IDENTITY_ROTATION, (), (), IDENTITY_ROTATION, -1, None)
+
+
+def align(wanted: Sequence[Screw], given: Sequence[Screw], tolerance: float) -> list[Alignment] | Mismatch:
+    """What lays the given axes upon those wanted: every way there is, or where the longest one ends.
+
+    Args:
+        wanted: the description's axes.
+        given: the table's, as many, and of the same types.
+        tolerance: what directions [rad] and positions [m] may differ.
+    """
+    found: list[Alignment] = []
+    waiting = [_START]
+    worst = Mismatch(0, 0.0, 0.0)
+    for _ in range(MOST_STATES):
+        if not waiting:
+            break
+        state = waiting.pop()
+        number = len(state.signs)
+        if number == len(wanted):
+            found.append(_alignment(wanted, given, state))
+            continue
+        for following, angle in reversed(list(_next(wanted, given, state, tolerance))):
+            distance = 0.0 if following is None else _position(wanted, given, following)[1]
+            if following is not None and distance <= tolerance:
+                waiting.append(following)
+            elif number >= worst.joint:
+                worst = _least(worst, Mismatch(number, angle, distance))
+    return found or worst
+
+
+def _least(one: Mismatch, other: Mismatch) -> Mismatch:
+    """Of two ways to part, the one that comes later; of two at one joint, the one that fits better."""
+    if one.joint != other.joint or not (one.angle or one.distance):
+        return other
+    return min(one, other, key=lambda mismatch: (mismatch.angle, mismatch.distance))
+
+
+def _next(
+    wanted: Sequence[Screw], given: Sequence[Screw], state: _State, tolerance: float
+) -> Iterator[tuple[_State | None, float]]:
+    """The next joint laid upon the description's, with either sign; None and the angle [rad] where it does not fit."""
+    number = len(state.signs)
+    target, source = wanted[number], given[number]
+    axis = None if state.hinge is None or not number else wanted[max(state.hinge, 0)].direction
+    for sign in (1, -1):
+        direction = scale(sign, rotate(state.placed, source.direction))
+        if not number:
+            turn, used = _shortest_turn(direction, target.direction), False
+        elif axis is None:
+            turn, used = IDENTITY_ROTATION, False
+        elif norm(_cross(axis, target.direction)) > tolerance:
+            turn, used = axis_rotation(axis, _angle_about(axis, direction, target.direction)), True
+        else:
+            turn, used = _turn_of_parallel(wanted, given, state, tolerance)
+        angle = _angle(rotate(turn, direction), target.direction)
+        yield (None if angle > tolerance else _turned(state, turn, axis, sign, used=used, slides=target.slides)), angle
+
+
+def _turn_of_parallel(
+    wanted: Sequence[Screw], given: Sequence[Screw], state: _State, tolerance: float
+) -> tuple[Rotation, bool]:
+    """The turn that an axis parallel to the hinge asks for by where it stands, and whether it asks for one."""
+    number, last = len(state.signs), state.last
+    if last is None or wanted[number].slides:
+        return IDENTITY_ROTATION, False
+    axis = wanted[number].direction
+    there = _across(axis, subtract(wanted[number].point, wanted[last].point))
+    here = _across(axis, rotate(state.placed, subtract(given[number].point, given[last].point)))
+    if min(norm(there), norm(here)) <= tolerance:
+        return IDENTITY_ROTATION, False
+    return axis_rotation(axis, _angle_about(axis, here, there)), True
+
+
+def _turned(state: _State, turn: Rotation, axis: Vec3 | None, sign: int, *, used: bool, slides: bool) -> _State:
+    """The state with one joint more, after the hinge made its turn."""
+    number, base, turns = len(state.signs), state.base, list(state.turns)
+    if state.hinge == -1:
+        base = multiply(turn, base)
+    elif used and state.hinge is not None and axis is not None:
+        turns[state.hinge] += state.signs[state.hinge] * _angle_of(axis, turn)
+    hinge = None if used else state.hinge
+    if hinge is None and not slides:
+        hinge = number
+    return _State(
+        base,
+        (*state.signs, sign),
+        (*turns, 0.0),
+        multiply(turn, state.placed),
+        hinge,
+        state.last if slides else number,
+    )
+
+
+def _alignment(wanted: Sequence[Screw], given: Sequence[Screw], state: _State) -> Alignment:
+    unknowns, _ = _position(wanted, given, state)
+    slides = iter(unknowns[3:])
+    offsets = tuple(next(slides) if screw.slides else turn for screw, turn in zip(given, state.turns, strict=True))
+    x, y, z = unknowns[:3]
+    return Alignment(rotation=state.base, translation=(x, y, z), signs=state.signs, offsets=offsets)
+
+
+def _position(wanted: Sequence[Screw], given: Sequence[Screw], state: _State) -> tuple[list[float], float]:
+    """The shift of X and the offsets of the joints that slide, least squares; and the largest distance left [m]."""
+    import numpy as np
+
+    placed, shift = state.base, ZERO
+    sliding: list[Vec3] = []
+    blocks: list[tuple[Vec3, Vec3, int]] = []  # axis, what is missing, how many slide before
+    for target, source, turn in zip(wanted, given, state.turns, strict=False):
+        if source.slides:
+            sliding.append(rotate(placed, source.direction))
+            continue
+        here = add(rotate(placed, source.point), shift)
+        blocks.append((target.direction, subtract(target.point, here), len(sliding)))
+        turned = multiply(placed, axis_rotation(source.direction, turn))
+        shift = add(shift, subtract(rotate(placed, source.point), rotate(turned, source.point)))
+        placed = turned
+    rows = np.zeros((3 * len(blocks), 3 + len(sliding)))
+    missing = np.zeros(3 * len(blocks))
+    for number, (axis, gap, before) in enumerate(blocks):
+        across = np.eye(3) - np.outer(axis, axis)
+        part = slice(3 * number, 3 * number + 3)
+        rows[part, :3] = across
+        rows[part, 3 : 3 + before] = across @ np.array(sliding[:before]).reshape(before, 3).T
+        missing[part] = across @ gap
+    if not blocks:
+        return [0.0] * (3 + len(sliding)), 0.0
+    unknowns = np.linalg.lstsq(rows, missing, rcond=1e-9)[0]
+    left = np.linalg.norm((rows @ unknowns - missing).reshape(-1, 3), axis=1)
+    return [float(value) for value in unknowns], float(left.max())
+
+
+# Vectors.
+
+
+def _dot(left: Vec3, right: Vec3) -> float:
+    return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
+
+
+def _cross(left: Vec3, right: Vec3) -> Vec3:
+    a, b, c = left
+    x, y, z = right
+    return (b * z - c * y, c * x - a * z, a * y - b * x)
+
+
+def _across(axis: Vec3, vector: Vec3) -> Vec3:
+    """The part of a vector that is perpendicular to an axis."""
+    return subtract(vector, scale(_dot(axis, vector), axis))
+
+
+def _angle(left: Vec3, right: Vec3) -> float:
+    """The angle between two unit vectors [rad]."""
+    return math.atan2(norm(_cross(left, right)), _dot(left, right))
+
+
+def _angle_about(axis: Vec3, start: Vec3, end: Vec3) -> float:
+    """The turn about an axis that brings one vector nearest to another [rad]."""
+    here, there = _across(axis, start), _across(axis, end)
+    return math.atan2(_dot(axis, _cross(here, there)), _dot(here, there))
+
+
+def _angle_of(axis: Vec3, turn: Rotation) -> float:
+    """The angle of a rotation about an axis [rad]."""
+    twice_sine = _dot(axis, (turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]))
+    return math.atan2(twice_sine, turn[0] + turn[4] + turn[8] - 1.0)
+
+
+def _shortest_turn(start: Vec3, end: Vec3) -> Rotation:
+    """The rotation by the smallest angle that brings one unit vector to another."""
+    axis = _cross(start, end)
+    sine = norm(axis)
+    if sine > 0.0:
+        return axis_rotation(scale(1.0 / sine, axis), math.atan2(sine, _dot(start, end)))
+    if _dot(start, end) > 0.0:
+        return IDENTITY_ROTATION
+    beside = _across(start, X_AXIS)
+    if norm(beside) < 0.5:  # noqa: PLR2004 - x is nearly the axis: y is not
+        beside = _across(start, (0.0, 1.0, 0.0))
+    return axis_rotation(scale(1.0 / norm(beside), beside), math.pi)

@@ -1,0 +1,30 @@
+"""Mesh files: where tables find them, how descriptions name them, and the forms that simulators take."""
+
+from __future__ import annotations
+
+from dh2urdf._faces import face
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from dh2urdf.meshes.files import (
+        REMEDY as REMEDY,
+        find_mesh as find_mesh,
+        has_meshes as has_meshes,
+        read_mesh as read_mesh,
+    )
+    from dh2urdf.meshes.triangles import (
+        FORMATS as FORMATS,
+        Asset as Asset,
+        asset_of as asset_of,
+        enclosed as enclosed,
+        load_scene as load_scene,
+        to_metres as to_metres,
+    )
+else:
+    __all__, __getattr__, __dir__ = face(
+        __name__,
+        {
+            "files": "REMEDY find_mesh has_meshes read_mesh",
+            "triangles": "Asset FORMATS asset_of enclosed load_scene to_metres",
+        },
+    )

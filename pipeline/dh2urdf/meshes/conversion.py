@@ -1,0 +1,197 @@
+"""Robots whose meshes are files that every simulator takes, as a user asks for them.
+
+What a link weighs is computed of the mesh as it is given, and stays: a conversion is of shapes alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import ConfigError, CrashError, EmitterError, MissingDependencyError
+from dh2urdf.manipulator import MeshFile
+from dh2urdf.meshes.files import REMEDY, mesh_files, read_mesh
+from dh2urdf.meshes.forms import MeshConversion, behind_fence
+from dh2urdf.meshes.triangles import FORMATS
+from dh2urdf.robot import Material, Mesh
+from dh2urdf.source import Problem, did_you_mean, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from dh2urdf.robot import Collision, Link, Robot, Visual
+    from dh2urdf.rotations import Vec3
+
+ACCEPTED = (
+    f"{MeshConversion.NEVER}: files as they are given; {MeshConversion.AUTO}: OBJ files, which all simulators take; "
+    f"{MeshConversion.HULL}: besides, what touches is the convex hull; {MeshConversion.DECOMPOSITION}: besides, what "
+    "touches are convex parts"
+)
+LARGEST = 2**28
+"""The largest file that is converted [B]."""
+SECONDS = {MeshConversion.AUTO: 60.0, MeshConversion.HULL: 60.0, MeshConversion.DECOMPOSITION: 900.0}
+"""How long the conversion of one mesh may take [s]."""
+
+
+def conversion_of(word: str, prefix: str | None) -> MeshConversion:
+    """What a word of a user means.
+
+    Args:
+        word: one of `MeshConversion`.
+        prefix: what `dh2urdf.meshes.files.prefix_of` gives.
+
+    Raises:
+        ConfigError: the word is none of them, or what is converted would be written nowhere.
+    """
+    try:
+        how = MeshConversion(word)
+    except ValueError:
+        message = f"the conversion of meshes cannot be {shown(word)}"
+        near = did_you_mean(word, [each.value for each in MeshConversion])
+        raise ConfigError(Problem(message=message, found=word, accepted=ACCEPTED, suggestion=near)) from None
+    if how is not MeshConversion.NEVER and prefix is None:
+        message = "converted meshes are copies, and no copies are made"
+        raise ConfigError(Problem(message=message, found=word, accepted="copies, such as `names: relative`"))
+    return how
+
+
+def unsettled(notices: Iterable[Problem], how: MeshConversion) -> tuple[Problem, ...]:
+    """Those notices that a conversion leaves something of."""
+    if how is MeshConversion.NEVER:
+        return tuple(notices)
+    return tuple(notice for notice in notices if not (notice.suggestion or "").endswith(REMEDY))
+
+
+def converted(robot: Robot, how: MeshConversion) -> Robot:
+    """A robot whose meshes are converted.
+
+    Args:
+        robot: the robot; of a cell, the kinds of its arms are changed too.
+        how: what becomes of its meshes.
+
+    Raises:
+        EmitterError: a mesh cannot be converted; the problem names it, and its link.
+        CrashError: a library crashed on a mesh, or did not finish in time.
+        MissingDependencyError: a package that converts is not installed.
+        OutputError: a mesh cannot be read any more.
+    """
+    if how is MeshConversion.NEVER or not mesh_files(robot):
+        return robot
+    kinds = {id(arm.kind): converted(arm.kind, how) for arm in robot.arms}
+    return replace(
+        robot,
+        links=tuple([_converted_link(link, how) for link in robot.links]),
+        notices=unsettled(robot.notices, how),
+        arms=tuple([replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms]),
+    )
+
+
+def _converted_link(link: Link, how: MeshConversion) -> Link:
+    try:
+        return replace(
+            link,
+            visuals=tuple([made for shape in link.visuals for made in _visuals(shape)]),
+            collisions=tuple([made for shape in link.collisions for made in _collisions(shape, how)]),
+        )
+    except EmitterError as error:
+        of = f"link {shown(link.name)}: "
+        raise EmitterError(replace(each, message=of + each.message) for each in error.problems) from error
+
+
+def _visuals(shape: Visual) -> Iterator[Visual]:
+    """A visual in OBJ: several, where its file has several colours and the robot gives it none."""
+    mesh = shape.geometry
+    if not isinstance(mesh, Mesh) or mesh.file is None:
+        yield shape
+    elif shape.material is not None:
+        (whole,) = _converted_file(mesh.file, mesh.scale, MeshConversion.AUTO)[1]
+        yield replace(shape, geometry=_geometry(whole))
+    else:
+        for rgba, file in _converted_file(mesh.file, mesh.scale, MeshConversion.AUTO)[0]:
+            yield replace(shape, geometry=_geometry(file), material=rgba and _material(rgba))
+
+
+def _collisions(shape: Collision, how: MeshConversion) -> Iterator[Collision]:
+    mesh = shape.geometry
+    if not isinstance(mesh, Mesh) or mesh.file is None:
+        yield shape
+    else:
+        for file in _converted_file(mesh.file, mesh.scale, how)[1]:
+            yield replace(shape, geometry=_geometry(file))
+
+
+def _geometry(file: MeshFile) -> Mesh:
+    return Mesh(filename=f"file://{file.path}", file=file)
+
+
+def _material(rgba: tuple[float, float, float, float]) -> Material:
+    """A material by its colour: the same in every mesh and robot."""
+    return Material(name="mesh_" + "".join([f"{round(255 * part):02x}" for part in rgba]), rgba=rgba)
+
+
+@lru_cache(maxsize=256)
+def _converted_file(
+    file: MeshFile, scale: Vec3, how: MeshConversion
+) -> tuple[tuple[tuple[tuple[float, float, float, float] | None, MeshFile], ...], tuple[MeshFile, ...]]:
+    """A file as files to be seen, with their colours, and files that touch.
+
+    Raises:
+        EmitterError: it cannot be converted.
+        CrashError: a library crashed on it, or did not finish in time.
+        MissingDependencyError: a package that converts is not installed.
+    """
+    from dh2urdf.isolation.child_process import run_in_child
+
+    path = Path(file.path)
+    name, suffix = shown(path.name), path.suffix.lower()
+    content = _content(file, name, suffix)
+    seconds = SECONDS[how]
+    who = f"the conversion of the mesh {name}"
+    try:
+        made = run_in_child(behind_fence, content, suffix, scale, how, seconds, timeout=seconds, who=who).value
+    except ImportError as error:
+        package = {"collada": "pycollada"}.get(error.name or "", error.name or str(error))
+        conversion = f"`output: {{meshes: {{convert: {how}}}}}`"
+        raise MissingDependencyError(conversion, package, "dh2urdf[meshes]") from error
+    except MemoryError:
+        raise _refusal(name, "it needs too much memory") from None
+    except ValueError as error:
+        raise _refusal(name, str(error)) from error
+    except CrashError as error:
+        accepted = f"a mesh whose conversion takes less than {seconds:g} s"
+        raise type(error)([replace(problem, accepted=accepted) for problem in error.problems]) from error
+    word = {MeshConversion.HULL: "_hull", MeshConversion.DECOMPOSITION: "_part"}.get(how, "")
+
+    def named(kind: str, contents: list[bytes]) -> list[MeshFile]:
+        numbers = [""] if len(contents) == 1 else [f"_{number}" for number in range(1, len(contents) + 1)]
+        places = [path.with_name(f"{path.stem}{kind}{number}.obj") for number in numbers]
+        return [
+            MeshFile(path=str(place), sha256=sha256(each).hexdigest(), content=each)
+            for place, each in zip(places, contents, strict=True)
+        ]
+
+    seen = named("", [each for _, each in made.visuals])
+    colours = [rgba for rgba, _ in made.visuals]
+    return tuple(zip(colours, seen, strict=True)), tuple(named(word, made.collisions))
+
+
+def _content(file: MeshFile, name: str, suffix: str) -> bytes:
+    if suffix not in FORMATS:
+        raise EmitterError(Problem(message=f"the mesh {name} cannot be converted", accepted=", ".join(FORMATS)))
+    content = read_mesh(file)
+    if len(content) > LARGEST:
+        message = f"the mesh {name} has {len(content) / 2**20:,.0f} MiB, too many to be converted"
+        raise EmitterError(Problem(message=message, accepted=f"at most {LARGEST >> 20} MiB"))
+    return content
+
+
+def _refusal(name: str, reason: str) -> EmitterError:
+    return EmitterError(
+        Problem(
+            message=f"the mesh {name} cannot be converted: {reason}",
+            suggestion="fix the mesh; or leave meshes as they are, with `convert: never`",
+        )
+    )

@@ -1,0 +1,222 @@
+"""Mesh files: where a table finds them, how descriptions name them, and how they get beside the descriptions.
+
+A mesh is copied once, however many robots share it, into the folder `FOLDER` of the output. The name of the copy has a
+part of the content's hash in it, so that no two files get in each other's way, and no simulator takes one for another.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import replace
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.documents.text_files import LONG_PATH, check_file
+from dh2urdf.errors import ConfigError, OutputError
+from dh2urdf.manipulator import MeshFile
+from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.robot import Mesh
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from dh2urdf.robot import Collision, Geometry, Link, Robot, Visual
+
+FOLDER = "meshes"
+"""The folder of the output that holds copies of meshes."""
+RELATIVE, FILE = "relative", "file"
+ACCEPTED = (
+    f"{RELATIVE}: copies, named by their path from the description; {FILE}: no copies, but file:// and the path of "
+    "each file; package://NAME: copies, in an output folder that is the ROS package NAME"
+)
+REMEDY = "have it converted: `output: {meshes: {convert: auto}}`"
+"""The end of a notice's suggestion, where a conversion leaves nothing to notice."""
+_DIGITS = 8
+"""Hexadecimal digits of a content's hash in the name of its copy [1]."""
+_BLOCK = 1 << 20
+_PACKAGE = re.compile(r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?")
+
+
+def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
+    """What descriptions write before the name of a copy; None where nothing is copied.
+
+    Args:
+        word: one of `ACCEPTED`.
+        in_folders: whether the descriptions lie in folders of the output.
+
+    Raises:
+        ConfigError: the word is none of them.
+    """
+    if word == RELATIVE:
+        return f"../{FOLDER}/" if in_folders else f"{FOLDER}/"
+    if word == FILE:
+        return None
+    if _PACKAGE.fullmatch(word):
+        return f"{word.rstrip('/')}/{FOLDER}/"
+    raise ConfigError(Problem(message=f"meshes cannot be {shown(word)}", found=word, accepted=ACCEPTED))
+
+
+# --- Files ------------------------------------------------------------------------------------------------------------
+
+
+def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
+    """The file that a table or a run file names.
+
+    Args:
+        text: the path as it is written.
+        folder: the folder of the file that says it, from which the path leads.
+        links: whether a link may lead out of that folder. A table may be a stranger's, and come with links to files
+            of the user who reads it.
+
+    Raises:
+        ConfigError: there is none, or it cannot be read, or it is a link out of the folder; the problem says where it
+            was looked for.
+    """
+    accepted = "the path of a file, from the folder of the file that names it"
+    if "://" in text:
+        message = f"{shown(text, LONG_PATH)} is an address, not a path"
+        raise ConfigError(Problem(message=message, found=text, accepted=accepted))
+    path = Path(os.path.abspath(folder / text))  # noqa: PTH100 - as it is written: a link may have a better name
+    try:
+        check_file(path)
+    except ConfigError as error:
+        why = error.problems[0]
+        raise ConfigError(
+            Problem(
+                message=f"there is no mesh in {shown(text, LONG_PATH)}: {why.message}",
+                found=text,
+                accepted=accepted,
+                suggestion="; ".join(
+                    [
+                        f"it was looked for at {shown(str(path), LONG_PATH)}",
+                        *([why.suggestion] if why.suggestion else []),
+                    ]
+                ),
+            )
+        ) from None
+    if not links:
+        _refuse_link(path, folder, text)
+    try:
+        status = path.stat()
+        return MeshFile(path=str(path), sha256=_digest(str(path), status.st_mtime_ns, status.st_size))
+    except OSError as error:
+        message = f"the mesh {shown(text, LONG_PATH)} cannot be read: {error.strerror}"
+        raise ConfigError(Problem(message=message, found=text)) from None
+
+
+def _refuse_link(path: Path, folder: Path, text: str) -> None:
+    """Refuses a path that a link leads elsewhere than it says.
+
+    Raises:
+        ConfigError: it lies in the folder, and a link leads out of it; or it is written as a path to another folder,
+            and the file there is a link out of that one.
+    """
+    home = os.path.abspath(folder)  # noqa: PTH100 - as above
+    said = home if path.is_relative_to(home) else path.parent
+    target = Path(os.path.realpath(path))
+    if not any(target.is_relative_to(os.path.realpath(root)) for root in (home, said)):
+        raise ConfigError(
+            Problem(
+                message=f"the mesh {shown(text, LONG_PATH)} is a link out of the folder "
+                f"{shown(str(said), LONG_PATH)}, to {shown(str(target), LONG_PATH)}",
+                found=text,
+                accepted="a file, or a link to one in the table's folder",
+                suggestion="copy the file there; or, where you trust the table, set its reader's option "
+                "`mesh_links: true`",
+            )
+        )
+
+
+@lru_cache(maxsize=4096)
+def _digest(path: str, _changed: int, _size: int) -> str:
+    """The hash of a file, which many manipulators may share; it is taken again after a change."""
+    digest = sha256()
+    with Path(path).open("rb") as file:
+        while block := file.read(_BLOCK):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+def read_mesh(file: MeshFile) -> bytes:
+    """What stands in a mesh file.
+
+    Raises:
+        OutputError: it cannot be read any more, or is not what it was when its table was read.
+    """
+    if file.content is not None:
+        return file.content
+    try:
+        content = Path(file.path).read_bytes()
+    except OSError as error:
+        message = f"the mesh {shown(file.path, LONG_PATH)} cannot be read: {error.strerror}"
+        raise OutputError(Problem(message=message)) from error
+    if sha256(content).hexdigest() != file.sha256:
+        message = f"the mesh {shown(file.path, LONG_PATH)} has changed since its table was read"
+        raise OutputError(Problem(message=message, suggestion="begin again; a run goes on with `--resume`"))
+    return content
+
+
+def copy_name(file: MeshFile) -> str:
+    """The name of the copy of a mesh."""
+    path = Path(file.path)
+    return f"{safe_stem(path.stem)}-{file.sha256[:_DIGITS]}{path.suffix.lower()}"
+
+
+def copy_path(file: MeshFile) -> str:
+    """The place of the copy in the output."""
+    return f"{FOLDER}/{copy_name(file)}"
+
+
+# --- Robots -----------------------------------------------------------------------------------------------------------
+
+
+def located(robot: Robot, prefix: str | None) -> Robot:
+    """A robot whose meshes are named as descriptions shall name them.
+
+    Args:
+        robot: the robot; of a cell, the kinds of its arms are changed too.
+        prefix: what `prefix_of` gives.
+    """
+    if prefix is None or not mesh_files(robot):
+        return robot
+    kinds = {id(arm.kind): located(arm.kind, prefix) for arm in robot.arms}
+    return replace(
+        robot,
+        links=tuple([_located_link(link, prefix) for link in robot.links]),
+        arms=tuple([replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms]),
+    )
+
+
+def _located_link(link: Link, prefix: str) -> Link:
+    def named(geometry: Geometry) -> Geometry:
+        if isinstance(geometry, Mesh) and geometry.file:
+            return replace(geometry, filename=prefix + copy_name(geometry.file))
+        return geometry
+
+    return replace(
+        link,
+        visuals=tuple([replace(shape, geometry=named(shape.geometry)) for shape in link.visuals]),
+        collisions=tuple([replace(shape, geometry=named(shape.geometry)) for shape in link.collisions]),
+    )
+
+
+def mesh_files(robot: Robot) -> tuple[MeshFile, ...]:
+    """The mesh files of a robot that are at hand, each once, in the order of its links."""
+    return tuple(dict.fromkeys(mesh.file for mesh in _meshes(robot) if mesh.file))
+
+
+def has_meshes(robot: Robot) -> bool:
+    """Whether any link of a robot is a mesh."""
+    return any(True for _ in _meshes(robot))
+
+
+def _meshes(robot: Robot) -> Iterator[Mesh]:
+    for link in robot.links:
+        shapes: Iterable[Visual | Collision] = (*link.visuals, *link.collisions)
+        for shape in shapes:
+            if isinstance(shape.geometry, Mesh):
+                yield shape.geometry

@@ -1,0 +1,234 @@
+"""A mesh in the forms that every simulator takes: OBJ of triangles, its convex hull, or convex parts of it.
+
+`behind_fence` runs in a child process, since a mesh may be anybody's file: behind the fence it can read no other file,
+and has bounded time and memory. What is written is read again and compared with what was given before it is returned.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.isolation.fence import enter
+from dh2urdf.meshes.triangles import Part, enclosed, read_parts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from dh2urdf.rotations import Vec3
+
+CONCAVITY = 0.05
+"""Concavity of a part at which CoACD stops cutting: its `threshold`, over half of the mesh's longest edge."""
+COVER = 0.05
+"""How far parts of a decomposition may stand off from the mesh, over its longest edge."""
+
+_ROUNDING = 1e-9  # of places over the longest edge, and of volumes
+_CLOSE = 1e-7  # of points to the planes of a hull, over the longest edge: Qhull's own precision
+_CHUNK = 1 << 22  # distances that are computed at a time
+
+
+class MeshConversion(StrEnum):
+    """What descriptions name for a mesh."""
+
+    NEVER = "never"
+    """The file as it is given."""
+    AUTO = "auto"
+    """An OBJ file, with the scale, and a COLLADA file's unit, axes and transforms, in its numbers."""
+    HULL = "hull"
+    """The same; what touches is the convex hull."""
+    DECOMPOSITION = "decomposition"
+    """The same; what touches are convex parts."""
+
+
+class Forms(NamedTuple):
+    """What became of a mesh, as OBJ files.
+
+    Attributes:
+        visuals: what is seen, by colours; a colour of None is for the description to give.
+        collisions: what touches.
+    """
+
+    visuals: list[tuple[tuple[float, float, float, float] | None, bytes]]
+    collisions: list[bytes]
+
+
+def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, seconds: float) -> Forms:
+    """The forms of a mesh file, made in this process, which can do nothing else from then on.
+
+    Args:
+        content: the file.
+        suffix: one of `dh2urdf.meshes.triangles.FORMATS`.
+        scale: factors along the axes of the mesh.
+        how: what is made of it.
+        seconds: computing time that is left [s].
+
+    Raises:
+        ImportError: a package is not installed.
+        MemoryError: it needs more memory than the fence leaves.
+        ValueError: there is something wrong with the mesh, and the message says what.
+    """
+    _warm_up(suffix, how)
+    enter([Path(__file__).parent], seconds)
+    try:
+        return forms_of(content, suffix, scale, how)
+    except ImportError:
+        raise
+    except MemoryError:
+        pass  # What took it is let go of before anything else is done.
+    except Exception as error:  # noqa: BLE001 - what readers of other people's files raise is anything
+        raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from None
+    raise MemoryError  # That of numpy cannot be handed to another process.
+
+
+def _warm_up(suffix: str, how: MeshConversion) -> None:
+    """Imports what would be imported on the way: behind the fence, no module can be read."""
+    import trimesh
+
+    sample = trimesh.creation.box().export(file_type=suffix[1:])
+    forms_of(sample.encode() if isinstance(sample, str) else sample, suffix, (1.0, 1.0, 1.0), how)
+
+
+def forms_of(content: bytes, suffix: str, scale: Vec3, how: MeshConversion) -> Forms:
+    """The forms of a mesh file; as `behind_fence`, without a fence."""
+    import numpy as np
+
+    parts = read_parts(content, suffix, scale)
+    seen = [(part.rgba, _written([part])) for part in parts]
+    whole = seen[0][1] if len(parts) == 1 else _written(parts)
+    match how:
+        case MeshConversion.HULL:
+            return Forms(seen, [_hull(_soup(parts))])
+        case MeshConversion.DECOMPOSITION:
+            return Forms(seen, _convex_parts(np.concatenate([_soup([part]) for part in parts])))
+    return Forms(seen, [whole])
+
+
+# --- OBJ --------------------------------------------------------------------------------------------------------------
+
+
+def _written(parts: Sequence[Part]) -> bytes:
+    """Parts as an OBJ file, which has been read again.
+
+    Raises:
+        ValueError: what is read is another surface.
+    """
+    import numpy as np
+
+    text = "".join(_lines(parts)).encode()
+    triangles, again = _soup(parts), _soup(read_parts(text, ".obj", (1.0, 1.0, 1.0)))
+    size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    if triangles.shape != again.shape or not np.abs(triangles - again).max() <= _ROUNDING * size:
+        raise ValueError("as OBJ it is read as another surface")
+    middle = 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1)))
+    one, other = (enclosed(each, middle) for each in (triangles, again))
+    if abs((one.mass if one else 0.0) - (other.mass if other else 0.0)) > _ROUNDING * size**3:
+        raise ValueError("as OBJ it encloses another volume")
+    return text
+
+
+def _lines(parts: Sequence[Part]) -> Iterator[str]:
+    """Vertices, then triangles; every number as the shortest text that is read as the same double."""
+    for part in parts:
+        for x, y, z in part.vertices.tolist():
+            yield f"v {x!r} {y!r} {z!r}\n"
+    before = 1
+    for part in parts:
+        for a, b, c in (part.faces + before).tolist():
+            yield f"f {a} {b} {c}\n"
+        before += len(part.vertices)
+
+
+def _soup(parts: Sequence[Part]) -> Any:  # noqa: ANN401 - an array
+    """The corners of all triangles, of shape (N, 3, 3)."""
+    import numpy as np
+
+    return np.concatenate([part.vertices[part.faces] for part in parts])
+
+
+# --- Convex shapes ----------------------------------------------------------------------------------------------------
+
+
+def _hull(triangles: Any) -> bytes:  # noqa: ANN401 - an array
+    """The convex hull of triangles, as OBJ.
+
+    Raises:
+        ValueError: they lie in a plane, or the hull does not hold them.
+    """
+    import numpy as np
+
+    points = np.unique(triangles.reshape(-1, 3), axis=0)
+    hull = _convex(points)
+    size = float(np.ptp(points, axis=0).max())
+    if _farthest(points, hull) > _CLOSE * size:
+        raise ValueError("its convex hull does not hold it")
+    return _written([hull])
+
+
+def _convex(points: Any) -> Part:  # noqa: ANN401 - an array
+    """The convex hull of points.
+
+    Raises:
+        ValueError: they lie in a plane.
+    """
+    import trimesh
+    from scipy.spatial import QhullError
+
+    try:
+        hull = trimesh.convex.convex_hull(points)
+    except QhullError:
+        raise ValueError("it is flat, and has no convex hull") from None
+    if not (hull.is_watertight and hull.volume > 0.0):
+        raise ValueError("it is flat, and has no convex hull")
+    return Part(*_of(hull), None)
+
+
+def _of(mesh: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays of a module without type information
+    import numpy as np
+
+    return np.array(mesh.vertices), np.array(mesh.faces)
+
+
+def _convex_parts(triangles: Any) -> list[bytes]:  # noqa: ANN401 - an array
+    """Convex parts that are together about as large as the mesh, each as OBJ.
+
+    The parts are those of X. Wei, M. Liu, Z. Ling and H. Su, "Approximate Convex Decomposition for 3D Meshes with
+    Collision-Aware Concavity and Tree Search", ACM Transactions on Graphics 41 (2022), by its authors' library.
+
+    Raises:
+        ValueError: they stand off from the mesh by more than `COVER`.
+    """
+    import coacd
+    import numpy as np
+
+    points, faces = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    size = float(np.ptp(points, axis=0).max())
+    whole = _convex(points)  # It is not flat.
+    coacd.set_log_level("off")
+    mesh = coacd.Mesh(points, faces.reshape(-1, 3))
+    parts = [_convex(vertices) for vertices, _ in coacd.run_coacd(mesh, threshold=CONCAVITY, seed=0)]
+    left = points
+    for part in parts:
+        left = left[_outside(left, part) > COVER * size]
+    if len(left) or any(_farthest(part.vertices, whole) > COVER * size for part in parts):
+        raise ValueError(f"its convex parts stand off from it by more than {COVER:.0%} of its size")
+    return [_written([part]) for part in parts]
+
+
+def _farthest(points: Any, hull: Part) -> float:  # noqa: ANN401 - an array
+    return float(_outside(points, hull).max())
+
+
+def _outside(points: Any, hull: Part) -> Any:  # noqa: ANN401 - arrays
+    """How far points lie outside the planes of a convex shape [m]; negative inside."""
+    import numpy as np
+
+    a, b, c = (hull.vertices[hull.faces[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    flat = lengths <= 0.0
+    normals, a = normals[~flat] / lengths[~flat, None], a[~flat]
+    offsets = np.einsum("ij,ij->i", normals, a)
+    step = max(1, _CHUNK // len(offsets))
+    blocks = range(0, len(points), step)
+    return np.concatenate([(points[at : at + step] @ normals.T - offsets).max(axis=1) for at in blocks] or [[]])

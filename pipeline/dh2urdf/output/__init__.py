@@ -1,0 +1,18 @@
+"""Files that are written whole or not at all, and under which names they go where."""
+
+from __future__ import annotations
+
+from dh2urdf._faces import face
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from dh2urdf.output.seen_names import SeenNames as SeenNames
+    from dh2urdf.output.whole_files import write_whole as write_whole
+else:
+    __all__, __getattr__, __dir__ = face(
+        __name__,
+        {
+            "seen_names": "SeenNames",
+            "whole_files": "write_whole",
+        },
+    )

@@ -1,0 +1,127 @@
+"""Under which names the files of a run go into its store: all together, in folders, or in tar shards."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import repeat
+from typing import TYPE_CHECKING, NotRequired, Protocol, TypedDict
+
+from dh2urdf.output.shards import ShardWriter, shard_stem
+from dh2urdf.output.whole_files import safe_stem
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from dh2urdf.output.store import Store
+
+DEFAULT_SIZE = 1000
+"""Manipulators in one folder or shard [1]: file systems and people are slow with folders of many thousand files."""
+LARGEST = 10_000
+"""Manipulators in one folder or shard at most [1]: a worker holds a shard's descriptions until it is written."""
+
+
+class Form(StrEnum):
+    """How the files of a run lie."""
+
+    FILES = "files"
+    """All in one folder."""
+    FOLDERS = "folders"
+    """In folders of so many manipulators."""
+    SHARDS = "shards"
+    """In tar files of so many manipulators."""
+
+
+class Stored(TypedDict):
+    """Where a file is in the output of a run, as its manifest has it."""
+
+    path: str
+    shard: NotRequired[str]
+    offset: NotRequired[int]
+
+
+class Destination(Protocol):
+    """Where the files of a batch go."""
+
+    def put(self, index: int, name: str, content: bytes) -> Stored:
+        """Puts a file of the manipulator of a number in its place, whole; where it is now, for the manifest."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layout:
+    """How the files of a run lie in its store.
+
+    Attributes:
+        form: in which form.
+        size: manipulators in one folder or shard [1].
+    """
+
+    form: Form = Form.FILES
+    size: int = DEFAULT_SIZE
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether a batch is one file, and so there as a whole or not at all."""
+        return self.form is Form.SHARDS
+
+    @property
+    def stem_of(self) -> Callable[[str], str]:
+        """What gives the stem of a manipulator's files."""
+        return shard_stem if self.form is Form.SHARDS else safe_stem
+
+    def batch_sizes(self, sizes: Iterator[int]) -> Iterator[int]:
+        """How many manipulators each batch has: a shard is one batch, otherwise whatever suits the workers."""
+        return repeat(self.size) if self.form is Form.SHARDS else sizes
+
+    def folder(self, index: int) -> str:
+        """The folder or shard of the manipulator of a number; empty where there is none."""
+        match self.form:
+            case Form.FILES:
+                return ""
+            case Form.FOLDERS:
+                return f"{index // self.size:05d}"
+            case Form.SHARDS:
+                return f"{index // self.size:06d}.tar"
+
+    def path(self, index: int, name: str) -> str:
+        """The name of a file in the store, shards aside."""
+        folder = self.folder(index)
+        return f"{folder}/{name}" if folder else name
+
+    @contextmanager
+    def place(self, store: Store, first: int) -> Iterator[Destination]:
+        """Where the files of the batch go that begins with the manipulator of a number.
+
+        Raises:
+            OutputError: a file cannot be written.
+        """
+        if self.form is not Form.SHARDS:
+            yield _Files(store, self)
+            return
+        name = self.folder(first)
+        with ShardWriter(store, name) as shard:
+            yield _Shard(shard, name)
+
+
+class _Files:
+    """Files of their own."""
+
+    def __init__(self, store: Store, layout: Layout) -> None:
+        self._store, self._layout = store, layout
+
+    def put(self, index: int, name: str, content: bytes) -> Stored:
+        path = self._layout.path(index, name)
+        self._store.write(path, content)
+        return {"path": path}
+
+
+class _Shard:
+    """Members of a tar file."""
+
+    def __init__(self, shard: ShardWriter, name: str) -> None:
+        self._shard, self._name = shard, name
+
+    def put(self, _index: int, name: str, content: bytes) -> Stored:
+        return {"path": name, "shard": self._name, "offset": self._shard.add(name, content)}

@@ -1,0 +1,215 @@
+"""A run's output at an address that fsspec knows: an object store, most of all.
+
+An object appears whole or not at all, which is what a `Store` promises. Other file systems behind an address, such as
+``sftp://``, may show a file that is being written: one that a killed run left so is found by its hash and made again
+when the run is resumed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from contextlib import contextmanager, nullcontext, suppress
+from errno import EINVAL, ENOENT, ETIMEDOUT
+from functools import partial
+from glob import has_magic
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, OutputError
+from dh2urdf.output.store import NOT_THERE, ReportingStream, Store, checked
+from dh2urdf.output.whole_files import staging
+from dh2urdf.source import Problem, printable, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
+
+_S3 = ("s3", "s3a")
+_S3_LIMITS = {"connect_timeout": 5, "read_timeout": 10, "retries": {"mode": "standard", "total_max_attempts": 3}}
+"""Of each request to S3 [s, s]: three tries, with random pauses of at most 1 and 2 s. The defaults wait a minute for
+each of five tries, and s3fs has all of them five times."""
+_PATIENCE = 60
+"""After so long whatever was asked is given up [s], a second later for each megabyte to be sent. The limits above do
+not count while a server gives no leave to send (100 Continue), or takes nothing of what is sent."""
+_BLOCK = 1 << 23
+"""How much a stream takes from a remote file at once [byte]."""
+_LONGEST_REASON = 300
+"""Of what a remote place says, so much is repeated [1]."""
+
+
+class RemoteStore(Store):
+    """What is below an address such as ``s3://bucket/prefix``.
+
+    Credentials, endpoint and all other settings are those of fsspec and of the package behind it: of the environment,
+    such as ``AWS_ENDPOINT_URL`` for an object store that is not Amazon's, and of their configuration files.
+
+    Attributes:
+        address: the address.
+    """
+
+    def __init__(self, address: str) -> None:
+        """Raises what `open_store` raises."""
+        self.address = address
+        self._system: tuple[int, Any, str] = (-1, None, "")
+        self._open_system()
+
+    def __str__(self) -> str:
+        return _without_password(self.address)
+
+    def __reduce__(self) -> tuple[type[RemoteStore], tuple[str]]:
+        return type(self), (self.address,)
+
+    def write(self, name: str, content: bytes) -> None:
+        """Write a file whole, in the place of an older one."""
+        self._create(name, lambda system, key: system.pipe_file(key, content, **self._within(len(content))))
+
+    def put(self, name: str, path: Path) -> None:
+        """Put a finished file of a folder of `scratch` where it belongs, in the place of an older one."""
+        self._create(name, lambda system, key: system.put_file(str(path), key, **self._within(path.stat().st_size)))
+
+    def _create(self, name: str, create: Callable[[Any, str], object]) -> None:
+        system, key = self._place(name)
+        with self._reporting(name, "write"):
+            try:
+                create(system, key)
+            except FileNotFoundError:
+                # Some file systems want a folder first. A bucket is not made: that it is not there is a mistake.
+                top = re.match("/?[^/]*", key)
+                if top is None or not system.exists(top.group()):
+                    raise
+                system.makedirs(key.rpartition("/")[0], exist_ok=True)
+                create(system, key)
+
+    def read(self, name: str, *, offset: int = 0, size: int | None = None) -> bytes:
+        """What stands in a file, or some of it."""
+        if size == 0:
+            return b""  # There is no such range of HTTP.
+        system, key = self._place(name)
+        end = None if size is None else offset + size
+        with self._reporting(name, "read"):
+            try:
+                return bytes(system.cat_file(key, start=offset or None, end=end, **self._within()))
+            except OSError as error:
+                if error.errno == EINVAL and offset >= system.info(key, **self._within())["size"]:
+                    return b""  # S3 calls a range beyond the end invalid.
+                raise
+
+    def open(self, name: str) -> BinaryIO:
+        """A file as a stream for reading from its beginning, which the caller closes."""
+        system, key = self._place(name)
+        reporting = partial(self._reporting, name, "read")
+        with reporting():
+            return ReportingStream.buffered(system.open(key, "rb", block_size=_BLOCK), reporting)
+
+    def size(self, name: str) -> int | None:
+        """How long a file is [byte]; None where there is none."""
+        system, key = self._place(name)
+        with self._reporting(name, "read"), suppress(*NOT_THERE):
+            info = system.info(key, **self._within())
+            if info["type"] == "file":
+                return int(info["size"])
+        return None
+
+    def names(self, folder: str = "") -> Iterator[str]:
+        """The names of all files in a folder and below it."""
+        system, top = self._place(folder) if folder else self._open_system()
+        found: list[str] = []
+        with self._reporting(folder, "read"), suppress(*NOT_THERE):
+            found = system.find(top, **self._within())
+        root = self._open_system()[1]
+        for key in found:
+            yield key[len(root) + 1 :]
+
+    def remove(self, name: str) -> None:
+        """Remove a file, if it is there."""
+        system, key = self._place(name)
+        with self._reporting(name, "remove"), suppress(*NOT_THERE):
+            system.rm_file(key, **self._within())
+
+    def remove_tree(self, folder: str) -> None:
+        """Remove a folder and all in it, if it is there."""
+        system, key = self._place(folder)
+        with self._reporting(folder, "remove"), suppress(*NOT_THERE):
+            system.rm(key, recursive=True, **self._within())
+
+    def scratch(self) -> AbstractContextManager[Path]:
+        """A folder among the temporary ones of this machine."""
+        return staging(Path(tempfile.gettempdir()))
+
+    def lock(self) -> AbstractContextManager[None]:
+        """Nothing: an object store has no locks, and nothing half-written that would have to be removed."""
+        return nullcontext()
+
+    def _open_system(self) -> tuple[Any, str]:
+        """The file system of fsspec and the path of the address in it."""
+        process, system, root = self._system
+        if process == os.getpid():
+            system.invalidate_cache()  # What it remembers of folders may have changed since.
+            return system, root
+        # New, or a copy of one by a fork, where the threads of asynchronous file systems are missing.
+        try:
+            from fsspec.core import url_to_fs
+        except ImportError as error:
+            raise self._lacks("fsspec") from error
+        limits = {"config_kwargs": _S3_LIMITS} if self._scheme in _S3 else {}
+        with self._reporting("", "reach"):
+            try:
+                system, root = url_to_fs(self.address, **limits)
+            except ImportError as error:
+                raise self._lacks(getattr(error.__cause__ or error, "name", None) or self._scheme) from error
+        root = root.rstrip("/")
+        if not root or has_magic(root):
+            raise OutputError(
+                Problem(
+                    message=f"nothing can be written to {shown(str(self), 200)}",
+                    found=str(self),
+                    accepted="an address with a name behind it and none of * ? [ in it, such as s3://bucket/prefix",
+                )
+            )
+        if limits:
+            system.retries = 1  # Each request has its own tries.
+        self._system = os.getpid(), system, root
+        return self._system[1:]
+
+    def _place(self, name: str) -> tuple[Any, str]:
+        """The file system of fsspec and the path of a file in it."""
+        system, root = self._open_system()
+        if has_magic(checked(name)):  # fsspec would take it for the names of others.
+            raise OutputError(Problem(message=f"a name in {self} cannot hold any of * ? [: {shown(name)}", found=name))
+        return system, f"{root}/{name}"
+
+    def _within(self, size: int = 0) -> dict[str, float]:
+        """The limit for a call of an asynchronous file system that sends so much [byte]; others have none."""
+        return {"timeout": _PATIENCE + size / 1e6} if self._open_system()[0].async_impl else {}
+
+    @property
+    def _scheme(self) -> str:
+        return self.address.partition("://")[0].casefold()
+
+    def _lacks(self, package: str) -> MissingDependencyError:
+        extra = "dh2urdf[remote]" if package in ("fsspec", "s3fs") else package
+        return MissingDependencyError(f"output to {self._scheme}://", package, extra)
+
+    @contextmanager
+    def _reporting(self, name: str, doing: str) -> Iterator[None]:
+        """Turn whatever a remote place raises into one line: every file system has errors of its own."""
+        try:
+            yield
+        except Dh2UrdfError:
+            raise
+        except Exception as error:
+            place = f"{str(self).rstrip('/')}/{name}" if name else str(self)
+            reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            if isinstance(error, TimeoutError) and not str(error):
+                reason = os.strerror(ETIMEDOUT)
+            if isinstance(error, NOT_THERE) and name in reason:  # It is the path alone.
+                reason = os.strerror(ENOENT)
+            reason = printable(_without_password(" ".join(reason.split())))[:_LONGEST_REASON]
+            raise OutputError(Problem(message=f"cannot {doing} {shown(place, 200)}: {reason}")) from error
+
+
+def _without_password(text: str) -> str:
+    """A text without what stands between ``://`` and ``@`` if there is a password in it."""
+    return re.sub(r"(?<=://)[^\s@]*:[^\s@]*@", "…@", text)

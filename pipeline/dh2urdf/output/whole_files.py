@@ -1,0 +1,232 @@
+"""Files that appear whole, under names that are safe, or not at all."""
+
+from __future__ import annotations
+
+import os
+import re
+import unicodedata
+from contextlib import contextmanager, suppress
+from errno import EISDIR
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import OutputError
+from dh2urdf.output.seen_names import SeenNames
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from dh2urdf.stages import EmittedFile
+
+LONGEST_STEM = 120
+"""Bytes of a file name's stem [1]: file systems take 255 for the whole name, and suffixes need their share."""
+_STAGING = ".dh2urdf-"
+_SAFE = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
+_DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
+
+
+def safe_stem(name: str) -> str:
+    """A manipulator's name as the stem of file names, safe on every file system.
+
+    Letters, digits, ``.``, ``-``, ``+`` and ``_`` stay; anything else becomes ``_``. A stem never begins with a dot or
+    a dash, is no device name of Windows, and where it was cut short it ends in a hash of the whole name.
+    """
+    if len(name) <= LONGEST_STEM and _SAFE.fullmatch(name) and name.partition(".")[0].lower() not in _DEVICES:
+        return name  # as nearly all are; what follows gives the same
+    composed = unicodedata.normalize("NFC", name)
+    stem = "".join(c if c.isalnum() or c in ".-+_" else "_" for c in composed).strip("._-") or "robot"
+    device, dot, rest = stem.partition(".")
+    if device.casefold() in _DEVICES:  # with any suffix
+        stem = f"{device}_{dot}{rest}"
+    if len(stem.encode()) > LONGEST_STEM:
+        digest = sha256(name.encode(errors="surrogatepass")).hexdigest()[:12]
+        stem = f"{stem.encode()[: LONGEST_STEM - 13].decode(errors='ignore')}-{digest}"
+    return stem
+
+
+class Stems:
+    """Gives every manipulator of a run a stem of its own, also where the file system ignores case.
+
+    Args:
+        stem_of: the stem that a name has by itself.
+    """
+
+    def __init__(self, stem_of: Callable[[str], str] = safe_stem) -> None:
+        self._stem_of = stem_of
+        self._taken = SeenNames()
+
+    def claim_all(self, names: Sequence[str]) -> list[tuple[str, Problem | None]]:
+        """The stems of manipulators, each with a notice where another one already has the stem of its name."""
+        stems = [self._stem_of(name) for name in names]
+        keys = [self._key(stem) for stem in stems]
+        if len(set(keys)) < len(keys) or self._taken.known(keys):
+            return [self.claim(name) for name in names]
+        self._taken.add(keys)
+        return [(stem, None) for stem in stems]
+
+    def claim(self, name: str) -> tuple[str, Problem | None]:
+        """The stem of a manipulator, and a notice where another one already has the stem of its name."""
+        wanted = stem = self._stem_of(name)
+        number = 1
+        while self._taken.known([self._key(stem)]):
+            number += 1
+            stem = f"{wanted}-{number}"
+        self._taken.add([self._key(stem)])
+        if number == 1:
+            return stem, None
+        message = f"its files are named {stem!r}: {wanted!r} belongs to another manipulator of this run"
+        return stem, Problem(message=message, severity="notice", robot=name)
+
+    @staticmethod
+    def _key(stem: str) -> str:
+        return stem.lower() if stem.isascii() else unicodedata.normalize("NFC", stem.casefold())
+
+
+@contextmanager
+def staging(directory: Path) -> Iterator[Path]:
+    """A temporary folder inside an output folder, gone at the end whatever happens.
+
+    Files are written and proved there, and then moved into place by `put_in_place`: a rename within one file system.
+
+    Raises:
+        OutputError: the folder cannot be made.
+    """
+    with reporting_os_errors(directory):
+        directory.mkdir(parents=True, exist_ok=True)
+    # The name is known before there is a folder of it, and an interrupt, which may come between any two steps and while
+    # the folder is being removed, has it removed again: so nothing is left at any moment.
+    folder = directory / f"{_STAGING}{os.urandom(6).hex()}"
+    try:
+        try:
+            with reporting_os_errors(directory):
+                folder.mkdir(mode=0o700)
+            yield folder
+        finally:
+            _remove(folder)
+    except BaseException:
+        _remove(folder)
+        raise
+
+
+def _remove(folder: Path) -> None:
+    """Remove a staging folder, which holds files alone; an interrupt meanwhile goes its way as what it is.
+
+    (In `shutil.rmtree` it may become an OSError, and it costs twice the time.)
+    """
+    with suppress(OSError):
+        for name in os.listdir(folder):  # noqa: PTH208 - a few microseconds for each manipulator of a million
+            os.unlink(folder / name)  # noqa: PTH108
+        folder.rmdir()
+
+
+def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> None:
+    """Write an emitter's files into a staging folder.
+
+    Args:
+        folder: the staging folder.
+        files: the files.
+        place: where they will stand in the end, for messages; by default the folder above.
+
+    Raises:
+        OutputError: a file cannot be written, or its name is not a plain file name.
+    """
+    for file in files:
+        if Path(file.name).name != file.name or file.name in ("", ".", ".."):
+            raise OutputError(Problem(message=f"{shown(file.name)} is not a plain file name", found=file.name))
+        with reporting_os_errors(f"{place}/{file.name}" if place else folder.parent / file.name):
+            (folder / file.name).write_bytes(file.content)
+
+
+def refuse_inputs(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Refuses to write over a file that is read, under whatever name: by a link, or in other letters' case.
+
+    Args:
+        targets: the files that are to be written.
+        inputs: the files that are read.
+
+    Raises:
+        OutputError: a target is an input; it names both.
+    """
+    read = [(path, _identity(path), _folded(path)) for path in dict.fromkeys(inputs)]
+    for target in targets:
+        identity, folded = _identity(target), _folded(target)
+        for path, its_identity, its_folded in read:
+            if folded == its_folded or (identity is not None and identity == its_identity):
+                other = "" if str(path) == str(target) else f", which is {shown(str(target), 200)}"
+                raise OutputError(
+                    Problem(
+                        message=f"the output would overwrite the input {shown(str(path), 200)}{other}",
+                        found=str(target),
+                        accepted="an output file that is not an input",
+                        suggestion="write to another file or folder",
+                    )
+                )
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """The file behind a path, whatever the path; None where there is none."""
+    try:
+        status = os.stat(path)  # noqa: PTH116 - Path.stat is the same, and twice as slow
+    except (OSError, ValueError):
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _folded(path: Path) -> str:
+    """The place of a path, as a file system that ignores case has it."""
+    folder = os.path.realpath(path.parent)
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", os.path.join(folder, path.name)).casefold())  # noqa: PTH118
+
+
+def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
+    """Move files from a staging folder to where they belong, each replacing an older one at once.
+
+    Raises:
+        OutputError: a file cannot be moved; where a folder stands in the way of one, none is.
+    """
+    for name in names:
+        with reporting_os_errors(directory / name):
+            if (directory / name).is_dir():
+                raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
+    for name in names:
+        with reporting_os_errors(directory / name):
+            (folder / name).replace(directory / name)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write one file whole, or leave what stood there.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    with staging(path.parent) as folder, reporting_os_errors(path):
+        (folder / path.name).write_bytes(content)
+        (folder / path.name).replace(path)
+
+
+def write_all(descriptor: int, content: bytes) -> None:
+    """Write all of a content to an open file, in one call of the system if it can be."""
+    written = os.write(descriptor, content)
+    while written < len(content):  # The disk is full, and the next call says so; or this one took its most, 2 GB.
+        written += os.write(descriptor, memoryview(content)[written:])
+
+
+@contextmanager
+def reporting_os_errors(path: Path | str, doing: str = "write") -> Iterator[None]:
+    """Turn what the operating system says of a path into one line.
+
+    Raises:
+        OutputError: whatever OSError came, or the ValueError of a path that no system has.
+    """
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        raise refused(path, error, doing) from error
+
+
+def refused(path: Path | str, error: Exception, doing: str = "write") -> OutputError:
+    """What the operating system says of a path, as one line."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}"))

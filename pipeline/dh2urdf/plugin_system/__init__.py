@@ -1,0 +1,28 @@
+"""Plugins: which are installed, what they provide, their options, and whose fault it is when one fails."""
+
+from __future__ import annotations
+
+from dh2urdf._faces import face
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from dh2urdf.plugin_system.at_work import MARK as MARK, unmarked as unmarked
+    from dh2urdf.plugin_system.catalog import (
+        KINDS as KINDS,
+        RECORDS as RECORDS,
+        Catalog as Catalog,
+        Provided as Provided,
+        load as load,
+    )
+    from dh2urdf.plugin_system.child_place import ChildPlace as ChildPlace
+    from dh2urdf.plugin_system.options import describe_options as describe_options
+else:
+    __all__, __getattr__, __dir__ = face(
+        __name__,
+        {
+            "at_work": "MARK unmarked",
+            "catalog": "Catalog KINDS Provided RECORDS load",
+            "child_place": "ChildPlace",
+            "options": "describe_options",
+        },
+    )

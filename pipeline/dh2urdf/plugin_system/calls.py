@@ -1,0 +1,192 @@
+"""Calls of stages, and whose fault it is when one fails: a stage's function may raise anything.
+
+What a stage refuses in an error of `dh2urdf.errors` goes on as it is. Anything else is a fault of the stage, and told
+with the plugin, its distribution and its version: as a `StageError` where it concerns one manipulator, as a
+`BrokenPluginError` where the whole run depends on it.
+"""
+
+from __future__ import annotations
+
+import pickle
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from dh2urdf.errors import (
+    BrokenPluginError,
+    Dh2UrdfError,
+    ExecutorError,
+    MissingDependencyError,
+    MissingProgramError,
+    OutputError,
+    PluginError,
+    RecordError,
+    RecordTypeError,
+    StageError,
+)
+from dh2urdf.plugin_system.at_work import AtWork
+from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
+from dh2urdf.plugin_system.discovery import UNKNOWN
+from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of
+from dh2urdf.plugin_system.stage_answers import a_record
+from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Transform
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["Call", "a_record", "blaming", "broken", "default_call", "depending_on", "fault", "own_work"]
+
+S = TypeVar("S", Reader[Any], Transform[Any], Emitter[Any], Loader[Any], Executor[Any])
+
+_OWN = "raised by dh2urdf itself, not by a stage"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Call(Generic[S]):
+    """A stage with the options that this run gives it.
+
+    To another process it goes by name: a worker has the same plugins installed, and no stage need be picklable. It
+    finds the stage in the same plugin, and imports no other.
+
+    Attributes:
+        stage: the stage.
+        options: an instance of its options type.
+        plugin: who provides it; None where it was not found in a catalog.
+    """
+
+    stage: S
+    options: Any
+    plugin: Plugin | None = field(default=None, repr=False)
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of the stage."""
+        return next(kind for kind, record in RECORDS.items() if isinstance(self.stage, record))
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.stage.name!r}"
+
+    @property
+    def at_work(self) -> AtWork:
+        """A context in which the stage is called."""
+        return AtWork(str(self), self.plugin)
+
+    def __reduce__(self) -> tuple[Callable[..., Call[Any]], tuple[Any, ...]]:
+        is_installed = self.plugin is not None and self.plugin.is_installed
+        whose = (self.plugin.name, self.plugin.distribution_name) if self.plugin and is_installed else None
+        with depending_on(self, "options"):
+            options = pickle.dumps(self.options)
+        return _installed_call, (whose, self.kind, self.stage.name, options)
+
+
+def default_call(catalog: Catalog, stage: S) -> Call[S]:
+    """A stage of a catalog with its default options."""
+    return Call(stage=stage, options=stage.options(), plugin=catalog.plugin_of(stage))
+
+
+def _installed_call(whose: tuple[str, str] | None, kind: Kind, name: str, options: bytes) -> Call[Any]:
+    catalog = _catalog(whose)
+    stage: Any = catalog.get(kind, name)
+    call = Call(stage=stage, options=None, plugin=catalog.plugin_of(stage))
+    with depending_on(call, "options"):
+        return replace(call, options=pickle.loads(options))  # noqa: S301 - our own parent sent them
+
+
+@cache
+def _catalog(whose: tuple[str, str] | None) -> Catalog:
+    return load_plugin(*whose) if whose else load()
+
+
+@contextmanager
+def blaming(call: Call[Any], what: str = "") -> Iterator[None]:
+    """Turn whatever a stage raises about one manipulator, unless it is an error of dh2urdf, into one that names it.
+
+    Args:
+        call: the stage.
+        what: what is asked of it, where that is not its work itself, such as ``notices``.
+
+    Raises:
+        StageError: the stage raised something else.
+    """
+    try:
+        with call.at_work:
+            yield
+    except (Dh2UrdfError, *INTERRUPTS) as error:
+        if _is_fault(error, call):
+            raise fault(call, error, what) from error
+        raise
+    except BaseException as error:
+        raise fault(call, error, what) from error
+
+
+def _is_fault(error: BaseException, call: Call[Any]) -> bool:
+    """Whether an error of dh2urdf is nothing that a stage may refuse a manipulator with."""
+    if isinstance(error, (*INTERRUPTS, MissingDependencyError, MissingProgramError)):
+        return False
+    if isinstance(error, (PluginError, ExecutorError)) or not getattr(error, "problems", True):
+        return True
+    if call.kind == "reader":
+        # A reader makes the records of a table, whose values come from the file. Their types do not.
+        return isinstance(error, RecordTypeError) and call.plugin is not None and not call.plugin.is_builtin
+    return isinstance(error, (RecordError, OutputError))
+
+
+def fault(call: Call[Any], error: BaseException, what: str = "") -> StageError:
+    """The error that says which stage failed at a manipulator, and how."""
+    plugin = call.plugin
+    return StageError(
+        f"`{what}` of the {call}" if what else str(call),
+        reason_of(error),
+        traceback_of(error),
+        plugin=plugin.name if plugin else "",
+        distribution=plugin.distribution if plugin else "",
+    )
+
+
+@contextmanager
+def own_work() -> Iterator[None]:
+    """Marks whatever is raised as the host's own, also on its way through an executor, which calls the host.
+
+    A note of an exception survives the way between processes.
+    """
+    try:
+        yield
+    except Dh2UrdfError:
+        raise
+    except Exception as error:
+        error.add_note(_OWN)
+        raise
+
+
+@contextmanager
+def depending_on(call: Call[Any], what: str = "") -> Iterator[None]:
+    """Turn whatever a stage raises that a whole run needs, unless it is an error of dh2urdf, into one that names it.
+
+    Args:
+        call: the stage.
+        what: what is asked of it, where that is not its work itself, such as ``require``.
+
+    Raises:
+        BrokenPluginError: the stage raised something else.
+    """
+    try:
+        with call.at_work:
+            yield
+    except (Dh2UrdfError, *INTERRUPTS):
+        raise
+    except BaseException as error:
+        if _OWN in getattr(error, "__notes__", ()):
+            raise
+        raise broken(error, call, what) from error
+
+
+def broken(error: BaseException, call: Call[Any], what: str = "") -> BrokenPluginError:
+    """The error that says which plugin failed with which stage, and how."""
+    plugin = call.plugin
+    return BrokenPluginError(
+        plugin.name if plugin else call.stage.name,
+        plugin.distribution if plugin else UNKNOWN,
+        f"{f'`{what}` of ' if what else ''}the {call} failed: {reason_of(error)}",
+        traceback_of(error),
+    )

@@ -1,0 +1,328 @@
+"""Which stages are installed: every plugin's records, by kind and name, broken plugins kept with their reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, overload
+
+from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
+from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
+from dh2urdf.plugin_system.plugin_stages import KINDS, RECORDS, PluginStages, Provided, declared
+from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
+    from typing import Literal
+
+__all__ = ["KINDS", "RECORDS", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
+
+_SPREADSHEETS = frozenset({".xls", ".xlsb", ".ods", ".fods", ".numbers"})
+_SAVE_AS = "save the sheet as .xlsx, or as CSV (UTF-8)"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shadowed:
+    """A stage whose short name means another plugin's stage.
+
+    Attributes:
+        loser: the stage that only its full name chooses.
+        winner: the stage that the short name chooses.
+    """
+
+    loser: Provided
+    winner: Provided
+
+
+class Catalog:
+    """Every installed stage by kind and name.
+
+    A plugin is imported when a stage is asked for that only it may have. A name means the built-in stage; else that of
+    the plugin whose entry point is called so, such as ``emitter.usd``; else that of one of the other plugins. A kind's
+    hooks are called when the first stage of that kind is asked for.
+    """
+
+    def __init__(
+        self, plugins: Iterable[Plugin], broken: Iterable[BrokenPluginError] = (), left_out: Iterable[Plugin] = ()
+    ) -> None:
+        self._plugins = tuple(plugins)
+        self._stages = PluginStages(broken)
+        self._warned: set[str] = set()
+        self.left_out = tuple(left_out)
+
+    @property
+    def broken(self) -> tuple[BrokenPluginError, ...]:
+        """The plugins that failed or do not fit, with their reasons, as far as they have been used."""
+        return tuple(self._stages.broken)
+
+    def provided(self, kind: Kind) -> tuple[Provided, ...]:
+        """The stages of a kind with the plugins that provide them, by name; every plugin that may have one is asked."""
+        return self._provided(kind, self._plugins)
+
+    def clashes(self) -> tuple[StageConflictError, ...]:
+        """The names that several plugins claim with equal right; an error only for who uses one of them."""
+        return tuple(
+            StageConflictError(kind, claims[0].stage.name, [item.plugin.distribution for item in claims])
+            for kind in KINDS
+            for claims, _ in self._claims(kind)
+            if len(claims) > 1
+        )
+
+    def shadowed(self) -> tuple[Shadowed, ...]:
+        """The stages whose short names mean the stages of other plugins."""
+        return tuple(
+            Shadowed(loser=loser, winner=claims[0])
+            for kind in KINDS
+            for claims, others in self._claims(kind)
+            for loser in others
+            if len(claims) == 1
+        )
+
+    def by_name(self, kind: Kind) -> dict[str, Provided]:
+        """The stages of a kind that their short names choose."""
+        return {claims[0].stage.name: claims[0] for claims, _ in self._claims(kind) if len(claims) == 1}
+
+    def _claims(self, kind: Kind) -> Iterator[tuple[list[Provided], list[Provided]]]:
+        """By name, the stages with the best right to it, and those with less."""
+        for _, items in groupby(self.provided(kind), lambda item: item.stage.name):
+            claims = sorted(items, key=_right)
+            best = [item for item in claims if _right(item) == _right(claims[0])]
+            yield best, claims[len(best) :]
+
+    @overload
+    def get(self, kind: Literal["reader"], name: str) -> Reader[Any]: ...
+    @overload
+    def get(self, kind: Literal["transform"], name: str) -> Transform[Any]: ...
+    @overload
+    def get(self, kind: Literal["emitter"], name: str) -> Emitter[Any]: ...
+    @overload
+    def get(self, kind: Literal["loader"], name: str) -> Loader[Any]: ...
+    @overload
+    def get(self, kind: Literal["executor"], name: str) -> Executor[Any]: ...
+    def get(self, kind: Kind, name: str) -> Stage:
+        """The stage of a kind with a name.
+
+        Args:
+            kind: the kind.
+            name: the stage's name, or ``distribution:name``, which says whose it is where several have the name; then
+                no other distribution's plugin is imported.
+
+        Raises:
+            UnknownStageError: no installed stage has the name.
+            BrokenPluginError: none has, and a plugin that may provide it is broken.
+            StageConflictError: two plugins claim the name.
+        """
+        distribution, _, own_name = name.rpartition(":")
+        asked = [plugin for plugin in self._plugins if not distribution or plugin.is_of(distribution)]
+        for plugins in _by_right(asked, kind, own_name):
+            if found := [item for item in self._provided(kind, plugins) if item.stage.name == own_name]:
+                return self._only(kind, own_name, found, warn=not distribution).stage
+        others = self._provided(kind, asked) or self.provided(kind)
+        names = [item.full_name if distribution else item.stage.name for item in others]
+        near = did_you_mean(name, names)
+        missing = f"no other plugin provides the {kind} {own_name!r}{f'; {near}' if near else ''}"
+        self._blame_broken(missing, distribution)
+        raise UnknownStageError(kind, name, names)
+
+    def cell_reader(self) -> Reader[Any]:
+        """The reader of rows of cells that come from no file: the one whose `read_cells` is not None.
+
+        dh2urdf's own reader is taken where plugins have others.
+
+        Raises:
+            UnknownStageError: no installed reader has it.
+        """
+        for plugins in _by_right(self._plugins, "reader"):
+            for item in self._provided("reader", plugins):
+                if isinstance(item.stage, Reader) and item.stage.read_cells:
+                    return item.stage
+        installed_names = [item.stage.name for item in self.provided("reader")]
+        raise UnknownStageError("reader", "of rows of cells", installed_names)
+
+    def plugin_of(self, stage: Stage) -> Plugin:
+        """The plugin that provides a stage of this catalog.
+
+        Raises:
+            LookupError: it is not of this catalog.
+        """
+        return self._stages.plugin_of(stage)
+
+    def reader_for(
+        self, path: Path, advice: str = "`stage: NAME` beside the path in a run file chooses a reader"
+    ) -> Reader[Any]:
+        """The reader whose suffixes a path has.
+
+        Args:
+            path: the path.
+            advice: how a person says which is meant.
+
+        Raises:
+            InputError: no installed reader takes the suffix, or several do.
+            BrokenPluginError: none does, and a plugin that may provide one is broken.
+            StageConflictError: two plugins claim the reader's name.
+        """
+        reader: Reader[Any] = self._by_suffix("reader", path, advice)
+        return reader
+
+    def emitter_for(self, path: Path, advice: str = "`--to NAME` chooses an emitter") -> Emitter[Any]:
+        """The emitter whose suffixes a path has; the longest suffix wins (`.urdf.xacro` is xacro).
+
+        Args:
+            path: the path.
+            advice: how a person says which is meant.
+
+        Raises:
+            InputError: no installed emitter writes the suffix, or several do.
+            BrokenPluginError: none does, and a plugin that may provide one is broken.
+            StageConflictError: two plugins claim the emitter's name.
+        """
+        emitter: Emitter[Any] = self._by_suffix("emitter", path, advice)
+        return emitter
+
+    def is_table(self, path: Path) -> bool:
+        """Whether the suffix of a file is that of a reader of tables.
+
+        Where a built-in stage has it, no plugin is asked.
+        """
+        for plugins in (_by_right(self._plugins, "reader")[0], self._plugins):
+            for kind in ("reader", "emitter"):
+                if found := self._with_suffix(kind, path.name, plugins):
+                    return any(
+                        isinstance(item.stage, Reader) and not item.stage.reads_descriptions for _, item in found
+                    )
+        return False
+
+    def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind
+        builtin, *_ = _by_right(self._plugins, kind)
+        best = self._with_suffix(kind, path.name, builtin)
+        if not best or "." in path.name[1 : -len(best[0][0])]:  # A plugin may have a longer suffix, or the only one.
+            best = self._with_suffix(kind, path.name, self._plugins)
+        if not best:
+            raise self._no_stage_for(kind, path, advice)
+        suffix = best[0][0]
+        items = [item for _, item in best]
+        items = [item for item in items if item.plugin.is_builtin] or items
+        if len({item.stage.name for item in items}) > 1:
+            stages = " and ".join(f"{item.stage.name!r} of {item.plugin.distribution}" for item in items)
+            raise InputError(
+                Problem(
+                    message=f"several {kind}s take the file {shown(path.name)}: {stages}",
+                    found=suffix,
+                    suggestion=advice,
+                )
+            )
+        for _, other in best:
+            if items[0].plugin.is_builtin and other.stage.name != items[0].stage.name:
+                self._warn(items[0], f" for files {suffix}", [other.plugin], other.stage.name)
+        return self._only(kind, items[0].stage.name, items).stage
+
+    def _with_suffix(self, kind: Kind, name: str, plugins: Iterable[Plugin]) -> list[tuple[str, Provided]]:
+        """The stages of some plugins that take a file, by the longest suffix that the file's name has."""
+        name = name.lower()
+        claims = [
+            (suffix, item)
+            for item in self._provided(kind, plugins)
+            for suffix in getattr(item.stage, "suffixes", ())
+            if name.endswith(suffix) and name != suffix
+        ]
+        longest = max((len(suffix) for suffix, _ in claims), default=0)
+        return [claim for claim in claims if len(claim[0]) == longest]
+
+    def _no_stage_for(self, kind: Kind, path: Path, advice: str) -> InputError:
+        suffixes = sorted({s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ())})
+        accepted = f"a file name that ends in {', '.join(suffixes)}"
+        is_sheet = kind == "reader" and path.suffix.lower() in _SPREADSHEETS
+        self._blame_broken(f"no other plugin takes the file {shown(path.name)}; accepted: {accepted}")
+        return InputError(
+            Problem(
+                message=f"no {kind} is known for the file {shown(path.name)}",
+                found=path.suffix or path.name,
+                accepted=accepted,
+                suggestion=f"{_SAVE_AS}; or {advice}" if is_sheet else advice,
+            )
+        )
+
+    def _blame_broken(self, missing: str, distribution: str = "") -> None:
+        """Where something is missing, and a plugin that may have it is broken, the plugin is what to mend."""
+        for broken in self._stages.broken:
+            if not distribution or same_name(broken.distribution.partition(" ")[0], distribution):
+                reason = f"{broken.reason}; {missing}"
+                raise type(broken)(broken.plugin, broken.distribution, reason, broken.traceback)
+
+    def _only(self, kind: Kind, name: str, claims: Sequence[Provided], *, warn: bool = True) -> Provided:
+        """The one stage that claims a name.
+
+        Raises:
+            StageConflictError: there are several.
+        """
+        if len(claims) > 1:
+            raise StageConflictError(kind, name, [claim.plugin.distribution for claim in claims])
+        (winner,) = claims
+        others = [
+            plugin for plugin in self._plugins if plugin is not winner.plugin and self._stages.known(kind, name, plugin)
+        ]
+        if warn and others:
+            self._warn(winner, "", others, name)
+        return winner
+
+    def _warn(self, winner: Provided, use: str, others: Iterable[Plugin], name: str) -> None:
+        """Says once that other plugins claim what a stage has."""
+        import logging
+
+        for plugin in others:
+            if (choice := f"{plugin.distribution_name}:{name}") not in self._warned:
+                self._warned.add(choice)
+                logging.getLogger("dh2urdf").warning(
+                    "warning: the %s %r of %s is used%s; `%s` chooses the one of %s",
+                    *(winner.kind, winner.stage.name, winner.plugin.distribution, use, choice, plugin.distribution),
+                )
+
+    def _provided(self, kind: Kind, plugins: Iterable[Plugin]) -> tuple[Provided, ...]:
+        found = [item for plugin in plugins for item in self._stages.of(kind, plugin)]
+        return tuple(sorted(found, key=lambda item: item.stage.name))
+
+
+def _right(item: Provided) -> int:
+    """The order in which a name is given away: built-in stages, stages that entry points name, all others."""
+    return 0 if item.plugin.is_builtin else 1 if declared(item.plugin) else 2
+
+
+def _by_right(plugins: Iterable[Plugin], kind: Kind, name: str | None = None) -> tuple[list[Plugin], ...]:
+    """Plugins that may have a stage: the built-in one, those whose entry points name it, those that name nothing."""
+    tiers: tuple[list[Plugin], ...] = ([], [], [])
+    for plugin in plugins:
+        only = declared(plugin)
+        if plugin.is_builtin:
+            tiers[0].append(plugin)
+        elif only is None:
+            tiers[2].append(plugin)
+        elif only[0] == kind and name in (None, only[1]):
+            tiers[1].append(plugin)
+    return tiers
+
+
+def load(without: Sequence[str] = ()) -> Catalog:
+    """The catalog of what is installed.
+
+    pluggy's own loader would let one broken plugin stop the host, and skip a name that is taken in silence.
+
+    Args:
+        without: names of plugins or of distributions to leave out.
+
+    Raises:
+        ConfigError: one of the names is nobody's.
+    """
+    found = installed(without)
+    return Catalog(found.plugins, found.incompatible, found.left_out)
+
+
+def load_plugin(name: str, distribution: str) -> Catalog:
+    """The catalog of one installed plugin alone: what a worker needs of all plugins, as the run has chosen.
+
+    Args:
+        name: its entry point.
+        distribution: the name of its distribution.
+    """
+    return Catalog(plugin for plugin in installed().plugins if plugin.name == name and plugin.is_of(distribution))

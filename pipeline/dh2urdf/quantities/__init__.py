@@ -1,0 +1,35 @@
+"""Numbers as people write them, with units: expressions, what they measure, and the shortest text of a number."""
+
+from __future__ import annotations
+
+from dh2urdf._faces import face
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from dh2urdf.quantities.number_text import (
+        format_columns as format_columns,
+        format_number as format_number,
+        format_numbers as format_numbers,
+    )
+    from dh2urdf.quantities.quantity import (
+        MAX_CHARACTERS as MAX_CHARACTERS,
+        Dimension as Dimension,
+        Quantity as Quantity,
+        QuantityError as QuantityError,
+        accepted_forms as accepted_forms,
+        accepted_units as accepted_units,
+        evaluate as evaluate,
+        find_unit as find_unit,
+        is_unit as is_unit,
+    )
+    from dh2urdf.quantities.units import UNITS as UNITS, Unit as Unit, unit_word as unit_word
+else:
+    __all__, __getattr__, __dir__ = face(
+        __name__,
+        {
+            "number_text": "format_columns format_number format_numbers",
+            "quantity": "Dimension MAX_CHARACTERS Quantity QuantityError accepted_forms accepted_units "
+            "evaluate find_unit is_unit",
+            "units": "UNITS Unit unit_word",
+        },
+    )

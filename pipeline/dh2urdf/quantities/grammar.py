@@ -1,0 +1,436 @@
+"""The grammar of expressions: ``pi/2``, ``-425 mm``, ``q2 + 90 deg``.
+
+A grammar of its own, never `eval`; names other than those below, powers, attributes and calls of anything else are
+refused::
+
+    sum      = product (("+" | "-") product)*
+    product  = factor (("*" | "/") factor)* [unit]
+    factor   = ["+" | "-"] (number | constant | variable | function "(" sum ("," sum)* ")" | "(" sum ")")
+
+A unit belongs to the product that it ends: ``pi/2 rad`` is (π/2) rad, since nothing is measured in 1/rad. A product
+or quotient never mixes two units, and a sum has one unit throughout or none. What cannot be bounded otherwise is
+bounded by `MAX_CHARACTERS` and `MAX_NESTING`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
+
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities.functions import FUNCTIONS, OTHER_NAMES, Function, from_degrees
+from dh2urdf.quantities.spellings import SIGNS, advice, misreading
+from dh2urdf.quantities.units import (
+    UNITS,
+    Decimal,
+    Dimension,
+    QuantityError,
+    Unit,
+    accepted_forms,
+    is_unit,
+    unit_where,
+    unknown_unit,
+)
+from dh2urdf.source import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+MAX_CHARACTERS = 1000
+"""Length of a number or an expression [1]: more digits than a double can use, and no work for an attacker."""
+MAX_NESTING = 30
+"""Brackets inside each other in an expression [1]."""
+
+
+class Variable(NamedTuple):
+    """The joint variable as an expression names it.
+
+    Attributes:
+        kind: ``q``, ``theta`` or ``d``.
+        row: the row that it names, counted from 1; None for ``q``, ``q_i`` and the like.
+        text: how it is written.
+    """
+
+    kind: str
+    row: int | None
+    text: str
+
+
+class Intermediate(NamedTuple):
+    """An intermediate result.
+
+    Attributes:
+        number: the number, in the unit that the text means; in SI units where it has a dimension.
+        decimal: the decimal text of a bare number.
+        dimension: what it measures, where it names a unit.
+        variable: the joint variable in it.
+        factor: of the joint variable.
+        uses_pi: whether it is a number that was made of π, so that it can only be radians.
+        foreign: whether it names a unit other than the SI unit.
+    """
+
+    number: float
+    decimal: Decimal | None = None
+    dimension: Dimension | None = None
+    variable: Variable | None = None
+    factor: float = 0.0
+    uses_pi: bool = False
+    foreign: bool = False
+
+
+def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle: Unit | None = None) -> Intermediate:
+    """The value of an expression.
+
+    Args:
+        text: the expression.
+        dimension: what it should measure, for the message.
+        decimal_comma: whether a comma may stand for the decimal point.
+        angle: the unit that is declared for angles; None where nothing declares one.
+
+    Raises:
+        QuantityError: it is no expression, or one that can be read in two ways.
+    """
+    return _Parser(text, dimension, decimal_comma=decimal_comma, angle=angle).parse()
+
+
+# --- Tokens -----------------------------------------------------------------------------------------------------------
+
+SPACE = r"[^\S\x1c-\x1f]"
+"""White space between the parts of a number; Python counts four control characters to it, and `float` does not."""
+
+_TOKEN = re.compile(
+    f"(?P<space>{SPACE}+)"
+    r"""
+      | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)
+      | (?P<word>\\?[^\W\d]\w*(?:_?\{\w+\})?(?:\.[^\W\d]\w*)*)
+      | (?P<degree>[°º˚])
+      | (?P<sign>.)""",
+    re.VERBOSE | re.DOTALL,
+)
+_DECIMAL_COMMA = late_pattern(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
+_LONGEST_UNIT = 7
+"""Tokens of the longest unit: ``N * m * s / rad``."""
+_TORN = late_pattern(r"[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in|s)\s)\w+\s+\w", re.IGNORECASE)
+"""A power without its sign, and a word with a space behind it that is no factor: `m m` is no mm, `N m` is Nm."""
+_CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}
+_MODULES = ("np.", "numpy.", "math.")
+_VARIABLE = late_pattern(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
+_VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
+
+
+class _Token(NamedTuple):
+    kind: str
+    text: str
+    start: int
+
+
+# --- Parser -----------------------------------------------------------------------------------------------------------
+
+
+class _Parser:
+    """Reads one expression, by recursive descent that `MAX_NESTING` bounds."""
+
+    def __init__(self, text: str, dimension: Dimension, *, decimal_comma: bool, angle: Unit | None) -> None:
+        self.text = text
+        self.angle = angle
+        self.dimension = dimension
+        self.accepted = accepted_forms(dimension)
+        if len(text) > MAX_CHARACTERS:
+            message = f"{shown(text)} has {len(text)} characters"
+            raise QuantityError(message, f"at most {MAX_CHARACTERS} characters")
+        plain = text.translate(SIGNS)
+        if decimal_comma:
+            plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
+        matches = (match for match in _TOKEN.finditer(plain) if match.lastgroup != "space")
+        self.tokens = [_Token(match.lastgroup or "", match.group(), match.start()) for match in matches]
+        self.tokens.append(_Token("end", "", len(plain)))
+        self.plain = plain
+        self.position = 0
+        self.depth = 0
+
+    def parse(self) -> Intermediate:
+        if len(self.tokens) == 1:
+            raise QuantityError("there is nothing", self.accepted)
+        if wrong := misreading(self.text):
+            self.fail(*wrong)
+        value = self.sum()
+        if self.next.kind != "end":
+            self.unexpected()
+        return value
+
+    @property
+    def next(self) -> _Token:
+        return self.tokens[self.position]
+
+    def take(self, *signs: str) -> str | None:
+        """The next token, where it is one of some signs; it is passed over then."""
+        if self.next.kind == "sign" and self.next.text in signs:
+            self.position += 1
+            return self.tokens[self.position - 1].text
+        return None
+
+    def fail(self, reason: str, suggestion: str | None = None) -> NoReturn:
+        if suggestion is None:
+            suggestion = advice(self.text)
+        raise QuantityError(f"{shown(self.text)} cannot be read: {reason}", self.accepted, suggestion)
+
+    def unexpected(self) -> NoReturn:
+        token = self.next
+        if token.kind == "end":
+            self.fail("something is missing at its end")
+        if token.kind in ("number", "word", "degree") and self.position:
+            before = self.tokens[self.position - 1].text
+            if token.kind == "number" or OTHER_NAMES.get(token.text, token.text) in (*_CONSTANTS, *FUNCTIONS):
+                self.fail(f"no sign stands between {shown(before)} and {shown(token.text)}")
+            if token.kind == "word" and is_unit(token.text):
+                self.fail(f"the unit {shown(token.text)} does not belong there")
+        if token.kind == "word":
+            self.fail(f"{shown(token.text)} is no number, unit, constant or function that is known")
+        self.fail(f"{shown(token.text)} does not belong there")
+
+    def sum(self) -> Intermediate:
+        value = self.product()
+        while sign := self.take("+", "-"):
+            other = self.product()
+            value = self.add(value, other if sign == "+" else _negative(other))
+        return value
+
+    def add(self, left: Intermediate, right: Intermediate) -> Intermediate:
+        if left.variable and right.variable:
+            self.fail("it names a joint variable twice")
+        dimension = left.dimension or right.dimension
+        for value in (left, right):
+            only_variable = value.variable is not None and value.number == 0
+            if value.dimension is not dimension and not only_variable:
+                self.fail(
+                    "one part of the sum has a unit and another has none, or another one",
+                    "write a unit behind each part of the sum, or behind none",
+                )
+        number = self.finite(left.number + right.number)
+        variable, factor = left.variable or right.variable, left.factor + right.factor
+        uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign
+        return Intermediate(number, None, dimension, variable, factor, uses_pi, foreign)
+
+    def product(self) -> Intermediate:
+        value = self.unit(self.factor())
+        while sign := self.take("*", "/"):
+            other = self.factor()
+            value = self.unit(self.multiply(value, other) if sign == "*" else self.divide(value, other))
+        return value
+
+    def unit(self, value: Intermediate) -> Intermediate:
+        """The value in SI units, where a unit follows it."""
+        token = self.next
+        count = self.words_of_unit()
+        if not count:
+            if token.kind == "word" and self.tokens[self.position - 1].kind == "number":
+                self.unknown_unit()
+            return value
+        word = self.between(self.position, self.position + count)
+        self.position += count
+        if value.dimension is not None:
+            self.fail(f"{shown(token.text)} follows a quantity that has a unit already")
+        if value.variable:
+            self.fail(f"the variable {shown(value.variable.text)} takes no unit")
+        unit = unit_where(word, self.dimension)
+        if unit is None:
+            self.unknown_unit()
+        if value.uses_pi and unit.parts:
+            parts = "degrees" if unit.degrees else unit.symbol
+            self.fail(f"it is a multiple of π in {parts}", "write the angle in degrees without pi, or in rad")
+        number = self.finite(unit.si(value.number, value.decimal))
+        return Intermediate(number, dimension=unit.dimension, foreign=not unit.is_si)
+
+    def words_of_unit(self) -> int:
+        """How many tokens ahead are one unit, such as ``kg m^2``, ``deg/s`` or ``1/min``; 0 where there is none."""
+        start, first = self.position, self.next
+        if first.kind not in ("word", "degree") and self.between(start, start + 2) != "1/":
+            return 0
+        for count in range(min(_LONGEST_UNIT, len(self.tokens) - 1 - start), 0, -1):
+            word = self.between(start, start + count)
+            whole = self.tokens[start + count - 1].kind != "sign" and not _TORN.search(word)
+            if whole and is_unit(word):
+                return count
+        return 0
+
+    def between(self, start: int, end: int) -> str:
+        """The text from one token to before another."""
+        last = self.tokens[min(end, len(self.tokens)) - 1]
+        return self.plain[self.tokens[start].start : last.start + len(last.text)]
+
+    def unknown_unit(self) -> NoReturn:
+        word = self.next.text
+        name = word.removeprefix("\\").casefold()
+        if name in _CONSTANTS or name in FUNCTIONS or any(name.startswith(module) for module in _MODULES):
+            self.unexpected()
+        self.fail(f"{shown(word)} is no unit that is known", unknown_unit(word, self.dimension).suggestion)
+
+    def multiply(self, left: Intermediate, right: Intermediate) -> Intermediate:
+        if left.variable and right.variable:
+            self.fail("it multiplies joint variables")
+        if left.dimension and right.dimension:
+            self.fail("it multiplies two quantities with units")
+        if right.variable:
+            left, right = right, left
+        return self.scaled(left, right, left.number * right.number, left.factor * right.number)
+
+    def divide(self, left: Intermediate, right: Intermediate) -> Intermediate:
+        if right.variable:
+            self.fail("it divides by a joint variable")
+        if right.number == 0:
+            self.fail("it divides by zero")
+        if right.dimension and right.dimension is not left.dimension:
+            self.fail("it divides by a quantity with a unit")
+        value = self.scaled(left, right, left.number / right.number, left.factor / right.number)
+        return value._replace(dimension=None) if right.dimension else value
+
+    def scaled(self, left: Intermediate, right: Intermediate, number: float, factor: float) -> Intermediate:
+        uses_pi = left.uses_pi or right.uses_pi
+        dimension = left.dimension or right.dimension
+        foreign = left.foreign or right.foreign
+        return Intermediate(self.finite(number), None, dimension, left.variable, self.finite(factor), uses_pi, foreign)
+
+    def factor(self) -> Intermediate:
+        sign = self.take("+", "-")
+        if sign and self.next.text in ("+", "-"):
+            self.fail("two signs follow each other")
+        value = self.primary()
+        return _negative(value) if sign == "-" else value
+
+    def primary(self) -> Intermediate:
+        token = self.next
+        if token.kind == "number":
+            self.position += 1
+            digits, _, exponent = token.text.lower().partition("e")
+            decimal, number = Decimal(digits, int(exponent or 0)), self.finite(float(token.text))
+            if number == 0 and not decimal.is_zero:
+                self.fail(f"{shown(token.text)} is below the smallest number that can be held", "write 0 for it")
+            return Intermediate(number, decimal)
+        if token.kind == "word":
+            self.position += 1
+            return self.named(token)
+        if self.take("("):
+            value = self.inside(self.sum)
+            return value._replace(decimal=None)
+        return self.unexpected()
+
+    def inside(self, read: Callable[[], Intermediate]) -> Intermediate:
+        """What stands in a bracket that was just opened."""
+        self.depth += 1
+        if self.depth > MAX_NESTING:
+            self.fail(f"its brackets are nested more than {MAX_NESTING} deep")
+        value = read()
+        if not self.take(")"):
+            if self.next.kind == "end":
+                self.fail("a bracket is not closed")
+            self.unexpected()
+        self.depth -= 1
+        return value
+
+    def named(self, token: _Token) -> Intermediate:
+        name = unicodedata.normalize("NFKC", token.text).casefold().removeprefix("\\")
+        name = next((name.removeprefix(module) for module in _MODULES if name.startswith(module)), name)
+        name = OTHER_NAMES.get(name, name)
+        if name in _CONSTANTS:
+            if self.next.text == "(" and self.tokens[self.position + 1].text == ")":  # PI() of spreadsheets
+                self.position += 2
+            return Intermediate(_CONSTANTS[name], uses_pi=True)
+        if name in FUNCTIONS and self.take("("):
+            return self.inside(lambda: self.call(token.text, FUNCTIONS[name]))
+        if match := _VARIABLE.fullmatch(name):
+            self.skip_variable_star(token)
+            row = int(match[2]) if match[2] and match[2] != "i" else None
+            return Intermediate(
+                0.0, variable=Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text), factor=1.0
+            )
+        if self.next.text == "(" and name not in UNITS:
+            names = ", ".join(FUNCTIONS)
+            self.fail(f"{shown(token.text)} is no function that is known", f"the functions are {names}")
+        self.position -= 1
+        return self.unexpected()
+
+    def skip_variable_star(self, token: _Token) -> None:
+        """Passes over the star that marks a variable in textbooks (Spong): ``theta2*``, ``theta2* + pi/2``.
+
+        The star may be a product's as well: ``q1*-1`` is -q1 to one person, and q1 - 1 to another.
+        """
+        star, sign, number, end = (*self.tokens[self.position :], *self.tokens[-1:] * 3)[:4]
+        if star.text != "*":
+            return
+        attached = star.start == token.start + len(token.text)
+        if sign.text in ("+", "-"):
+            touching = sign.start == star.start + 1
+            has_unit = end.kind in ("word", "degree") or (end.text in ("*", "/") and self.has_pi_ahead())
+            bare = number.kind == "number" and not has_unit
+            if bare and (touching or (attached and float(number.text) == 1)):
+                added = f"{sign.text} {number.text}"
+                self.fail(
+                    f"it means {token.text} times {sign.text}{number.text}, or {token.text} {added} where the star "
+                    "marks a joint variable",
+                    f"write {'-' if sign.text == '-' else ''}{token.text} or {token.text} {added}, without the star",
+                )
+        if attached and (sign.kind == "end" or sign.text in ("+", "-", ")")):
+            self.position += 1
+
+    def has_pi_ahead(self) -> bool:
+        """Whether π is among what is left: such a number is an angle, and no factor of a variable."""
+        return any(token.text.casefold().rpartition(".")[2] in _CONSTANTS for token in self.tokens[self.position :])
+
+    def call(self, written: str, function: Function) -> Intermediate:
+        arguments = [self.sum()]
+        while self.take(","):
+            arguments.append(self.sum())
+        if len(arguments) != function.arguments:
+            wanted = "one argument" if function.arguments == 1 else "two arguments, with a comma between them"
+            self.fail(f"{written} takes {wanted}")
+        if any(argument.variable for argument in arguments):
+            self.fail(f"{written} is taken of a joint variable")
+        dimensions = {argument.dimension for argument in arguments}
+        ratio = function.arguments > 1 and len(dimensions) == 1  # atan2 of two lengths
+        if not ratio and function.call is not abs and dimensions - {None, function.takes}:
+            self.fail(f"{written} is taken of a quantity with a unit")
+        if function.call is math.atan2 and not any(argument.number for argument in arguments):
+            self.fail(f"{written} has no value there")
+        if function.takes is Dimension.ANGLE:
+            self.check_angle(written, arguments[0])
+        if function.call is from_degrees and arguments[0].uses_pi:
+            self.fail(f"{written} is taken of a multiple of π, which is in radians already")
+        try:
+            number = function.call(*(argument.number for argument in arguments))
+        except (ValueError, ZeroDivisionError, OverflowError):
+            self.fail(f"{written} has no value there")
+        if function.call is abs:
+            return arguments[0]._replace(number=number, decimal=None)
+        return Intermediate(self.finite(number), dimension=function.gives)
+
+    def check_angle(self, written: str, argument: Intermediate) -> None:
+        """Refuses a bare number whose unit a function of an angle would have to guess."""
+        if argument.dimension is not None or argument.uses_pi or argument.number == 0:
+            return
+        number = f"{argument.number:.12g}"
+        if self.angle is not None and self.angle.parts:
+            declared = "degrees" if self.angle.degrees else self.angle.symbol
+            self.fail(
+                f"{written} is taken of {number}, which has no unit, and angles are declared in {declared}",
+                f"name the unit of the angle: {written}({number} {self.angle.symbol}), or {written}({number} rad)",
+            )
+        if self.angle is None and abs(argument.number) > math.tau:
+            self.fail(
+                f"{written} is taken of {number}, more than a full turn in rad, and no unit is declared for it",
+                f"name the unit of the angle: {written}({number} deg), or {written}({number} rad)",
+            )
+
+    def finite(self, number: float) -> float:
+        if not math.isfinite(number):
+            self.fail("it is beyond the largest number that can be held")
+        return number
+
+
+def _negative(value: Intermediate) -> Intermediate:
+    decimal = value.decimal
+    if decimal is not None:
+        digits = decimal.digits[1:] if decimal.digits.startswith("-") else f"-{decimal.digits}"
+        decimal = Decimal(digits, decimal.exponent)
+    return value._replace(number=-value.number, decimal=decimal, factor=-value.factor)

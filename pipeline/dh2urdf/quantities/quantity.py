@@ -1,0 +1,125 @@
+"""Numbers as people write them in tables: ``pi/2``, ``90°``, ``-425 mm``, ``q2 + pi/2``.
+
+`dh2urdf.quantities.grammar` has the grammar and `dh2urdf.quantities.units` the units; this is what they come to, in SI
+units. A unit that is a power of ten is applied to the decimal text, so that 109.15 mm is the double 0.10915 and not its
+neighbour. Any other factor is an exact fraction. Degrees are whole quarter turns first, so that 90° is the double π/2.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable, parse
+from dh2urdf.quantities.units import (
+    Decimal,
+    Dimension,
+    QuantityError,
+    Unit,
+    accepted_forms,
+    accepted_units,
+    find_unit,
+    is_unit,
+)
+from dh2urdf.source import shown
+
+__all__ = [
+    "MAX_CHARACTERS",
+    "MAX_NESTING",
+    "Dimension",
+    "Quantity",
+    "QuantityError",
+    "Unit",
+    "Variable",
+    "accepted_forms",
+    "accepted_units",
+    "evaluate",
+    "find_unit",
+    "is_unit",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """What an expression says.
+
+    Attributes:
+        value: the number, or what is added to the joint variable [SI].
+        has_unit: whether it names its unit itself.
+        variable: the joint variable in it.
+        sign: 1 or -1, the factor of the joint variable.
+        uses_pi: whether it is a multiple of π, which is radians where it names no unit.
+        foreign: whether it names a unit other than the SI unit.
+    """
+
+    value: float
+    has_unit: bool = False
+    variable: Variable | None = None
+    sign: int = 1
+    uses_pi: bool = False
+    foreign: bool = False
+
+    def is_radians(self, dimension: Dimension) -> bool:
+        """Whether an angle, or a turn rate, can only be in radians: it is a multiple of π."""
+        return self.uses_pi and dimension in (Dimension.ANGLE, Dimension.TURN_RATE)
+
+
+_DECIMAL = re.compile(rf"{SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{{1,18}}))?{SPACE}*")
+
+
+def evaluate(
+    text: str,
+    dimension: Dimension,
+    unit: Unit | None = None,
+    *,
+    decimal_comma: bool = False,
+    angle: Unit | None = None,
+) -> Quantity:
+    """The quantity that a text says, in SI units.
+
+    Args:
+        text: a number or an expression.
+        dimension: what it has to measure.
+        unit: the unit of a number that names none; the SI unit where it is None.
+        decimal_comma: whether a comma may stand for the decimal point.
+        angle: the unit that is declared for angles, which a bare number in sin, cos or tan would follow; None where
+            nothing declares one. By default, the unit of a number, where that is one of angles.
+
+    Raises:
+        QuantityError: it is no such quantity, not a finite one, or one that can be read in two ways.
+    """
+    plain = _DECIMAL.fullmatch(text)
+    if plain and len(text) <= MAX_CHARACTERS:
+        decimal = Decimal(plain[1], int(plain[2] or 0))
+        value = Intermediate(float(text), decimal)
+    else:
+        if angle is None and unit is not None and unit.dimension is Dimension.ANGLE:
+            angle = unit
+        value = parse(text, dimension, decimal_comma=decimal_comma, angle=angle)
+    return _in_si(text, value, dimension, unit)
+
+
+def _in_si(text: str, value: Intermediate, dimension: Dimension, unit: Unit | None) -> Quantity:
+    accepted = accepted_forms(dimension)
+    number = value.number
+    if value.dimension is None and unit is not None:
+        if value.uses_pi and unit.parts:
+            declared = "degrees" if unit.degrees else unit.symbol
+            message = f"{shown(text)} is a multiple of π, and the unit declared for numbers here is {declared}"
+            si = "rad" if dimension is Dimension.ANGLE else "rad/s"
+            raise QuantityError(
+                message, accepted, f"write the angle in degrees, or name its unit: '{text.strip()} {si}'"
+            )
+        number = unit.si(number, value.decimal)
+    elif value.dimension is not None and not dimension.holds(value.dimension):
+        raise QuantityError(f"{shown(text)} is {value.dimension}, and {dimension} is needed", accepted)
+    if number == 0 and (value.number or (value.decimal and not value.decimal.is_zero)):
+        raise QuantityError(f"{shown(text)} is below the smallest number that can be held", accepted, "write 0 for it")
+    if not math.isfinite(number):
+        raise QuantityError(f"{shown(text)} is beyond the largest number that can be held", accepted)
+    if value.variable and value.factor not in (1.0, -1.0):
+        message = f"{shown(text)} takes {value.variable.text} times {value.factor:g}"
+        raise QuantityError(message, f"{value.variable.text}, or its negative, and a number added to it")
+    sign = -1 if value.factor < 0 else 1
+    return Quantity(number + 0.0, value.dimension is not None, value.variable, sign, value.uses_pi, value.foreign)

@@ -1,0 +1,126 @@
+"""Changes of a run file from the command line or a program: ``--set transform.options.frames=dh``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.documents.document import Node, load_yaml
+from dh2urdf.errors import ConfigError
+from dh2urdf.plugin_system.options import COMMAND_LINE, word_node
+from dh2urdf.source import Problem, did_you_mean, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.source import Mark
+
+_STRUCTURED = re.compile(r"""^[\[{"']|:\s|:$""")
+"""What a word has where its writer meant more than a plain text."""
+MAX_KEYS = 16
+"""Names in the key of a setting [1]."""
+
+
+class Asked(NamedTuple):
+    """Where settings are said, for messages.
+
+    Attributes:
+        mark: the place.
+        before: what stands before a setting there.
+    """
+
+    mark: Mark = COMMAND_LINE
+    before: str = "--set "
+
+
+ON_THE_COMMAND_LINE = Asked()
+
+
+def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked = ON_THE_COMMAND_LINE) -> Node:
+    """A run file with a setting put in its place; the file's own nodes stay as they are.
+
+    Args:
+        root: the run file.
+        setting: KEY=VALUE, where KEY is a path of names and of indices from 0.
+        sections: the sections that a run file has.
+        asked: where the setting is said.
+
+    Raises:
+        ConfigError: the setting leads nowhere.
+    """
+    key, equals, word = setting.partition("=")
+    keys = [part.strip() for part in key.split(".")]
+    if not equals:
+        raise _error(asked, setting, "has no value", accepted="KEY=VALUE, such as transform.options.frames=dh")
+    if keys[0] not in sections:
+        raise _error(
+            asked,
+            setting,
+            f"begins with {shown(keys[0])}, which is no section of a run file",
+            accepted=f"a key that begins with {', '.join(sections)}",
+            suggestion=did_you_mean(keys[0], sections),
+        )
+    if len(keys) > MAX_KEYS:
+        raise _error(asked, setting, f"has a key of {len(keys)} names", accepted=f"at most {MAX_KEYS}")
+    word = word.strip()
+    if _STRUCTURED.search(word):
+        _refuse_broken(word, setting, asked)
+    return _put(root, keys, word_node(word, asked.mark.file), setting, asked)
+
+
+def _refuse_broken(word: str, setting: str, asked: Asked) -> None:
+    """Refuses what is meant as a list, a mapping or a quoted text and is none; `*.csv` is no YAML, but a text.
+
+    Raises:
+        ConfigError: the word cannot be read.
+    """
+    try:
+        load_yaml(word, asked.mark.file)
+    except ConfigError as error:
+        raise _error(
+            asked,
+            setting,
+            f"cannot be read: {error.problems[0].message}",
+            accepted="a value as in a run file: a word, a number, [a, b], {key: value}",
+            suggestion="a text with such characters stands in quotes: 'KEY=\"TEXT\"'",
+        ) from None
+
+
+def _put(node: Node, keys: Sequence[str], value: Node, setting: str, asked: Asked) -> Node:
+    """A copy of a node with a value put in its place; mappings on the way there are made."""
+    if not keys:
+        return value
+    key, *rest = keys
+    if isinstance(node.value, list):
+        indices = [str(index) for index in range(len(node.value))]
+        if key not in indices:
+            raise _error(
+                asked,
+                setting,
+                f"names the entry {shown(key)} of a list that has {len(indices)}",
+                accepted=f"{', '.join(indices[:MAX_KEYS])}: the first entry is 0" if indices else None,
+                suggestion="a whole list can be given as [a, b]",
+            )
+        entries = list(node.value)
+        entries[int(key)] = _put(entries[int(key)], rest, value, setting, asked)
+        return replace(node, value=entries)
+    if node.value is not None and not isinstance(node.value, dict):
+        raise _error(asked, setting, f"looks for {shown(key)} in {node.describe()}")
+    mapping = dict(node.value or {})
+    mapping[key] = _put(mapping.get(key, Node(None, asked.mark.file, 0, 0)), rest, value, setting, asked)
+    return replace(node, value=mapping)
+
+
+def _error(
+    asked: Asked, setting: str, message: str, accepted: str | None = None, suggestion: str | None = None
+) -> ConfigError:
+    return ConfigError(
+        Problem(
+            message=f"{asked.before}{shown(setting)} {message}",
+            mark=asked.mark,
+            found=setting,
+            accepted=accepted,
+            suggestion=suggestion,
+        )
+    )

@@ -1,0 +1,1 @@
+"""A run: its batches, its workers, and what earlier runs left."""

@@ -1,0 +1,311 @@
+"""A whole run: what is read, made, loaded, reported and cleared away, in which order."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections import deque
+from contextlib import closing, contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from dh2urdf.commands.chosen_table import is_table, table_as_run_file
+from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
+from dh2urdf.isolation.child_process import run_in_child
+from dh2urdf.isolation.watchdog import this_process
+from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
+from dh2urdf.output.leftovers import clear_leftovers
+from dh2urdf.output.open_store import open_store
+from dh2urdf.plugin_system.at_work import unmarked
+from dh2urdf.plugin_system.calls import Call, depending_on, fault, own_work
+from dh2urdf.plugin_system.stage_answers import a_record, items_of
+from dh2urdf.report.exhibits import FULL, Exhibits
+from dh2urdf.report.html import PAGE, can_write_html, write_html
+from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
+from dh2urdf.report.ledger import Ledger
+from dh2urdf.report.overview import Overview
+from dh2urdf.report.reproduction import command_line, reproduction
+from dh2urdf.report.verdicts import Verdicts
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
+from dh2urdf.run_file.plan import Plan, make_plan
+from dh2urdf.running.run_inputs import refuse_overwriting
+from dh2urdf.running.worker import Depth, Maker
+from dh2urdf.source import Problem, printable
+from dh2urdf.stages import Executor, Lost
+from dh2urdf.tasks.batch import Batch, Doomed, Expected, batches
+from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.manifest_table import ManifestTable, can_write_parquet
+from dh2urdf.tasks.result import Result
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterator, Sequence
+    from pathlib import Path
+
+    from dh2urdf.documents.document import Node
+    from dh2urdf.output.store import Store
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.results import RunReport
+
+Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
+"""Is told of a batch, and how many manipulators the run will probably have."""
+
+
+def load_plan(
+    path: Path,
+    catalog: Catalog,
+    overrides: Sequence[str] = (),
+    output: str | None = None,
+    root: Node | None = None,
+    *,
+    asked: Asked = ON_THE_COMMAND_LINE,
+) -> Plan:
+    """The plan of a run file.
+
+    Args:
+        path: the run file.
+        catalog: the stages that there are.
+        overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
+        output: where the output goes, if not where the run file says: a folder or an address.
+        root: what the run file says, where it is not in the file.
+        asked: where the changes are said.
+
+    Raises:
+        ConfigError: something in the run file is wrong; all of it is said at once.
+        OutputError: nothing can be written there.
+        PluginError: the run needs a plugin that is broken, or a package that is not installed.
+    """
+    try:
+        config = load_config(path, overrides, root, asked)
+    except ConfigError as error:
+        if root is None and is_table(path, catalog):
+            raise ConfigError(table_as_run_file(path)) from error
+        raise
+    plan = make_plan(config, catalog)
+    if root is None:
+        plan = replace(plan, files=(path,), command=command_line(path, overrides))
+    return plan if output is None else replace(plan, store=open_store(output))
+
+
+def execute(
+    plan: Plan, *, resume: bool = False, dry_run: bool = False, keep: bool = False, note: Note | None = None
+) -> tuple[Result, RunReport]:
+    """Do a run.
+
+    Args:
+        plan: what to do.
+        resume: keep what earlier runs into the same place have finished, where it is whole and nothing of it changed.
+        dry_run: read, transform and check, but write nothing.
+        keep: leave the files of the last run into the same place that this one has no part in.
+        note: is told of every batch as it comes, as soon as something could be read, and how many manipulators the run
+            will probably have.
+
+    Returns:
+        What became of it, and its report as plain data. The rows of all manipulators, in the order of the inputs, then
+        of the cells, then of the variants, are in the manifest.
+
+    Raises:
+        ConfigError: the run would write over one of its inputs, or a dry run is to resume.
+        TableError: nothing could be read at all.
+        OutputError: nothing can be written any more; what is done so far is kept for a run that resumes.
+        PluginError: the run needs a plugin that is broken.
+    """
+    started = time.perf_counter()
+    if resume and dry_run:
+        message = "a dry run makes everything anew and writes nothing, so that it has nothing to resume"
+        raise ConfigError(Problem(message=message, field="resume", accepted="resume or dry_run, not both"))
+    refuse_overwriting(plan)
+    files = (*plan.files, *(path for path, _ in plan.inputs))
+    told = reproduction(plan.command, files, plan.recipe, plan.variations)
+    result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
+    if dry_run:
+        with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
+            ledger = Ledger(rows, tempfile.gettempdir(), told)
+            _make(plan, Depth.LOOK, "", None, ledger, result, note, Exhibits(0))
+            report = run_report(ledger, result)
+        result.seconds["total"] = time.perf_counter() - started
+        return result, report
+    store = plan.store
+    with store.lock(), _earlier(store, resume=resume) as earlier, store.scratch() as folder:
+        journal = next_journal(store)
+        path = folder / "manifest"
+        exhibits = Exhibits()
+        with path.open("w+b") as rows:
+            ledger = Ledger(rows, f"{store}/{MANIFEST}", told, Verdicts.of(plan.recipe))
+            if can_write_parquet():
+                ledger.table = ManifestTable(folder / TABLE, f"{store}/{TABLE}")
+            if plan.html and can_write_html():
+                ledger.overview = Overview(FULL, ledger.index)
+            try:
+                _make(plan, Depth.MAKE, journal, earlier, ledger, result, note, exhibits)
+            except TableError:  # There is nothing to go on with.
+                store.remove_tree(journal if resume else JOURNAL)
+                raise
+            report = write_reports(store, ledger, result)
+            if ledger.overview:
+                write_html(store, ledger, exhibits, plan.recipe, plan.layout)
+            else:
+                store.remove(PAGE)  # An older one would tell of another run.
+            # While the old manifest stands there, as what is removed is known from it alone.
+            kept_meshes = plan.recipe.mesh_prefix is None
+            result.leftovers = clear_leftovers(store, rows, keep=keep, keep_meshes=kept_meshes)
+            result.seconds["total"] = time.perf_counter() - started
+            write_timing(store, result)
+        store.put(MANIFEST, path)
+        store.remove_tree(JOURNAL)
+    return result, report
+
+
+@contextmanager
+def _earlier(store: Store, *, resume: bool) -> Iterator[Earlier | None]:
+    """What earlier runs have done, where the run goes on from there; otherwise that is forgotten."""
+    if resume:
+        with earlier_rows(store) as earlier:
+            yield earlier
+    else:
+        store.remove_tree(JOURNAL)
+        yield None
+
+
+def _make(  # noqa: PLR0917 - what a run has in its hands
+    plan: Plan,
+    effect: Depth,
+    journal: str,
+    earlier: Earlier | None,
+    ledger: Ledger,
+    result: Result,
+    note: Note | None,
+    exhibits: Exhibits,
+) -> None:
+    """Make all manipulators, and write the rows of the manifest."""
+    maker = Maker(
+        recipe=plan.recipe,
+        key=plan.key,
+        store=plan.store,
+        layout=plan.layout,
+        journal=journal,
+        home=this_process(),
+        effect=effect,
+    )
+    under_way: deque[Batch] = deque()
+    expected = Expected(plan)
+
+    def handed_over() -> Iterator[Batch]:
+        with own_work():
+            for batch in batches(plan, expected):
+                known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
+                under_way.append(known)
+                exhibits.see(batch)
+                yield known
+
+    unread: list[
+        BatchReport
+    ] = []  # Where nothing can be read, the error at the end says why, and nobody says it twice.
+    readable = False
+    # An error or an interrupt here ends the workers, not some time later.
+    with closing(_answers(plan, maker, handed_over(), under_way)) as answers:
+        for batch, answer in answers:
+            report = _rescued(maker, batch, answer) if isinstance(answer, Lost) else answer
+            for line in report.printed:
+                print(printable(line), file=sys.stderr)  # noqa: T201 - where plugins expect their words to go
+            ledger.add(report.rows)
+            result.add(report)
+            readable = readable or report.was_read
+            unread.append(replace(report, rows=b""))
+            if readable:
+                for each in unread:
+                    if note:
+                        note(each, expected.total)
+                unread.clear()
+    if not readable:
+        found = [problem for report in unread for problem in report.problems]
+        errors, notices = ([problem for problem in found if problem.severity == kind] for kind in ("error", "notice"))
+        raise TableError(errors, notices)
+
+
+def _answers(
+    plan: Plan, maker: Maker, some: Iterator[Batch], under_way: deque[Batch]
+) -> Generator[tuple[Batch, BatchReport | Lost], None, None]:
+    """Every batch with what the executor has of it.
+
+    A result that is none, or none of a batch, fails the manipulators of this batch; one that comes twice counts once.
+
+    Args:
+        plan: the run.
+        maker: makes a batch.
+        some: the batches; taking one adds it to those under way.
+        under_way: the batches without a result.
+
+    Raises:
+        BrokenPluginError: the executor failed, and not because of what is told of a batch.
+    """
+    call = plan.executor
+    with depending_on(call):
+        results = items_of(call.stage.map(maker, some, call.options), "an iterator of results")
+    end = object()
+    while True:
+        with depending_on(call):  # What is done with a result is not the executor's work.
+            result = next(results, end)
+        if result is end:
+            break
+        if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
+            continue  # It is reported already.
+        while under_way:
+            batch = under_way.popleft()
+            if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):
+                yield batch, result
+                break
+            try:
+                a_record(result, BatchReport, Lost)
+            except TypeError as error:
+                yield batch, _undone(maker, batch, call, error)
+                break
+            yield batch, _undone(maker, batch, call, _no_result())
+    for _ in some:
+        pass  # An executor that ended too early has not taken them: each is under way now.
+    while under_way:
+        yield under_way[0], _undone(maker, under_way.popleft(), call, _no_result())
+
+
+def _no_result() -> ValueError:
+    return ValueError("it gave no result of the batch that this manipulator is in")
+
+
+def _undone(maker: Maker, batch: Batch, call: Call[Executor[Any]], error: Exception) -> BatchReport:
+    """What becomes of a batch of which the executor has nothing: its manipulators fail."""
+    error = fault(call, error)
+    return maker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
+
+
+# --- Batches that their workers do not survive -----------------------------------------------------------------------
+
+
+def _rescued(maker: Maker, batch: Batch, lost: Lost) -> BatchReport:
+    """What becomes of a batch that no worker survives: all of it is made but the manipulators that are the reason."""
+    doomed = dict(_culprits(maker, batch, 0))
+    try:
+        made = run_in_child(Maker.__call__, maker, batch.without(doomed), timeout=None)
+        return replace(made.value, printed=(*made.value.printed, *unmarked(made.output)))
+    except ManipulatorError:
+        error = CrashError(f"the batch of {len(batch)} manipulators that it is in cannot be made: {lost.reason}")
+        everything = {place: Doomed(name, error, None) for place, name in enumerate(batch.names)}
+        return maker(batch.without(everything))
+
+
+def _culprits(maker: Maker, batch: Batch, start: int) -> Iterator[tuple[int, Doomed]]:
+    """The manipulators of a batch that end the process which tries to make them, found by halving."""
+    count = len(batch)
+    limit = maker.recipe.time_limit if count == 1 else None
+    # A single one is ended from outside, in time; of several the first that takes too long ends the process itself.
+    patience = replace(maker.recipe, time_limit=2 * maker.recipe.time_limit) if count == 1 else maker.recipe
+    rehearsal = replace(maker, effect=Depth.REHEARSE, recipe=patience)
+    try:
+        run_in_child(Maker.__call__, rehearsal, batch, timeout=limit, who="a stage")
+    except ManipulatorError as error:
+        if count == 1:
+            yield start, Doomed(batch.names[0], error, None)
+            return
+        middle = count // 2
+        yield from _culprits(maker, batch.part(0, middle), start)
+        yield from _culprits(maker, batch.part(middle, count), start + middle)

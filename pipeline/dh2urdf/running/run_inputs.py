@@ -1,0 +1,95 @@
+"""A run does not write over what it reads: its tables, its run file, its meshes."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import ConfigError
+from dh2urdf.output.journal import MANIFEST
+from dh2urdf.output.layouts import Form
+from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.store import WORKING
+from dh2urdf.report.html import PAGE
+from dh2urdf.report.json import INDEX, REPORT, TABLE, TIMING
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.run_file.plan import Plan
+
+OWN_FILES = (MANIFEST, TABLE, INDEX, REPORT, TIMING, PAGE)
+"""The files of a run beside those of its manipulators."""
+_SHARD = re.compile(r"[0-9]{6}\.tar")
+
+
+def refuse_overwriting(plan: Plan) -> None:
+    """Refuses a run that would write over one of its inputs, and protects the others from it.
+
+    Which files a run writes is known before it begins by their names: its own, and those with a suffix of its emitters.
+    The rest, such as the second file of a third party's emitter, the store refuses when it comes.
+
+    Raises:
+        ConfigError: a file that the run writes is one that it reads; it names all of them.
+    """
+    store = plan.store
+    if not isinstance(store, LocalStore):
+        return
+    suffixes = tuple(suffix for call in plan.recipe.emitters for suffix in call.stage.suffixes)
+    pictures = (".png",) if plan.recipe.loaders else ()
+    problems = []
+    names = set()
+    for path in dict.fromkeys(_inputs(plan)):
+        for name in _names_in(store, path):
+            names.add(name)
+            is_shard = plan.layout.form is Form.SHARDS and _SHARD.fullmatch(name)
+            if name.endswith((*suffixes, *pictures)) or is_shard or name.startswith(f"{WORKING}/") or name in OWN_FILES:
+                problems.append(
+                    Problem(
+                        message=f"the run would overwrite its input {shown(str(path), 200)} in the output folder "
+                        f"{shown(str(store), 200)}",
+                        field="output.directory",
+                        found=str(path),
+                        accepted="another output folder, or an input of another name",
+                        suggestion="write to another folder: `output: {directory: DIR}`, or `-o DIR`",
+                    )
+                )
+                break
+    if problems:
+        raise ConfigError(problems)
+    store.protect(names)
+
+
+def _inputs(plan: Plan) -> Iterator[Path]:
+    """Every file that a run reads, as far as it is known before its tables are read."""
+    yield from plan.files
+    for path, _ in plan.inputs:
+        yield path
+    for call in plan.meshes:
+        for shapes in (call.base, *(shapes for _, shapes in call.joints)):
+            for shape in (shapes.visual, shapes.collision):
+                if shape is not None:
+                    yield Path(shape.file.path)
+
+
+def _names_in(store: LocalStore, path: Path) -> Iterator[str]:
+    """The names of a file in the folder of a store, in lower case: by its own path, and by links."""
+    root = os.path.realpath(store.directory)
+    by_folder = os.path.join(os.path.realpath(path.parent), path.name)  # noqa: PTH118
+    for place in dict.fromkeys((by_folder, os.path.realpath(path))):
+        name = os.path.relpath(place, root).replace(os.sep, "/") if _same_drive(place, root) else ".."
+        if name != ".." and not name.startswith("../"):
+            yield name.casefold()
+    for own in OWN_FILES:
+        try:
+            if os.path.samefile(path, os.path.join(root, own)):  # noqa: PTH118, PTH121
+                yield own
+        except (OSError, ValueError):
+            continue
+
+
+def _same_drive(one: str, other: str) -> bool:
+    return os.path.splitdrive(one)[0].casefold() == os.path.splitdrive(other)[0].casefold()

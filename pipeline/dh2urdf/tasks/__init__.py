@@ -1,0 +1,1 @@
+"""What travels between a run, its workers and its report."""

@@ -1,0 +1,119 @@
+"""What failed in a run, and why: gathered while the rows of its manifest pass by; none is kept."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from dh2urdf.conversion.outcome import ManifestRow
+
+MAX_REASONS = 100
+"""Reasons of one kind of failure that the index tells apart [1]."""
+MAX_NAMES = 1000
+"""Names of one kind of failure that the index lists [1]."""
+LONGEST_REASON = 300
+"""Characters of a reason [1]; of a longer one the beginning counts."""
+
+
+@dataclass(slots=True)
+class _Failures:
+    """The failures of one kind.
+
+    Attributes:
+        names: the first manipulators.
+        reasons: how often each reason was given, in the order of their first appearance.
+        examples: the first message of each reason.
+        others: failures for reasons beyond those that are told apart.
+    """
+
+    names: list[str] = field(default_factory=list)
+    reasons: Counter[str] = field(default_factory=Counter)
+    examples: dict[str, str] = field(default_factory=dict)
+    others: int = 0
+
+    def add(self, name: str, message: str) -> None:
+        """Counts one."""
+        if len(self.names) < MAX_NAMES:
+            self.names.append(name)
+        reason = pattern(message)
+        if reason not in self.reasons:
+            if len(self.reasons) == MAX_REASONS:
+                self.others += 1
+                return
+            self.examples[reason] = message
+        self.reasons[reason] += 1
+
+    def as_json(self) -> dict[str, Any]:
+        """The failures as plain data, the commonest reasons first."""
+        return {
+            "count": self.reasons.total() + self.others,
+            "reasons": [
+                {"count": count, "pattern": reason, "example": self.examples[reason]}
+                for reason, count in self.reasons.most_common()
+            ],
+            "other_reasons": self.others,
+            "names": self.names,
+        }
+
+
+class FailureIndex:
+    """What failed in a run, and why, by kind: gathered while the rows of its manifest pass by."""
+
+    def __init__(self) -> None:
+        self._statuses: Counter[str] = Counter()
+        self._failures: dict[str, _Failures] = {}
+
+    def add(self, row: ManifestRow) -> None:
+        """Takes one row of the manifest."""
+        self._statuses[row["status"]] += 1
+        if row["status"] == "failed":
+            message = row["errors"][0]["message"] if row["errors"] else ""
+            self._failures.setdefault(row["kind"] or "", _Failures()).add(row["name"], message)
+
+    def as_json(self) -> dict[str, Any]:
+        """The index as plain data.
+
+        ::
+
+            {
+              "manipulators": 1000000,
+              "ok": 999985,
+              "failed": 15,
+              "failures": {
+                "table": {                      the kind; the commonest first
+                  "count": 12,
+                  "reasons": [                  at most 100, the commonest first
+                    {
+                      "count": 12,              manipulators whose first error has this pattern
+                      "pattern": "'…' is more than a full turn in rad, and no unit is declared for it",
+                      "example": "'90' is more than a full turn in rad, …"
+                    }
+                  ],
+                  "other_reasons": 0,           manipulators with reasons beyond these
+                  "names": ["robot_17", …]      at most 1,000, in the order of the run
+                },
+                …
+              }
+            }
+        """
+        kinds = sorted(self._failures.items(), key=lambda item: -item[1].reasons.total() - item[1].others)
+        return {
+            "manipulators": self._statuses.total(),
+            "ok": self._statuses["ok"],
+            "failed": self._statuses["failed"],
+            "failures": {kind: failures.as_json() for kind, failures in kinds},
+        }
+
+
+_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
+_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
+_NUMBERS = re.compile(r"#(?:, #)+")
+
+
+def pattern(message: str) -> str:
+    """A message without what differs from manipulator to manipulator: quoted text is '…', a number or several are #."""
+    without = _NUMBER.sub("#", _QUOTED.sub("'…'", message[: 4 * LONGEST_REASON]))
+    return _NUMBERS.sub("#", without)[:LONGEST_REASON]

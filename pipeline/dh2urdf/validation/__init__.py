@@ -1,0 +1,1 @@
+"""What the fields of records accept, and what becomes of it."""

@@ -1,0 +1,316 @@
+"""Variations: from one manipulator many, each drawn by its number alone.
+
+A variation is a table and its factors, as the design of experiments calls what is varied: one field of one joint, and
+the law of its values. Variant `number` depends on the seed, the count and its number only, so any of them can be made
+anywhere, in any order, and none has to be kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field as attribute, fields, replace
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.elementwise import is_column
+from dh2urdf.errors import ManipulatorError
+from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.quantities.units import Dimension
+from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
+from dh2urdf.source import Mark, Problem
+from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.variations.laws import DrawnValue, Grid, Law
+from dh2urdf.variations.sampling import Sampling, point
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Mapping, Sequence
+
+TYPE = "type"
+AXES = "axes"
+ALL = "all"
+GEOMETRY = ("a", "d", "alpha", "theta")
+
+
+FIELDS = {
+    **{name: field for name, field in ROW_FIELDS.items() if name not in {*COM, *INERTIA}},
+    TYPE: RowField(None),
+    AXES: RowField(None),
+}
+"""What can be varied, by the names that the project has for it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """What a run file wants varied.
+
+    Attributes:
+        field: which field.
+        law: how its values are drawn.
+        joints: of which joints, by their numbers from 1 or by their names; None for all that have the field.
+        units: what the units measure that its values name.
+        mark: where it stands.
+        joint_marks: where each joint is named.
+    """
+
+    field: str
+    law: Law
+    joints: tuple[int | str, ...] | None = None
+    units: tuple[Dimension, ...] = ()
+    mark: Mark | None = attribute(default=None, compare=False)
+    joint_marks: tuple[Mark, ...] = attribute(default=(), compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariationCall:
+    """A variation as a run file asks for it.
+
+    Attributes:
+        name: what the names of its variants begin with.
+        of: name of the manipulator of the run that is varied.
+        vary: what is varied.
+        count: how many variants; None for as many as its grids have points.
+        seed: which of all samples.
+        sampling: how the sample spreads.
+        mark: where it stands.
+        of_mark: where its manipulator is named.
+        count_mark: where its count stands.
+    """
+
+    name: str
+    of: str
+    vary: tuple[Rule, ...]
+    count: int | None = None
+    seed: int = 0
+    sampling: Sampling = Sampling.RANDOM
+    mark: Mark | None = attribute(default=None, compare=False)
+    of_mark: Mark | None = attribute(default=None, compare=False)
+    count_mark: Mark | None = attribute(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Factor:
+    """One field of one joint that varies.
+
+    Attributes:
+        key: what reports call it, such as ``a_2``.
+        field: the field.
+        row: index of the joint's row; None where the field is the whole arm's.
+        law: how its values are drawn.
+        nominal: the value of the table; None where it has none, or none that is a number.
+        mark: where the run file says so.
+    """
+
+    key: str
+    field: str
+    row: int | None
+    law: Law
+    nominal: float | None = None
+    mark: Mark | None = attribute(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variation:
+    """A table and what varies in it: all that a worker needs to make any of its variants.
+
+    Attributes:
+        name: what the names of its variants begin with.
+        nominal: the table.
+        factors: what varies, in the order of the run file and then of the rows.
+        count: how many variants there are.
+        seed: which of all samples.
+        sampling: how the sample spreads.
+        mark: where it stands.
+    """
+
+    name: str
+    nominal: Manipulator
+    factors: tuple[Factor, ...]
+    count: int
+    seed: int = 0
+    sampling: Sampling = Sampling.RANDOM
+    mark: Mark | None = attribute(default=None, compare=False)
+
+    @property
+    def has_many_forms(self) -> bool:
+        """Whether its tables differ in more than their numbers."""
+        return any(factor.field in (TYPE, AXES) for factor in self.factors)
+
+    def variants(self) -> Iterator[Variant]:
+        """All its variants, one by one."""
+        return (Variant(variation=self, number=number) for number in range(1, self.count + 1))
+
+    def changes(self, drawn: Collection[str]) -> dict[int, dict[str, Factor]]:
+        """The factors of some keys by the indices of their rows, and by their fields."""
+        changes: dict[int, dict[str, Factor]] = {}
+        for factor in self.factors:
+            if factor.row is not None and factor.key in drawn:
+                changes.setdefault(factor.row, {})[factor.field] = factor
+        return changes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variant:
+    """One manipulator of a variation, not made yet.
+
+    Attributes:
+        variation: what it is a variant of.
+        number: which one, from 1.
+    """
+
+    variation: Variation
+    number: int
+
+    @property
+    def name(self) -> str:
+        """The variation's name and the number, with as many digits as the last one's."""
+        return f"{self.variation.name}_{self.number:0{len(str(self.variation.count))}d}"
+
+    @property
+    def mark(self) -> Mark | None:
+        """Where the variation stands."""
+        return self.variation.mark
+
+    def drawn(self) -> dict[str, DrawnValue]:
+        """The values of its factors by their keys [SI]; not those of axes it lacks and of limits its joints lack."""
+        values = self._values()
+        if not self.variation.has_many_forms:
+            return {factor.key: values[factor.key] for factor in self.variation.factors}
+        axes, rows = values.get(AXES), self.variation.nominal.rows
+        last = len(first_axes(rows, int(axes)) if axes else rows)
+        drawn: dict[str, DrawnValue] = {}
+        for factor in self.variation.factors:
+            if factor.row is not None:
+                if factor.row >= last:
+                    continue
+                kind = JointType(str(values.get(f"{TYPE}_{factor.row + 1}", rows[factor.row].type)))
+                if kind not in FIELDS[factor.field].types:
+                    continue
+            drawn[factor.key] = values[factor.key]
+        return drawn
+
+    def _values(self) -> dict[str, DrawnValue]:
+        """The values of all factors: those of grids by the number, the last one fastest, the others by the sample."""
+        variation, index = self.variation, self.number - 1
+        sampled = [factor for factor in variation.factors if not isinstance(factor.law, Grid)]
+        values: dict[str, DrawnValue] = {}
+        rest = index
+        for factor in reversed(variation.factors):
+            if isinstance(factor.law, Grid):
+                rest, place = divmod(rest, len(factor.law.values))
+                values[factor.key] = factor.law.values[place]
+        if sampled:
+            coordinates = point(
+                variation.sampling,
+                seed=variation.seed,
+                count=variation.count,
+                index=index,
+                dimensions=len(sampled),
+            )
+            for factor, u in zip(sampled, coordinates, strict=True):
+                if not isinstance(factor.law, Grid):
+                    values[factor.key] = factor.law.draw(u, factor.nominal)
+        return values
+
+    def manipulator(self, drawn: Mapping[str, DrawnValue]) -> Manipulator:
+        """The table of this variant.
+
+        Args:
+            drawn: what `drawn` gave.
+
+        Raises:
+            ManipulatorError: no arm has these values.
+        """
+        nominal = self.variation.nominal
+        rows = list(first_axes(nominal.rows, int(drawn[AXES])) if AXES in drawn else nominal.rows)
+        problems: list[Problem] = []
+        changes = self.variation.changes(drawn)
+        for index, factors in changes.items():
+            rows[index] = changed(rows[index], {name: drawn[factor.key] for name, factor in factors.items()})
+            problems += _row_problems(rows[index], factors)
+        if problems:
+            raise ManipulatorError([problem.about(robot=self.name) for problem in problems])
+        notices = (*nominal.notices, *drawn_notices(changes, rows))
+        return replace(nominal, name=self.name, rows=tuple(rows), notices=notices)
+
+
+# --- Rows -------------------------------------------------------------------------------------------------------------
+
+
+def first_axes(rows: Sequence[DHRow], axes: int) -> Sequence[DHRow]:
+    """The rows before the next axis: fixed rows that follow the last one stay with it."""
+    moving = [index for index, row in enumerate(rows) if row.type is not JointType.FIXED]
+    return rows[: moving[axes]] if axes < len(moving) else rows
+
+
+def drawn_notices(changes: Mapping[int, Collection[str]], rows: Sequence[DHRow]) -> Iterator[Problem]:
+    """What was drawn is meant: nobody need ask whether an angle should have been a quarter turn."""
+    for index, names in changes.items():
+        for name in names:
+            if FIELDS[name].dimension is Dimension.ANGLE:
+                yield Problem(message="drawn", severity="notice", joint=rows[index].joint, field=name)
+
+
+def changed(row: DHRow, values: Mapping[str, Any]) -> DHRow:
+    """A row with other values, each a number or, but for types, a column of numbers."""
+    if TYPE in values:
+        geometry: dict[str, Any] = {name: _number(values[name]) for name in GEOMETRY if name in values}
+        row = retyped(replace_unchecked(row, **geometry), JointType(str(values[TYPE])))
+        values = {name: value for name, value in values.items() if name != TYPE and name not in geometry}
+    limits = {name: _number(values[name]) for name in LIMITS if name in values}
+    changes: dict[str, Any] = {name: _number(value) for name, value in values.items() if name not in limits}
+    inertia = row.inertia
+    if "mass" in changes and row.mass and inertia:
+        ratio = changes["mass"] / row.mass
+        inertia = Inertia(**{part.name: getattr(inertia, part.name) * ratio for part in fields(inertia)})
+    return replace_unchecked(
+        row, **changes, limits=replace(row.limits, **limits) if limits else row.limits, inertia=inertia
+    )
+
+
+def _number(value: Any) -> Any:  # noqa: ANN401 - a number, or a column of numbers
+    return value if is_column(value) else float(value)
+
+
+def retyped(row: DHRow, kind: JointType) -> DHRow:
+    """A row whose joint moves in another way; where all joint values are 0, the arm stands as it did.
+
+    Where rad become m or the other way round, or nothing moves any more, the offset goes into theta or d, and limits,
+    damping, friction and armature of the other kind of motion are dropped.
+    """
+    if kind is row.type:
+        return row
+    if {kind, row.type} <= {JointType.REVOLUTE, JointType.CONTINUOUS}:
+        return replace(row, type=kind, limits=replace(row.limits, lower=None, upper=None))
+    dropped: dict[str, Any] = dict.fromkeys(DYNAMICS)
+    turn, slide = (0.0, row.offset) if row.type is JointType.PRISMATIC else (row.offset, 0.0)
+    return replace(
+        row,
+        type=kind,
+        theta=row.theta + turn,
+        d=row.d + slide,
+        offset=0.0,
+        sign=1 if kind is JointType.FIXED else row.sign,
+        limits=Limits(),
+        **dropped,
+    )
+
+
+def _row_problems(row: DHRow, factors: Mapping[str, Factor]) -> Iterator[Problem]:
+    """What is impossible about the drawn values of a row."""
+
+    def impossible(name: str, message: str, value: float, accepted: str) -> Problem:
+        mark, found = factors[name].mark, f"{value:.12g}"
+        return Problem(message=message, mark=mark, joint=row.joint, field=name, found=found, accepted=accepted)
+
+    for name in factors:
+        value = getattr(row.limits if name in LIMITS else row, name)
+        if not isinstance(value, float):
+            continue
+        field = FIELDS[name]
+        if not isfinite(value) or not field.takes(value):
+            accepted = f"a number {field.bound}" if field.bound else "a finite number"
+            yield impossible(name, f"the {name} that was drawn is {value:.12g}", value, accepted)
+    bounds = [name for name in ("lower", "upper") if name in factors]
+    lower, upper = row.limits.lower, row.limits.upper
+    if bounds and lower is not None and upper is not None and lower > upper:
+        message = f"lower is {lower:.12g} and upper {upper:.12g}, with {' and '.join(bounds)} drawn"
+        yield impossible(bounds[0], message, getattr(row.limits, bounds[0]), "lower at most upper")

@@ -1,0 +1,1 @@
+"""CoppeliaSim, as a loader."""

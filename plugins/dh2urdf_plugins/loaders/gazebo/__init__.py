@@ -1,0 +1,1 @@
+"""Gazebo, as a loader."""

@@ -1,0 +1,1 @@
+"""Pinocchio, as a loader."""

@@ -1,0 +1,85 @@
+"""The loader `pinocchio`: loads the written URDF into Pinocchio, measures the arm, and reads what its parser prints."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import Loader, LoadReport
+from dh2urdf_plugins.loaders.packages import Packages
+from dh2urdf_plugins.loaders.pinocchio.arm import Arm
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import LoadRequest
+
+_PACKAGES = Packages("pinocchio", {"pinocchio": "pin"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PinocchioOptions:
+    """What is done in Pinocchio."""
+
+    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
+
+    def __post_init__(self) -> None:
+        if self.poses < 1:
+            raise ValueError("poses is a number from 1 on")
+
+
+def require(_options: PinocchioOptions) -> None:
+    """Ask whether Pinocchio is there, without importing it.
+
+    Raises:
+        MissingDependencyError: it is not installed.
+    """
+    _PACKAGES.require("pinocchio")
+
+
+def load(request: LoadRequest, _options: PinocchioOptions) -> LoadReport:
+    """Load a URDF into Pinocchio and measure it.
+
+    Raises:
+        LoaderError: Pinocchio cannot load the file, or holds another arm than the one that was written.
+        MissingDependencyError: Pinocchio is not installed.
+    """
+    return Arm(_PACKAGES.load("pinocchio"), request).report()
+
+
+# What Pinocchio's parser, urdfdom, prints: a level, a text, and in the next line where in urdfdom's source it stands.
+_MESSAGE = re.compile(r"^(Warning|Error): *(.*?) *$", re.MULTILINE)
+
+
+def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
+    """The warnings and errors that Pinocchio's parser printed, each once, in the order of printing."""
+    return tuple(
+        Problem(
+            message=f"Pinocchio printed {shown(text, 300)}",
+            severity="error" if level == "Error" else "notice",
+            robot=request.robot.name,
+        )
+        for level, text in dict.fromkeys(_MESSAGE.findall(output))
+    )
+
+
+def poses(options: PinocchioOptions) -> int:
+    """How many joint vectors are measured."""
+    return options.poses
+
+
+def _no_picture(_options: PinocchioOptions) -> bool:
+    return False
+
+
+LOADER = Loader(
+    name="pinocchio",
+    summary="loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
+    load=load,
+    options=PinocchioOptions,
+    formats=("urdf",),
+    poses=poses,
+    picture=_no_picture,
+    read_output=read_output,
+    require=require,
+)

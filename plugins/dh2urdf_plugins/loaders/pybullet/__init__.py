@@ -1,0 +1,1 @@
+"""PyBullet, as a loader."""

@@ -1,0 +1,197 @@
+"""The lines of a CSV file, and its records with the line at which each starts."""
+
+from __future__ import annotations
+
+import csv
+from collections import deque
+from itertools import accumulate, chain, islice
+from typing import TYPE_CHECKING, NoReturn
+
+from dh2urdf.errors import SCREENFUL, TableError
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.csv_file.header import starts_of
+from dh2urdf_plugins.readers.statements.csv_comments import comment_below
+from dh2urdf_plugins.readers.statements.text import line_blocks
+from dh2urdf_plugins.readers.words.cells import SPACES
+from dh2urdf_plugins.readers.words.comment_lines import (
+    SIGNS,
+    Comment,
+    as_typed,
+    fills_row,
+    is_comment,
+    joined,
+    looks_like_row,
+    marks_a_comment,
+    sign_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+
+class CsvLines:
+    """The lines of a file, comment lines made empty once the header has been read.
+
+    Attributes:
+        quoted: number and text of the latest lines with quotes: where a cell of these starts, the lengths of the
+            cells before it do not tell.
+        quotes_in_block: whether the latest block has any.
+        signs_in_block: whether the latest block has a sign that a comment begins with.
+        required: the columns that every row fills: a comment that does so looks like a row, and is worth a notice.
+        notices: of such comments, the first ones.
+        comments: those below the header that nobody has looked at yet.
+        passed: the lines of the comments among the latest rows, which are no empty rows.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.file = str(path)
+        self.number = 0
+        self.quoted: deque[tuple[int, str]] = deque()
+        self.quotes_in_block = False
+        self.blocks = line_blocks(path)
+        self.rest: Iterator[str] = iter(())
+        self.signs_in_block = False
+        self.required: Sequence[int] = ()
+        self.notices: list[Problem] = []
+        self.comments: list[Comment] = []
+        self.passed: set[int] = set()
+
+    def __iter__(self) -> Iterator[str]:
+        """The lines as they are, one by one: the top of the file."""
+        for block in self.blocks:
+            self.rest = iter(block)
+            for line in self.rest:
+                self.number += 1
+                yield line
+
+    def ahead(self) -> list[str]:
+        """The lines that follow the one that was read last, as many as were read from the file at once."""
+        lines = list(self.rest) or next(self.blocks, [])
+        self.rest = iter(lines)
+        return lines
+
+    def skip(self, count: int) -> None:
+        """Passes over lines that `ahead` has shown."""
+        self.number += len(list(islice(self.rest, count)))
+
+    def _below_header(self, delimiter: str) -> Iterator[tuple[int, list[str]]]:
+        """Blocks of the lines below the one that was read last, each with the number of its first line."""
+        for block in chain((list(self.rest),), self.blocks):
+            start = self.number + 1
+            self.number += len(block)
+            yield start, self._prepared(block, start, delimiter)
+
+    def _prepared(self, block: list[str], start: int, delimiter: str) -> list[str]:
+        text = "".join(block)
+        self.quotes_in_block = '"' in text
+        if self.quotes_in_block:
+            self.quoted.extend((start + index, line) for index, line in enumerate(block) if '"' in line)
+            block = [line + "\n" for line in block]  # a cell in quotes keeps the end of the line
+        self.signs_in_block = any(sign[0] in text and sign in text for sign in SIGNS)
+        if not self.signs_in_block:
+            return block
+        return [
+            "" if is_comment(line) and self._passes_over(line, start + k, delimiter) else line
+            for k, line in enumerate(block)
+        ]
+
+    def _passes_over(self, line: str, number: int, delimiter: str) -> bool:
+        """Passes over a comment below the header.
+
+        Raises:
+            TableError: it says something, which would not hold for the rows above.
+        """
+        mark = Mark(file=self.file, line=number)
+        self.passed.add(number)
+        self.comments += [comment_below(text, mark) for text in as_typed(line, delimiter)]
+        if len(self.notices) < SCREENFUL and looks_like_row(line, delimiter, self.required):
+            self.notices.append(
+                Problem(
+                    message=f"{shown(line.strip())} is a comment, since it begins with {sign_of(line)}, and no row",
+                    severity="notice",
+                    mark=mark,
+                    found=line,
+                    suggestion="put the first cell in quotes if this is a row",
+                )
+            )
+        return True
+
+    def _is_quoted_comment(self, cells: Sequence[str]) -> bool:
+        """Whether a row whose first cell stood in quotes is a comment that a spreadsheet has put into cells."""
+        return bool(cells) and marks_a_comment(cells[0]) and not fills_row(cells, self.required)
+
+    def records(self, delimiter: str) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
+        """Batches of rows, and the line at which each row starts."""
+        blocks = self._below_header(delimiter)
+        for start, lines in blocks:
+            if not self.quotes_in_block and max(map(len, lines), default=0) < csv.field_size_limit():
+                yield range(start, start + len(lines)), list(csv.reader(lines, delimiter=delimiter))
+                self.passed.clear()
+                continue
+            source = _Joined(lines, blocks)
+            reader = csv.reader(source, delimiter=delimiter, strict=True)
+            starts, batch = [], []
+            try:
+                while reader.line_num < source.count:
+                    starts.append(start + reader.line_num)
+                    cells = next(reader)
+                    if self.signs_in_block and self._is_quoted_comment(cells):
+                        self._passes_over(joined(cells, decimal_comma=delimiter != ","), starts[-1], delimiter)
+                        cells = []
+                    batch.append(cells)
+            except csv.Error as error:
+                self._refuse_cell(error, starts[-1])
+            yield starts, batch
+            self.passed.clear()
+
+    def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
+        """Refuses the file for a cell whose quotes are wrong, or that has no end."""
+        number, text = next(((n, text) for n, text in self.quoted if n >= line), (line, ""))
+        is_open = number == line and text.count('"') % 2
+        suggestion = "a quote that is part of the text is written twice" if text else None
+        if "limit" in str(error) and not is_open:
+            message, accepted = "a cell is too long", f"at most {csv.field_size_limit()} characters in a cell"
+            text, suggestion = "", None
+        elif "expected after" in str(error):
+            message, accepted = "text stands behind a closing quote", "a delimiter, or the end of the line"
+        else:
+            message, accepted = "a cell opens with a quote that is not closed", 'a quote at both ends, "like this"'
+        raise TableError(
+            Problem(
+                message=f"{message}: {shown(text.strip())}" if text else message,
+                mark=Mark(file=self.file, line=line, column=text.find('"') + 1 or None),
+                found=text or None,
+                accepted=accepted,
+                suggestion=suggestion,
+            )
+        )
+
+    def starts(self, number: int, cells: Sequence[str], delimiter: str) -> list[int]:
+        """The columns at which the cells of a row start, counted from 1 in characters."""
+        while self.quoted and self.quoted[0][0] < number:
+            self.quoted.popleft()
+        if self.quoted and self.quoted[0][0] == number:
+            starts = starts_of(self.quoted[0][1], delimiter)
+            return starts + starts[-1:] * (len(cells) - len(starts))  # where a cell goes on in the next line
+        ends = accumulate(len(cell) + 1 for cell in cells)
+        return [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, cells, strict=True)]
+
+
+class _Joined:
+    """The lines of a block with quotes, and those of the next ones as far as a cell in quotes runs on into them.
+
+    Attributes:
+        count: lines of the blocks that were begun.
+    """
+
+    def __init__(self, lines: list[str], blocks: Iterator[tuple[int, list[str]]]) -> None:
+        self.count = len(lines)
+        self.lines = iter(lines)
+        self.blocks = blocks
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.lines
+        for _, lines in self.blocks:
+            self.count += len(lines)
+            yield from lines

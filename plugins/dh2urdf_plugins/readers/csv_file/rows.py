@@ -1,0 +1,118 @@
+"""The rows of a CSV file, as the grammar of all tables takes them."""
+
+from __future__ import annotations
+
+from operator import itemgetter
+from typing import TYPE_CHECKING
+
+from dh2urdf.source import Mark, Problem
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_rows
+from dh2urdf_plugins.readers.csv_file.lines import CsvLines
+from dh2urdf_plugins.readers.header.header_rows import completed
+from dh2urdf_plugins.readers.rows.records import make_marks
+from dh2urdf_plugins.readers.tables.cell_rows import BELOW, is_note, unread_notes
+from dh2urdf_plugins.readers.words.comment_lines import joined, marks_a_comment
+from dh2urdf_plugins.readers.words.fields import REQUIRED
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
+
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.rows.source import Row
+
+
+class CsvRows:
+    """The rows of a CSV file: comment lines of one cell each, the header, and what is below it.
+
+    The key of a row is the number of its line.
+
+    Attributes:
+        notices: of comment lines that look like rows, and of notes below the table.
+        comments: those below the header that nobody has looked at yet.
+        delimiter: what stands between cells, once the header has been read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.lines = CsvLines(path)
+        self.notices = self.lines.notices
+        self.comments = self.lines.comments
+        self.delimiter = ","
+        self.width = self.needed = 0
+        self.begun = self.ended = False
+        self.below: list[tuple[str, Mark]] = []
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The rows down to the header."""
+        for row, delimiter in top_rows(self.lines, self.lines.file):
+            self.delimiter = delimiter or self.delimiter
+            yield row
+
+    def complete(self, header: CellRow) -> CellRow:
+        """The header with a row of units, or of names under shared titles, that follows it.
+
+        Raises:
+            TableError: the row of units contradicts the header.
+        """
+        found = row_below(self.lines.ahead(), self.lines.number, self.lines.file, self.delimiter)
+        joined = completed(header, found[0]) if found else None
+        if found and joined:
+            self.lines.skip(found[1])
+        return joined or header
+
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns of the rows to come."""
+        self.width = len(columns.headers)
+        self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
+        self.lines.required = [columns.fields.index(name) for name in REQUIRED]
+        columns.decimal_comma = self.delimiter != ","
+        columns.quoted_commas = self.delimiter == ","
+        return columns
+
+    def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
+        """The rows that hold anything, and the line at which each starts."""
+        for lines, batch in self.lines.records(self.delimiter):
+            plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
+            if plain and not self.ended:
+                self.begun = True
+                yield lines, batch
+            else:
+                pairs = [pair for pair in zip(lines, batch, strict=True) if self._is_row(*pair)]
+                yield [line for line, _ in pairs], [cells for _, cells in pairs]
+        self.notices += unread_notes(BELOW, self.below)
+
+    def _is_row(self, line: int, cells: Sequence[str]) -> bool:
+        """Whether cells are a row: they hold something, and are no note behind an empty row."""
+        if not any(map(str.strip, cells)):
+            self.ended = self.ended or (self.begun and line not in self.lines.passed)
+            return False
+        mark = Mark(file=self.lines.file, line=line)
+        if self.ended and is_note(CellRow(cells, mark), self.lines.required, self.needed):
+            self.below.append((joined([cell for cell in cells if cell.strip()]).strip(), mark))
+            return False
+        self.begun = True
+        return True
+
+    def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
+        """The lines of rows."""
+        return make_marks(self.lines.file, keys)
+
+    def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:
+        """Where the cells of a row start."""
+        starts = self.lines.starts(key, texts, self.delimiter)
+        return [Mark(file=self.lines.file, line=key, column=start) for start in starts]
+
+    def row_problems(self, key: int, texts: Sequence[str], number: int) -> Iterator[Problem]:
+        """What is wrong with a row that has more or fewer cells than the header has columns."""
+        more = next((text for text in texts[self.width :] if text.strip()), None)
+        if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
+            return
+        comma = self.delimiter == "," and len(texts) > self.width
+        yield Problem(
+            message=f"row {number} has {len(texts)} cells, and the header has {self.width} columns",
+            mark=Mark(file=self.lines.file, line=key),
+            joint=f"joint_{number}",
+            accepted=f"one cell for each column, with a {DELIMITERS[self.delimiter]} between them",
+            suggestion="is there a decimal comma in it, or a comma in a text without quotes?" if comma else None,
+        )

@@ -1,0 +1,1 @@
+"""The headers of tables: which column holds what, in which unit."""

@@ -1,0 +1,135 @@
+"""A header of several rows: titles over the names of columns, and units below them."""
+
+from __future__ import annotations
+
+import re
+
+from dh2urdf.errors import TableError
+from dh2urdf.quantities import is_unit
+from dh2urdf.source import Problem, shown
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+
+_UNIT = re.compile(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]")
+_DASHES = frozenset("- – — [-] [–] (-) [] n/a unit units einheit einheiten unité unidad unità".split()) | {""}  # noqa: SIM905
+"""What a row of units has where there is none."""
+
+
+def text_in(cell: object) -> str:
+    """What a cell holds, as a text; empty where it holds nothing."""
+    if isinstance(cell, Problem):
+        return cell.found or ""
+    if cell is None or isinstance(cell, str):
+        return cell or ""
+    if isinstance(cell, bool):
+        return "true" if cell else "false"
+    return text_of(cell) if isinstance(cell, float) else str(cell)
+
+
+def headers_in(row: CellRow) -> list[str]:
+    """The texts of a header; a spreadsheet may break them into lines."""
+    return [" ".join(text_in(cell).split("\n")).strip(SPACES) for cell in row.cells]
+
+
+def join_headers(upper: CellRow, lower: CellRow) -> tuple[CellRow, CellRow]:
+    """A header that has two rows, and what of its upper row has no effect.
+
+    A title over several columns, such as ``Limits [deg]`` over ``lower`` and ``upper``, gives them its unit; ``com``
+    over ``x`` makes one header of both; a name over a unit gets it.
+    """
+    tops, subs = headers_in(upper), headers_in(lower)
+    width = max(len(tops), len(subs))
+    tops += [""] * (width - len(tops))
+    subs += [""] * (width - len(subs))
+    tops = _carried(tops, subs)
+    texts = [_joined(top, sub) for top, sub in zip(tops, subs, strict=True)]
+    used = {top for top, sub, text in zip(tops, subs, texts, strict=True) if text != sub}
+    marks = lower.marks if len(lower.marks or ()) == width else upper.marks
+    unused = [top if top not in used else None for top in dict.fromkeys(tops) if top]
+    return CellRow(texts, lower.mark, marks), CellRow([top for top in unused if top], upper.mark)
+
+
+def _carried(tops: list[str], subs: list[str]) -> list[str]:
+    """Titles, each also over the next columns where these are its parts: what a merged cell leaves in a CSV file."""
+    carried: list[str] = []
+    title = ""
+    for top, sub in zip(tops, subs, strict=True):
+        title = top or title
+        group = read_header(title).field if title and not top and sub else None
+        match = _UNIT.fullmatch(title)
+        part = read_header(sub).field or read_header(f"{match[1] if match else title} {sub}").field
+        carried.append(title if group and part and part.name in group.parts else top)
+    return carried
+
+
+def _joined(top: str, sub: str) -> str:
+    """The header that a name and what stands below it make; the lower one where the upper one adds nothing."""
+    if not top or not sub:
+        return sub or (top if read_header(top).field else "")
+    stem, unit = top, unit_in(sub)
+    if unit:
+        return f"{top} [{unit}]"
+    if match := _UNIT.fullmatch(top):
+        stem, unit = match[1], match[2]
+    header = read_header(sub)
+    if header.field is None and read_header(f"{stem} {sub}").field:
+        sub = f"{stem} {sub}"
+        header = read_header(sub)
+    measures = header.field and header.field.dimension and header.unit is None
+    return f"{sub} [{unit}]" if measures and unit and is_unit(unit) else sub
+
+
+def unit_in(text: str) -> str | None:
+    """The unit that a cell is, in brackets or not: ``mm``, ``[deg]``; None where it is none."""
+    word = text.strip(f"{SPACES}[]()")
+    return word if word and is_unit(word) else None
+
+
+def completed(header: CellRow, row: CellRow) -> CellRow | None:
+    """The header with the row below it, where that is a row of units, or of names under shared titles; else None.
+
+    Raises:
+        TableError: the row of units contradicts the header.
+    """
+    if not _continues(header, row):
+        return None
+    marks = row.marks or [row.mark] * len(row.cells)
+    for name, text, mark in zip(headers_in(header), map(text_in, row.cells), marks, strict=False):
+        said, unit = read_header(name).unit, unit_in(text)
+        if said and unit and said.casefold() != unit.casefold():
+            message = f"the row of units says {shown(unit)}, and the header above says {shown(name)}"
+            raise TableError(Problem(message=message, mark=mark, found=unit, accepted="one unit for a column"))
+    return join_headers(header, _without_dashes(header, row))[0]
+
+
+def _continues(header: CellRow, row: CellRow) -> bool:
+    """Whether a row below the header is part of it: units, dashes for none, and names under shared titles."""
+    if not all(cell is None or isinstance(cell, str) for cell in row.cells):
+        return False
+    names, texts = headers_in(header), headers_in(row)
+    names = _carried(names, (texts + [""] * len(names))[: len(names)])
+    pairs = list(zip(names, texts, strict=False))
+    filled = [(name, text) for name, text in pairs if text]
+    if not filled or len(row.cells) > len(pairs):
+        return False
+    return all(_is_part(name, text) for name, text in filled) and any(
+        unit_in(text) or text not in _DASHES for _, text in filled
+    )
+
+
+def _is_part(name: str, text: str) -> bool:
+    if unit_in(text) or text.casefold() in _DASHES:
+        return True
+    title = read_header(name).field
+    if title and not title.parts:
+        return False
+    return (read_header(f"{name} {text}").field or read_header(text).field) is not None
+
+
+def _without_dashes(header: CellRow, row: CellRow) -> CellRow:
+    texts = [
+        "" if text.casefold() in _DASHES and not (name and unit_in(text)) else text
+        for name, text in zip(headers_in(header), headers_in(row), strict=False)
+    ]
+    return CellRow(texts, header.mark, header.marks)

@@ -1,0 +1,231 @@
+"""Columns and keys that name no field: those that are refused where they hold anything, and those that are left out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate, find_unit, is_unit
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
+from dh2urdf_plugins.readers.words.fields import FIELDS
+from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, UNHELD
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf_plugins.readers.words.cells import Cell
+
+_WITH_UNIT = late_pattern(r"[+-]?[0-9]+(?:[.,][0-9]+)?\s*([^\s0-9].{0,15})")
+_NOUNS = {
+    "acceleration": "an acceleration",
+    "jerk": "a jerk or the rate of a torque",
+    "stiffness": "a stiffness or a play",
+    "gear": "of a gear",
+}
+"""What has no field, as the end of a sentence."""
+_NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
+_FEW = 5
+_FEW_WORDS = 4
+
+
+class Refusal(NamedTuple):
+    """Why a column or key that names no field is refused where it holds anything.
+
+    Attributes:
+        reason: what it is, as the end of a sentence that begins with its header.
+        accepted: what to write in its place.
+        field: the field that was probably meant.
+        zero: whether it may hold 0.
+        counts: whether it may hold the number of the row.
+    """
+
+    reason: str
+    accepted: str
+    field: str | None = None
+    zero: bool = False
+    counts: bool = False
+
+
+def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
+    """Why a column is refused where it holds anything; None where it may be left out.
+
+    Args:
+        text: its header.
+        header: what that says; it names no field.
+        what: whether it is a column or a key.
+    """
+    if header.ignored or not text:
+        return None
+    if header.key in UNHELD:
+        meaning = UNHELD[header.key]
+        return Refusal(
+            f"is {meaning.reason}, which no {what} holds", meaning.accepted, zero=True, counts=meaning.counts
+        )
+    name = suspected(text)
+    if name == "limits" and header.unit and not _measures(header.unit, FIELDS["limits"].dimension):
+        name = None  # `Max. [°/s]` is a limit of something else, as its unit says
+    if name in FIELDS:
+        return Refusal(f"seems to be {name}, but no field is called so", _headers(str(name)), name)
+    if name:
+        return Refusal(f"seems to be {_NOUNS[name]}, which no {what} holds", "a table without it")
+    return _without_words(header)
+
+
+def _without_words(header: Header) -> Refusal | None:
+    """Why a column is refused whose words say nothing: it has a unit, or its header is a symbol."""
+    if header.unit and is_unit(header.unit):
+        return Refusal(f"has the unit {shown(header.unit)}, but no field is called so", _measured_in(header.unit))
+    if len(header.key) == 1 and header.key.isalpha():
+        return Refusal("is the symbol of a quantity, but no field is called so", ", ".join(FIELDS), zero=True)
+    return None
+
+
+def refused(
+    cell: Cell, header: str, why: Refusal, joint: str | None, *, number: int | None = None, what: str = "column"
+) -> Problem | None:
+    """What is wrong with a cell of such a column, or a value of such a key; None where it says nothing.
+
+    Args:
+        cell: the cell.
+        header: the header of its column, or the key.
+        why: why that is refused.
+        joint: the joint's name, where it is known.
+        number: the number of the row, where it is one of a table with columns.
+        what: whether it is a column or a key.
+    """
+    counted = why.counts and cell.text.casefold() in (str(number), f"j{number}")
+    if not cell.text or counted or (why.zero and is_zero(cell.text)):
+        return None
+    return Problem(
+        message=f"{shown(header)} {why.reason}, and it is {shown(cell.text)}",
+        mark=cell.mark,
+        joint=joint,
+        field=why.field or header,
+        found=cell.text,
+        accepted=why.accepted,
+        suggestion=None if why.accepted == GEOMETRY else how_to_leave_out(header, what),
+    )
+
+
+def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
+    """What is wrong with a cell that is a quantity, in a column that is left out."""
+    unit = unit_of(cell.text)
+    if unit is None:
+        return None
+    return Problem(
+        message=f"{shown(cell.text)} is a quantity, but no field is called {shown(header)}",
+        mark=cell.mark,
+        joint=joint,
+        field=header,
+        found=cell.text,
+        accepted=_measured_in(unit),
+        suggestion=how_to_leave_out(header) if header else "write a header above the column",
+    )
+
+
+def stray_number(text: str, mark: Mark, joint: str) -> Problem:
+    """A number in a column without a header, which belongs to the table: it may be any field."""
+    return Problem(
+        message=f"{shown(text)} stands in a column without a header",
+        mark=mark,
+        joint=joint,
+        found=text,
+        accepted="a header above each column of numbers, and an empty column between the table and notes",
+    )
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell begins as a number does."""
+    return bool(_NUMBER.match(text))
+
+
+def is_beside(index: int, named: Sequence[object]) -> bool:
+    """Whether a column stands beside the table: neither it, nor those right of it, nor its left neighbour has a header.
+
+    Args:
+        index: its number, from 0.
+        named: for each column of the header whether it has one.
+    """
+    return index > 0 and not any(named[index - 1 :])
+
+
+def unit_of(text: str) -> str | None:
+    """The unit of a cell that is a number with a unit, and nothing else."""
+    match = _WITH_UNIT.fullmatch(text)
+    return match[1] if match and is_unit(match[1]) else None
+
+
+def how_to_leave_out(header: str, what: str = "column") -> str:
+    """What to do about a column or key that is to be left out."""
+    begin = "begin its header" if what == "column" else f"begin the {what}"
+    return f"if it is to be left out, {begin} with {IGNORED}: {shown(IGNORED + header)}"
+
+
+def meant_key(key: str, header: Header, suspect: str | None, keys: Iterable[str]) -> str:
+    """What an unknown key of a joint probably means."""
+    if header.field and header.unit:
+        return f"write the key {header.field.name}, and the unit in the value or in `units`"
+    meant = misspelt(header.key)
+    if near := meant.name if meant else suspect:
+        return f"did you mean {near!r}?"
+    return did_you_mean(key, keys) or how_to_leave_out(key, "key")
+
+
+def left_out(headers: Sequence[tuple[int, str]], mark: Mark) -> Problem:
+    """The notice of all columns of a table that are left out.
+
+    Args:
+        headers: number and header of each, counted from 0.
+        mark: the place of the first.
+    """
+    names = [shown(text) if text else f"{number + 1} (without a header)" for number, text in headers]
+    several = len(names) > 1
+    return Problem(
+        message=f"the column{'s' if several else ''} {', '.join(names)} {'are' if several else 'is'} left out: "
+        f"{'no fields are' if several else 'no field is'} called so",
+        severity="notice",
+        mark=mark,
+        found=headers[0][1],
+        suggestion="; ".join(dict.fromkeys(filter(None, (LIKELY.get(read_header(text).key) for _, text in headers))))
+        or None,
+    )
+
+
+def ignored(headers: Iterable[str], mark: Mark, what: str = "column") -> Problem:
+    """The notice of columns or keys that their author wants to be left out."""
+    names = [shown(text) for text in headers]
+    several = len(names) > 1
+    return Problem(
+        message=f"the {what}{'s' if several else ''} {', '.join(names)} {'are' if several else 'is'} left out, as the "
+        f"{IGNORED} at the beginning asks for",
+        severity="notice",
+        mark=mark,
+    )
+
+
+def is_zero(text: str) -> bool:
+    """Whether a cell is empty or 0."""
+    try:
+        return not text or evaluate(text.replace(",", "."), Dimension.NUMBER) == Quantity(0.0)
+    except QuantityError:
+        return False
+
+
+def _headers(name: str) -> str:
+    words = FIELDS[name].headers
+    more = f", {', '.join(words[1:_FEW_WORDS])}" if len(words) > 1 else ""
+    return f"a column {name}, if that is meant (other headers of it:{more[1:]})" if more else f"a column {name}"
+
+
+def _measured_in(unit: str) -> str:
+    """The fields that a unit may measure."""
+    names = [each.name for each in FIELDS.values() if any(_measures(unit, d) for d in (each.dimension, each.linear))]
+    return f"one of the columns {', '.join(names)}" if names else f"one of the columns {', '.join(FIELDS)}"
+
+
+def _measures(unit: str, dimension: Dimension | None) -> bool:
+    try:
+        return dimension is not None and find_unit(unit, dimension) is not None
+    except QuantityError:
+        return False

@@ -1,0 +1,255 @@
+"""What the text of a header says: which field, in which unit, of which link; or what it seems to be."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from functools import cache, lru_cache
+from typing import NamedTuple
+
+from dh2urdf.quantities import is_unit
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
+from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
+from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
+
+_INDEXED = ("a", "r", "alpha", "α", "d", "theta", "θ", "b", "beta", "β", "gamma", "γ", "sigma", "σ", "mu", "μ", "q")
+_BEFORE = r"\s*(-\s*1|m1)?\s*[\]})*]*"
+_INDEX = re.compile(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}")
+_INDEX_BEHIND = re.compile(rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}")  # `effort [N]` has a unit
+_PREFIX = re.compile(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
+_LATEX = re.compile(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
+_FOOTNOTE = re.compile(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
+_BRACKETED = re.compile(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
+_LOOSE_UNIT = re.compile(
+    r"(.+?)(?:\s*[/|:;]\s*|\s*,\s*|\s+in\s+|[\s_-]+|(?=°))([^\s_/,°-]+(?:/(?:s|sec|min))?|°(?:/(?:s|sec|min))?)"
+)
+_FORMS = frozenset(("xyz", "3x3", "minmax", "lowerupper", "matrix", "vector"))
+"""What brackets say of the form of a cell that holds several fields."""
+_WORDS_AT_END = frozenset(("in", "m", "n", "g", "s"))
+"""Units that end headers in prose, too: a column is not refused for them."""
+_LONGEST = 300
+_SURE = 4
+_LONG = 5
+SHORTEST_CORE = 3
+_OTHER_WORDS = frozenset(
+    ("power", "tower", "height", "eight", "orange", "point", "gravel", "fraction", "fiction", "mode", "modal", "forge")
+)
+"""Words that miss a header by one letter and mean something else."""
+
+
+class Header(NamedTuple):
+    """What a header says.
+
+    Attributes:
+        field: the field that it names; None where no field is called so.
+        key: the header without its unit, and without case, separators and accents.
+        unit: the unit that it names.
+        link: ``i``, or ``i-1`` for a parameter of the link before, as the modified convention has them.
+        ignored: whether its author wants the column to be left out.
+    """
+
+    field: Field | None
+    key: str
+    unit: str | None = None
+    link: str | None = None
+    ignored: bool = False
+
+
+@lru_cache(maxsize=1024)
+def read_header(text: str) -> Header:
+    """What a header says: ``a``, ``alpha_{i-1}``, ``Link length [mm]``, ``d/mm``, ``theta (deg)``, ``aᵢ₋₁``."""
+    if text.startswith(IGNORED):
+        return Header(None, "", ignored=True)
+    text = " ".join(text.split())
+    if len(text) > _LONGEST:  # no name of a field, and too long for patterns that look for one
+        return Header(None, key_of(text))
+    header = _as_written(text)
+    if header.field or header.key in UNHELD or not _FOOTNOTE.search(text):
+        return header
+    without = _as_written(_FOOTNOTE.sub("", text))  # `d¹`, which is no d1
+    return without if without.field or without.key in UNHELD else header
+
+
+def _as_written(text: str) -> Header:
+    """What a header says, with its unit as it is written: Nm is another unit than nm."""
+    written = _written(text)
+    plain = written.casefold()
+    header = _read(plain)
+    if not header.unit or len(plain) != len(written):
+        return header
+    start = plain.rindex(header.unit)
+    return header._replace(unit=written[start : start + len(header.unit)])
+
+
+def _written(text: str) -> str:
+    written = unicodedata.normalize("NFKC", re.sub("[º˚]", "°", text))
+    return _LATEX.sub("", written).replace("−", "-").strip()
+
+
+def _read(plain: str) -> Header:
+    header = _named(plain)
+    if header.field or header.key in UNHELD or len(plain) > _LONGEST:
+        return header
+    if match := _BRACKETED.fullmatch(plain):
+        found = _with_brackets(match[1], match[2].strip())
+        if found.field or found.unit or found.key in UNHELD:
+            return found
+        header = found
+    match = _LOOSE_UNIT.fullmatch(plain)
+    # What stands loose behind a name is its unit only if it is one: `com x` and `comment` are no units.
+    if match and is_unit(match[2]) and (front := _named(match[1].strip())).key:
+        if front.field or front.key in UNHELD:
+            return front._replace(unit=match[2].strip()) if not front.field or front.field.dimension else header
+        return header._replace(key=front.key, unit=None if match[2] in _WORDS_AT_END else match[2])
+    return _twice(plain) or header
+
+
+def _with_brackets(front_text: str, inner: str) -> Header:
+    """A header with brackets at its end: a unit, a form, or more words for the same."""
+    front = _read(front_text)
+    name = front.field
+    if is_unit(inner) and name and not name.dimension:
+        return Header(None, front.key, unit=inner)  # `I [kg·m²]` is no index
+    if is_unit(inner) or (name and name.dimension and not inner):
+        return front._replace(unit=inner)
+    whole = _named(f"{front_text} {inner}")
+    if whole.field:
+        return whole
+    said = key_of(re.sub(r"[\W_]+", "", inner))
+    if name is None or not name.dimension or inner == "dh" or (name.parts and said in _FORMS):
+        return front
+    # `link length (a)`; anything else in the brackets of a quantity should be its unit.
+    return front if _named(inner).field is name else front._replace(unit=inner)
+
+
+def _twice(plain: str) -> Header | None:
+    """A header that names its field in words and by its symbol: ``twist α``, ``link length a_i``."""
+    front, _, symbol = plain.rpartition(" ")
+    last = _named(symbol)
+    if not front or not last.field:
+        return None
+    return last if _named(front.strip(" ,:")).field is last.field else None
+
+
+def _named(plain: str) -> Header:
+    if match := _INDEX.fullmatch(plain):
+        key = key_of(match[1])
+        return Header(WORDS.get(key) if key not in UNHELD else None, key, link="i-1" if match[2] else "i")
+    key = key_of(plain)
+    if (found := field_of(key)) or key in UNHELD:
+        return Header(found, key)
+    if match := _INDEX_BEHIND.fullmatch(plain):
+        base = key_of(match[1])
+        if (found := field_of(base)) or base in UNHELD:
+            return Header(found, base, link="i-1" if match[2] else "i")
+    if match := _PREFIX.fullmatch(plain):
+        inner = _named(match[1])
+        if inner.field and inner.field.name in ("a", "alpha", "d", "theta"):
+            return inner
+    return Header(None, key)
+
+
+def bounds_theta(header: Header) -> bool:
+    """Whether a header of limits calls them bounds of theta: ``theta_min``."""
+    return header.field is not None and header.field.name in ("lower", "upper", "limits") and "theta" in header.key
+
+
+# --- Words around a header --------------------------------------------------------------------------------------------
+
+_AROUND = {name: tuple({key for word in each.around for key in keys_of(word)}) for name, each in FIELDS.items()}
+
+
+@lru_cache(maxsize=1024)
+def field_of(key: str) -> Field | None:
+    """The field that a key means, also with words around it that say nothing new: ``maxjointspeed``."""
+    if key in UNHELD:
+        return None
+    if key in WORDS or len(key) > _LONGEST:
+        return WORDS.get(key)
+    return next((each for each in FIELDS.values() if each.around and _has_core(key, each.name)), None)
+
+
+@lru_cache(maxsize=4096)
+def _has_core(key: str, name: str) -> bool:
+    """Whether a key without some of the words around is a header of a field."""
+    if key in WORDS:
+        return WORDS[key].name == name
+    if not (key.startswith(_AROUND[name]) or key.endswith(_AROUND[name])):
+        return False
+    rests = (rest for word in _AROUND[name] for rest in (key.removeprefix(word), key.removesuffix(word)))
+    return any(SHORTEST_CORE <= len(rest) < len(key) and _has_core(rest, name) for rest in rests)
+
+
+# --- What is probably meant -------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=1024)
+def misspelt(key: str) -> Field | None:
+    """The field that a word of four letters or more misses by one slip, or with all its letters, as `tetha` does."""
+    keys = (key, key.removesuffix("i"))  # `tehta_i`
+    if key in _OTHER_WORDS:
+        return None
+    for word, field in WORDS.items():
+        sure = _SURE if word == field.name else _LONG
+        if len(word) >= sure and any(one_slip(key, word) or _is_shuffled(key, word) for key in keys):
+            return field
+    return None
+
+
+def _is_shuffled(key: str, word: str) -> bool:
+    """Whether a longer word has the letters of another, the first one in its place."""
+    return len(word) > _SURE and key[:1] == word[:1] and key != word and sorted(key) == sorted(word)
+
+
+def one_slip(left: str, right: str) -> bool:
+    """Whether two words differ by one letter more, less, other, or by two neighbours exchanged."""
+    if left == right or abs(len(left) - len(right)) > 1:
+        return False
+    start = next((k for k, (x, y) in enumerate(zip(left, right, strict=False)) if x != y), min(len(left), len(right)))
+    rest, other = left[start:], right[start:]
+    return (
+        rest[1:] == other[1:]
+        or rest[1:] == other
+        or rest == other[1:]
+        or (rest[:2] == other[1::-1] and rest[2:] == other[2:])
+    )
+
+
+_TOKEN = re.compile(r"[^\W\d_]+")
+_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_PROSE = {key for word in PROSE.split(", ") for key in keys_of(word)}
+
+
+@cache
+def _suspects() -> dict[str, re.Pattern[str]]:
+    """The patterns of the words that headers of fields have, which are needed where a header names none."""
+    return {name: _pattern(words) for name, words in SUSPECTS.items()}
+
+
+def _pattern(words: str) -> re.Pattern[str]:
+    forms = (re.escape(key).replace(r"\*", ".*") for word in words.split(", ") for key in _starred(word))
+    return re.compile("|".join(forms))
+
+
+def _starred(word: str) -> set[str]:
+    before, after = "*" * word.startswith("*"), "*" * word.endswith("*")
+    return {f"{before}{key}{after}" for key in keys_of(word.strip("*"))}
+
+
+@lru_cache(maxsize=1024)
+def suspected(text: str) -> str | None:
+    """What the words of a header look like that names no field: the name of a field, or of what has none."""
+    tokens = [key_of(token) for token in _TOKEN.findall(_written(_HUMP.sub(" ", text)).casefold())]
+    if not tokens or not _PROSE.isdisjoint(tokens):
+        return None
+    return next((name for name, pattern in _suspects().items() if any(map(pattern.fullmatch, tokens))), None)
+
+
+def spellings(field: Field) -> list[str]:
+    """The headers of a field as a schema has them: each as it is written, and with ``ae`` for ``ä``."""
+    return [form for word in field.words for form in sorted({word, *keys_of(word)}, key=lambda form: form != word)]
+
+
+def parts_of(field: Field) -> tuple[str, ...]:
+    """The fields that a column of a field gives: itself, or those that share its cells."""
+    return GROUPS[field.name].parts if field.name in GROUPS else (field.name,)

@@ -1,0 +1,1 @@
+"""The fast way through plain tables, which ends in columns."""

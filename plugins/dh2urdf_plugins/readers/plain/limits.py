@@ -1,0 +1,167 @@
+"""The limits of joints about which there is nothing to say."""
+
+from __future__ import annotations
+
+import math
+from operator import le, sub
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.manipulator import JointType, Limits
+from dh2urdf.quantities import Dimension
+from dh2urdf_plugins.readers.plain.numbers import REMEMBERED, PlainNumbers, names_foreign_unit, plain_quantity
+from dh2urdf_plugins.readers.rows.records import make_limits
+from dh2urdf_plugins.readers.rows.rows import NO_LIMITS, REMARKABLE_LIMIT
+from dh2urdf_plugins.readers.words.bounds import (
+    FASTEST_SLIDE,
+    FASTEST_TURN,
+    LONGEST_ARM,
+    NARROWEST_RANGE,
+    SHORTEST_STROKE,
+    SMALL_ANGLE,
+    STRONGEST,
+    WIDEST_LIMIT,
+)
+from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from dh2urdf_plugins.readers.words.cells import Units, Value
+
+LIMITS = ("lower", "upper", "velocity", "effort")
+_FEW = 20
+"""New limits among some rows that are read one by one [1]; of more, all are read by column."""
+
+
+class PlainLimits:
+    """Reads the limits of rows, where they are plain."""
+
+    def __init__(self, columns: Mapping[str, int], units: Units, kinds: Mapping[str, JointType]) -> None:
+        """Takes the columns and the units of a table, and the types that its words mean."""
+        self.units = units
+        self.kinds = kinds
+        self.columns = {name: columns[name] for name in LIMITS if name in columns}
+        self.numbers = {name: PlainNumbers(name, units) for name in self.columns}
+        self.bounds = tuple(
+            WIDEST_LIMIT if units.angle or name in units.columns else REMARKABLE_LIMIT for name in ("lower", "upper")
+        )
+        rate = units.columns.get("velocity") or units.of(Dimension.TURN_RATE)
+        self.slowest = SMALL_ANGLE if rate and rate.degrees else 0.0  # of joints that turn [rad/s]
+        # A speed of joints that turn, or that slide, has no unit but that of its cell.
+        self.bare_speed = {linear: is_bare_speed(units, columns, linear=linear) for linear in (False, True)}
+        self.known: dict[tuple[Any, ...], Limits] = {}
+
+    def read(self, words: Sequence[str], columns: Sequence[Sequence[Any]]) -> list[Limits] | None:
+        """The limits of the joints, or None where there is anything to say about one of them.
+
+        Args:
+            words: what the table calls the type of each joint.
+            columns: the cells of the table by column.
+        """
+        if not self.columns:
+            return [NO_LIMITS] * len(words)
+        known = self.known
+        keys = list(zip(words, *(columns[index] for index in self.columns.values()), strict=True))
+        try:
+            return list(map(known.__getitem__, keys))  # the robots of a table mostly share a few
+        except KeyError:
+            pass
+        if len(known) > REMEMBERED:
+            known.clear()
+        missing = set(keys) - known.keys()
+        if len(missing) > _FEW and (numbers := self._decimals(columns)):
+            return self._by_column({self.kinds[word] for word in set(words)}, numbers)
+        for key in missing:
+            if (limits := self._one(*key)) is None:
+                return None
+            known[key] = limits
+        return list(map(known.__getitem__, keys))
+
+    def _decimals(self, columns: Sequence[Sequence[Any]]) -> dict[str, list[float]] | None:
+        """The columns as numbers, where they hold nothing else."""
+        read: dict[str, list[float]] = {}
+        for name, index in self.columns.items():
+            if (numbers := self.numbers[name].decimals(columns[index])) is None:
+                return None
+            read[name] = numbers
+        return read
+
+    def _by_column(self, kinds: set[JointType], numbers: dict[str, list[float]]) -> list[Limits] | None:
+        """Limits of which every joint has its own."""
+        if kinds & {JointType.FIXED, JointType.CONTINUOUS} or not math.isfinite(sum(map(sum, numbers.values()))):
+            return None
+        lower, upper, velocity, effort = map(numbers.get, LIMITS)
+        smallest, largest = (
+            min(bound, LONGEST_ARM) if JointType.PRISMATIC in kinds else bound for bound in self.bounds
+        )
+        if lower and upper:
+            if not (-smallest <= min(lower) and max(upper) <= largest and all(map(le, lower, upper))):
+                return None
+        elif lower or upper:
+            return None
+        slides, turns = JointType.PRISMATIC in kinds, JointType.REVOLUTE in kinds
+        ranges = list(map(sub, upper, lower)) if upper and lower else []
+        if slides and any(map(_is_short, ranges)):
+            return None
+        slowest = self.slowest if turns else 0.0
+        if not _are_usual(ranges if turns else (), velocity or (), effort or (), slowest, linear=slides):
+            return None
+        count = max(map(len, numbers.values()))
+        nothing = [None] * count
+        return make_limits(zip(lower or nothing, upper or nothing, velocity or nothing, effort or nothing, strict=True))
+
+    def _one(self, word: str, *cells: Value) -> Limits | None:
+        """The limits that some cells say to a joint of some type."""
+        kind = self.kinds[word]
+        linear = kind is JointType.PRISMATIC
+        values: dict[str, float] = {}
+        for name, text in zip(self.columns, map(text_of, cells), strict=True):
+            if text.strip(SPACES):
+                if (value := plain_quantity(text, self.units, name, linear=linear)) is None:
+                    return None
+                values[name] = value
+        if not values:
+            return NO_LIMITS
+        if self.bare_speed[linear] and any(
+            names_foreign_unit(text_of(cell), name, linear=linear)
+            for name, cell in zip(self.columns, cells, strict=True)
+            if name in ("lower", "upper")
+        ):
+            return None
+        lower, upper, velocity, effort = map(values.get, LIMITS)
+        smallest, largest = (LONGEST_ARM, LONGEST_ARM) if linear else self.bounds
+        bounded = lower is not None and upper is not None and -smallest <= lower <= upper <= largest
+        free = lower is None and upper is None
+        if kind is JointType.FIXED or not (free or (bounded and kind is not JointType.CONTINUOUS)):
+            return None
+        ranges = () if lower is None or upper is None else (upper - lower,)
+        speeds, efforts = (() if number is None else (number,) for number in (velocity, effort))
+        is_short = linear and any(map(_is_short, ranges))
+        slowest = 0.0 if linear else self.slowest
+        if is_short or not _are_usual(() if linear else ranges, speeds, efforts, slowest, linear=linear):
+            return None
+        return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
+
+
+def _is_short(stroke: float) -> bool:
+    """Whether the range of a joint that slides is worth a word."""
+    return 0 < stroke < SHORTEST_STROKE
+
+
+def _are_usual(
+    ranges: Iterable[float], speeds: Sequence[float], efforts: Sequence[float], slowest: float, *, linear: bool
+) -> bool:
+    """Whether ranges of joints that turn, and speeds and efforts, are of a size that needs no word."""
+    fastest = FASTEST_SLIDE if linear else FASTEST_TURN
+    return (
+        min(ranges, default=1.0) >= NARROWEST_RANGE
+        and min(speeds, default=1.0) > 0
+        and slowest <= min(speeds, default=1.0) <= max(speeds, default=1.0) < fastest
+        and 0 < min(efforts, default=1.0) <= max(efforts, default=1.0) <= STRONGEST
+    )
+
+
+def is_bare_speed(units: Units, columns: Mapping[str, int], *, linear: bool) -> bool:
+    """Whether a table has speeds whose unit nothing but their cells can say."""
+    dimension = Dimension.SPEED if linear else Dimension.TURN_RATE
+    return "velocity" in columns and "velocity" not in units.columns and units.of(dimension) is None

@@ -1,0 +1,287 @@
+"""The fast way through a table: rows about which there is nothing to say.
+
+Most rows of a large table are plain numbers, known words and expressions such as pi/2 that were seen before. They are
+read column by column, at the speed of Python's own loops. Whatever is not surely plain is left to `RowReader`, which
+alone defines what a table means: here a row is read as that would read it, or not at all.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import accumulate, chain
+from math import remainder
+from operator import add, gt, methodcaller
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.manipulator import JointType
+from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, unit_of
+from dh2urdf_plugins.readers.plain.limits import LIMITS, PlainLimits
+from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
+from dh2urdf_plugins.readers.rows.cells import FULL_TURN, LARGEST_ANGLE
+from dh2urdf_plugins.readers.rows.joint_rows import DECIMAL, NUMBER
+from dh2urdf_plugins.readers.rows.names import are_joints
+from dh2urdf_plugins.readers.rows.records import make_rows
+from dh2urdf_plugins.readers.rows.rows import NEARLY
+from dh2urdf_plugins.readers.statements.plausibility import longest_plain
+from dh2urdf_plugins.readers.words.bounds import SMALL_ANGLE, SMALLEST_LENGTH, are_radians
+from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+from dh2urdf_plugins.readers.words.decimal_signs import PlainPoints
+from dh2urdf_plugins.readers.words.fields import FIELDS, joint_type
+from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, are_out_of_order
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.manipulator import DHRow
+    from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.words.cells import Units, Value
+
+_GEOMETRY = ("a", "alpha", "d", "theta", "offset")
+_WORDS = ("robot", "convention", "index", "joint", "link", "type")
+_HASH = methodcaller("startswith", "#")
+
+
+class PlainRows:
+    """Reads the rows of manipulators that stand behind each other, where they are plain."""
+
+    def __init__(self, columns: Columns, units: Units, shortest: float) -> None:
+        """Takes what holds for all rows of a table.
+
+        Args:
+            columns: its columns.
+            units: the units of its numbers.
+            shortest: how long an arm is at least so that there is nothing to say of it [m].
+        """
+        self.units = units
+        self.shortest = shortest
+        self.width = len(columns.fields)
+        self.holding_numbers = columns.numbers
+        self.column = {name: index for index, name in enumerate(columns.fields) if name}
+        self.silent = columns.silent  # to be spoken of as soon as one of them holds anything
+        others = set(range(self.width)) - {*self.column.values(), *columns.ignored}
+        self.others = {index: set[str]() for index in sorted(others - columns.unheld.keys())}
+        self.strays = {k for k in self.others if not columns.headers[k] and not is_beside(k, columns.headers)}
+        # Without a column of types, one that no field knows may hold them.
+        known = "type" in self.column or not any(columns.headers[index] for index in self.others)
+        turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
+        plain = known and not (turned or columns.unheld) and not set(self.column) - {*_WORDS, *_GEOMETRY, *LIMITS}
+        self.numbers = {name: PlainNumbers(name, units) for name in _GEOMETRY if name in self.column}
+        # A column that is an angle in one row and a length in the next is read as one only where both are in SI units,
+        # and as angles only where its header does not say otherwise.
+        mixed = [name for name in self.column if FIELDS[name].linear]
+        self.usable = plain and all(_header_fits(units, name) for name in mixed) and not _doubtful(units, self.column)
+        self.slides = not any(
+            name in units.columns or foreign_unit(units, name) or foreign_unit(units, name, linear=True)
+            for name in mixed
+        ) and not _doubtful(units, mixed, linear=True)
+        self.alpha_bound = LARGEST_ANGLE if units.angle or "alpha" in units.columns else FULL_TURN
+        foreign = {name: unit for name in self.numbers if (unit := foreign_unit(units, name))}
+        self.degrees = {name for name, unit in foreign.items() if unit.degrees}
+        self.foreign_lengths = {"a", "d"} & foreign.keys()
+        self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE}  # the word of a table without types
+        self.names: set[tuple[tuple[str, ...], tuple[str, ...]]] = set()
+        self.limits = PlainLimits(self.column, units, self.kinds)
+        self.points = PlainPoints(self.column, units)
+
+    def read(
+        self, rows: Sequence[Sequence[Value]], marks: Iterable[Mark], sizes: Sequence[int]
+    ) -> list[tuple[DHRow, ...]] | None:
+        """The rows of each manipulator, or None where one of them is not surely plain.
+
+        Args:
+            rows: the cells of each row.
+            marks: the place of each row.
+            sizes: how many rows each manipulator has.
+        """
+        if not self.usable or set(map(len, rows)) != {self.width}:
+            return None
+        columns: list[Any] = list(zip(*rows, strict=True))  # of texts each, or of numbers
+        for index in self.holding_numbers:
+            if set(map(type, columns[index])) != {float}:  # a cell among them is empty
+                columns[index] = tuple(map(text_of, columns[index]))
+        words = columns[self.column["type"]] if "type" in self.column else ("",) * len(rows)
+        names = self._names(columns, sizes)
+        if not self._are_kinds(words) or names is None or not self._are_left_out(columns):
+            return None
+        zeros = [0.0] * len(rows)
+        values: dict[str, list[float]] = {}
+        for name, numbers in self.numbers.items():
+            if (read := numbers.read(columns[self.column[name]])) is None:
+                return None
+            values[name] = read
+        a, alpha, d = values["a"], values["alpha"], values["d"]
+        theta, offset = values.get("theta", zeros), values.get("offset", zeros)
+        limits = self.limits.read(words, columns)
+        if limits is None or not (self._are_plain_angles(values) and self._are_plain_lengths(a, d, sizes)):
+            return None
+        kinds = [self.kinds[word] for word in words]
+        plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
+        if self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
+            return None
+        made = make_rows(zip(*names, kinds, a, alpha, d, theta, offset, limits, marks, strict=True))
+        ends = accumulate(sizes)
+        return [tuple(made[end - size : end]) for size, end in zip(sizes, ends, strict=True)]
+
+    def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
+        """Whether the columns that name no field hold nothing to speak of: what was spoken of, and no quantities."""
+        for index, known in self.others.items():
+            if index in self.silent:
+                if any(columns[index]):
+                    return False
+                continue
+            if index in self.strays and not _count(columns[index]):
+                return False
+            new = set(columns[index]) - known
+            if any(unit_of(text.strip(SPACES)) for text in new):
+                return False
+            if len(known) < REMEMBERED:
+                known.update(new)
+        return True
+
+    # --- Words
+
+    def _are_kinds(self, words: Sequence[str]) -> bool:
+        """Whether all types of joints are known, and such as can be read here."""
+        for word in set(words) - self.kinds.keys():
+            kind = None if not word or LINE_END in word else joint_type(word)  # an empty cell is worth a notice
+            if kind is None or (kind is JointType.PRISMATIC and not self.slides):
+                return False
+            self.kinds[word] = kind
+        return "type" not in self.column or "" not in words
+
+    def _names(
+        self, columns: Sequence[tuple[str, ...]], sizes: Sequence[int]
+    ) -> tuple[Sequence[str], Sequence[str]] | None:
+        """The names of joints and of links; None where there is anything to say about them."""
+        numbers = {size: tuple(map(str, range(1, size + 1))) for size in set(sizes)}
+        counted = tuple(chain.from_iterable([numbers[size] for size in sizes]))
+        index, joint, link = (self.column.get(name) for name in ("index", "joint", "link"))
+        if index is not None and columns[index] != counted:
+            return None
+        joints = tuple(map("joint_".__add__, counted)) if joint is None else columns[joint]
+        links = tuple(map("link_".__add__, counted)) if link is None else columns[link]
+        if len(numbers) == 1:  # The arms of a table mostly have the same names: then those of the first one tell.
+            size, count = sizes[0], len(sizes)
+            if joints == joints[:size] * count and links == links[:size] * count:
+                sizes = sizes[:1]
+        start = 0
+        for size in sizes:
+            key = (joints[start : start + size], links[start : start + size])
+            if key not in self.names:
+                if not self._are_plain_names(*key):
+                    return None
+                if len(self.names) > REMEMBERED:
+                    self.names.clear()
+                self.names.add(key)
+            start += size
+        return joints, links
+
+    def _are_plain_names(self, joints: tuple[str, ...], links: tuple[str, ...]) -> bool:
+        """Whether the names of a manipulator are such that there is nothing to say about them."""
+        names = (*joints, *links)
+        text = "".join(names)
+        if not (text.isascii() and text.isprintable() and all(names)) or max(map(len, names)) > MAX_NAME:
+            return False
+        alike = set(map(str.lower, names))  # no casefold: they are ASCII
+        ends = {f"{links[-1].lower()}-tool0", f"{links[-1].lower()}-flange", "base_link-base_link_inertia"}
+        return (
+            len(alike) == len(names)
+            and alike.isdisjoint(RESERVED)
+            and alike.isdisjoint(ends)
+            and list(map(str.strip, names)) == list(names)
+            and not are_out_of_order(joints)
+            and not any(map(_HASH, names))
+            and not any(map(DECIMAL.fullmatch, names))
+            and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints
+            and are_joints(alike, typed="type" in self.column)
+        )
+
+    # --- Numbers
+
+    def _are_foreign(self, columns: Sequence[Sequence[Any]]) -> bool:
+        """Whether a cell of geometry names another unit than the SI unit where a number outside of rows names none."""
+        names = self.numbers.keys() - {"offset"} if self.units.bare else ()
+        with_words = [name for name in names if self.numbers[name].has_expressions]
+        cells = ((name, cell) for name in with_words for cell in set(columns[self.column[name]]))
+        return any(names_foreign_unit(text_of(cell), name) for name, cell in cells)
+
+    def _are_plain_angles(self, values: dict[str, list[float]]) -> bool:
+        """Whether all angles are of a size that needs no word, and none is nearly a quarter turn."""
+        bounds = {"alpha": self.alpha_bound, "theta": FULL_TURN, "offset": FULL_TURN}
+        for name in bounds.keys() & values.keys():
+            angles = set(values[name])
+            # A number that is none is in no bounds, wherever it stands in the set.
+            if not (math.isfinite(sum(angles)) and -bounds[name] <= min(angles) and max(angles) <= bounds[name]):
+                return False
+            # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.
+            close = max(NEARLY * HALF_PI * bounds[name], SMALL_ANGLE if name in self.degrees else 0.0)
+            some = [x for x in angles if not close < x % HALF_PI < HALF_PI - close]  # a few more: no call for each
+            near = [x for x in some if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
+            if not all(x == 0 or quarter_turns(x) is not None for x in near):
+                return False
+            if name in self.degrees and any(are_radians(x) for x in some if -SMALL_ANGLE < x < SMALL_ANGLE):
+                return False
+        return True
+
+    def _are_plain_offsets(self, kinds: Sequence[JointType], offset: Sequence[float], cells: Sequence[Any]) -> bool:
+        """Whether no fixed joint has an offset, and no offset names a unit that may matter elsewhere in its row."""
+        if self.numbers["offset"].has_expressions:
+            if JointType.PRISMATIC in kinds:
+                return False
+            if self.limits.bare_speed[False] and any(
+                names_foreign_unit(text_of(cell), "offset") for cell in set(cells)
+            ):
+                return False
+        return not any(value and kind is JointType.FIXED for kind, value in zip(kinds, offset, strict=True))
+
+    def _are_plain_lengths(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+        """Whether every arm is of a length that needs no word, and its numbers are of such."""
+        return self._are_usual_sizes(a, d, sizes) and self._are_of_their_unit(a, d, sizes)
+
+    def _are_usual_sizes(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+        size, largest = sizes[0], max(map(abs, (max(a), min(a), max(d), min(d))))
+        first = min(d[::size]) if sizes == [size] * len(sizes) else 0.0
+        if first >= self.shortest and 2.0 * size * largest <= longest_plain(size) and math.isfinite(sum(a) + sum(d)):
+            return True  # so much is sure of every arm without its own sum
+        totals = list(map(sum, _by_arm(list(map(add, map(abs, a), map(abs, d))), sizes)))
+        if math.isnan(sum(totals)) or min(totals) < self.shortest:
+            return False
+        return not (max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))))
+
+    def _are_of_their_unit(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+        for column in (column for name, column in (("a", a), ("d", d)) if name in self.foreign_lengths):
+            largest = (max(map(abs, numbers)) for numbers in _by_arm(column, sizes))
+            if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
+                return False
+        return True
+
+
+def _count(cells: Sequence[str]) -> bool:
+    """Whether cells without a header hold no number, or count all rows of the table one by one, as pandas does."""
+    if not any(is_number(text.strip(SPACES)) for text in cells):
+        return True
+    if not all(text.isascii() and text.isdigit() for text in cells):
+        return False
+    first = int(cells[0])
+    return list(map(int, cells)) == list(range(first, first + len(cells)))
+
+
+def _by_arm(column: Sequence[float], sizes: Sequence[int]) -> Iterable[Sequence[float]]:
+    """The numbers of a column, arm by arm."""
+    if len(set(sizes)) == 1:
+        return zip(*[iter(column)] * sizes[0], strict=True)
+    return (column[end - size : end] for size, end in zip(sizes, accumulate(sizes), strict=True))
+
+
+def _header_fits(units: Units, name: str) -> bool:
+    """Whether the unit of a column's header, where it has one, is that of a joint that turns."""
+    unit = units.columns.get(name)
+    return unit is None or unit.dimension is FIELDS[name].dimension
+
+
+def _doubtful(units: Units, names: Iterable[str], *, linear: bool = False) -> bool:
+    """Whether bare numbers of some fields have no sure unit in rows of joints that turn, or of those that slide."""
+    dimensions = {name: FIELDS[name].linear if linear else FIELDS[name].dimension for name in names}
+    return any(dimension and units.doubt(dimension, name) for name, dimension in dimensions.items())

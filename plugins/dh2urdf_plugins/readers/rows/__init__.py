@@ -1,0 +1,1 @@
+"""Rows of joints, one by one."""

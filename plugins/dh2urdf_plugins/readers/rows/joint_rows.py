@@ -1,0 +1,271 @@
+"""What the rows of a manipulator are, before any of them is read: joints, fixed frames, or no joints at all.
+
+One row alone does not show it. Numbers in a column of names are names only together; a row without a joint variable is
+fixed only where the other rows have one.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import JointType
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import Dimension, QuantityError, evaluate
+from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.readers.rows.names import is_base, kind_of
+from dh2urdf_plugins.readers.words.cells import Cell
+from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, joint_type
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.manipulator import DHRow
+    from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.rows.rows import RowReader
+
+Cells = dict[str, Cell]
+LABEL = ""
+"""The key of a cell that names its row in a column that no field knows."""
+NUMBER = re.compile(r"([0-9]{1,9})(?:\.0+)?")
+DECIMAL = re.compile(r"[-+]?[0-9]*[.,][0-9]+")
+"""A name that is the number of a row."""
+_ZERO = late_pattern(r"0+(?:\.0+)?")
+
+
+def settle(rows: Sequence[tuple[Cells | None, Mark]], reader: RowReader) -> int:
+    """Gives each row its type and its names as far as only all rows together show them.
+
+    Args:
+        rows: the cells of each row by field, and its place; None where they cannot be told apart. They are changed.
+        reader: what takes the problems.
+
+    Returns:
+        The number of the first row: 1, or 0 where it is the base and the joints are counted from the next one.
+    """
+    return _Rows(rows, reader).settle()
+
+
+class _Rows:
+    """The rows of one manipulator."""
+
+    def __init__(self, rows: Sequence[tuple[Cells | None, Mark]], reader: RowReader) -> None:
+        self.rows = [(place, cells, mark) for place, (cells, mark) in enumerate(rows) if cells is not None]
+        self.reader = reader
+        self.labels = {place: cells.pop(LABEL) for place, cells, _ in self.rows if LABEL in cells}
+        self.indexes = {place: cells.pop("index") for place, cells, _ in self.rows if "index" in cells}
+        self.variables = {place: number for place, cells, _ in self.rows if (number := _variable(cells)) is not None}
+        self.first = 1
+
+    def settle(self) -> int:
+        """See above."""
+        if self._index_has_names():
+            for place, cells, _ in self.rows:
+                cells["joint"] = self.indexes.pop(place)
+        for place, cells, mark in self.rows:
+            self._settle_type(place, cells, mark)
+        self.first = 1 - self._counts_from_base()
+        for place, index in self.indexes.items():
+            self._check_index(index, place)
+        for field in ("joint", "link"):
+            self._name_by_number(field)
+        return self.first
+
+    # --- Numbers ------------------------------------------------------------------------------------------------------
+
+    def _index_has_names(self) -> bool:
+        """Whether the column of numbers holds names, as it may where no column is for names."""
+        if not self.indexes or any("joint" in cells for _, cells, _ in self.rows):
+            return False
+        texts = [index.text for index in self.indexes.values()]
+        return len(texts) == len(self.rows) and not any(text.isdecimal() for text in texts[:2])
+
+    def _counts_from_base(self) -> bool:
+        """Whether the first row is fixed, and the joints are numbered from the second one on."""
+        if not self.rows or self.rows[0][0] != 0 or _type_of(self.rows[0][1]) is not JointType.FIXED:
+            return False
+        if 0 in self.indexes:
+            return is_base(self.indexes[0].text)
+        numbers = [(place, number) for place, number in self.variables.items() if number]
+        return bool(numbers) and all(place == number for place, number in numbers)
+
+    def _check_index(self, index: Cell, place: int) -> None:
+        """Refuses the index of a row that is not the row's number."""
+        number = place + self.first
+        match = NUMBER.fullmatch(index.text)
+        if (match and int(match[1]) == number) or (number == 0 and is_base(index.text)):
+            return
+        zero = place == 0 and _ZERO.fullmatch(index.text)
+        self.reader.add(
+            Problem(
+                message=f"the index is {shown(index.text)}, and this is row {number}",
+                mark=index.mark,
+                joint=f"joint_{number}",
+                field="index",
+                found=index.text,
+                accepted="1, 2, 3 … in the order of the rows, from the base outwards",
+                suggestion="a row 0 that leads from the base to the first joint has the type fixed" if zero else None,
+            )
+        )
+
+    def _name_by_number(self, field: str) -> None:
+        """Makes names of numbers: a column of joints that holds 1, 2, 3 counts them."""
+        cells = {place: row[field] for place, row, _ in self.rows if field in row and not self._is_base(place)}
+        matches = {place: NUMBER.fullmatch(cell.text) for place, cell in cells.items()}
+        if cells and not any(matches.values()) and all(DECIMAL.fullmatch(cell.text) for cell in cells.values()):
+            first = next(iter(cells.values()))
+            message = f"the column of {field}s holds decimal numbers, which are kept as names: {shown(first.text)}"
+            self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field=field, found=first.text))
+        if not cells or not all(matches.values()):
+            return
+        numbers = {place: int(match[1]) for place, match in matches.items() if match}
+        counts = list(numbers.values())
+        ids = counts[0] > 1 and all(left < right for left, right in pairwise(counts))  # of motors, say
+        wrong = [] if ids else [place for place, number in numbers.items() if number != place + self.first]
+        for place in wrong:
+            cell, number = cells[place], place + self.first
+            self.reader.add(
+                Problem(
+                    message=f"the number of the {field} is {shown(cell.text)}, and this is row {number}",
+                    mark=cell.mark,
+                    joint=f"joint_{number}",
+                    field=field,
+                    found=cell.text,
+                    accepted="1, 2, 3 … in the order of the rows, from the base outwards; or names, such as "
+                    f"{field}_{cell.text}",
+                )
+            )
+        names = {place: f"{field}_{match[1]}" for place, match in matches.items() if match}
+        for place, row, _ in self.rows:
+            if place in names:
+                row[field] = cells[place]._replace(text=names[place])
+        if not wrong:
+            few = ", ".join([*names.values()][:2]) + (" …" if len(names) > 2 else "")  # noqa: PLR2004 - the first two
+            one = "the joint is" if len(names) == 1 else f"the {field}s are"
+            self.reader.add(
+                Problem(
+                    message=f"the column of {field}s holds numbers: {one} named {few}",
+                    severity="notice",
+                    mark=next(iter(cells.values())).mark,
+                    field=field,
+                )
+            )
+
+    def _is_base(self, place: int) -> bool:
+        return place == 0 and self.first == 0
+
+    # --- Types --------------------------------------------------------------------------------------------------------
+
+    def _settle_type(self, place: int, cells: Cells, mark: Mark) -> None:
+        """Gives a row without a type its type where that is sure, and refuses it where it hardly is a joint."""
+        if "type" in cells and cells["type"].text:
+            return
+        name = self._name_of(place, cells)
+        kind = kind_of(name) if name else None
+        still = self.variables and place not in self.variables
+        is_zero = place in self.indexes and place == 0 and is_base(self.indexes[0].text)
+        if still and kind != "total" and (kind or is_zero):
+            called = shown(name or self.indexes[0].text)
+            self._say(
+                f"the row {called} has no type and no joint variable, and the other rows have one: it is fixed",
+                place,
+                cells,
+                mark,
+                notice=True,
+            )
+            cells["type"] = Cell(JointType.FIXED.value, mark)
+            return
+        if kind:
+            self._say(
+                f"the row {shown(name)} seems to be no joint: in a table of joints it would be one more"
+                if kind == "total"
+                else f"the row {shown(name)} has no type, and by its name it hardly is a revolute joint",
+                place,
+                cells,
+                mark,
+                suggestion="remove the row, or write its type if it is a joint"
+                if kind == "total"
+                else "write fixed if nothing moves there, or revolute if it does",
+            )
+        elif still:
+            self._say(
+                f"row {place + 1} has no joint variable and no type, and other rows have a variable",
+                place,
+                cells,
+                mark,
+                suggestion="write fixed if nothing moves there, or the variable if it does",
+            )
+        else:
+            return
+        cells["type"] = Cell(JointType.REVOLUTE.value, mark)
+
+    def _name_of(self, place: int, cells: Cells) -> str:
+        """What a row is called: its joint, else its link, else what stands in a column that no field knows."""
+        for cell in (cells.get("joint"), cells.get("link"), self.labels.get(place)):
+            if cell is not None:
+                return cell.text
+        index = self.indexes.get(place)
+        return index.text if index and not NUMBER.fullmatch(index.text) and not is_base(index.text) else ""
+
+    def _say(
+        self, message: str, place: int, cells: Cells, mark: Mark, *, suggestion: str | None = None, notice: bool = False
+    ) -> None:
+        cell = cells.get("type")
+        self.reader.add(
+            Problem(
+                message=message,
+                severity="notice" if notice else "error",
+                mark=cell.mark if cell else mark,
+                joint=(cells["joint"].text if "joint" in cells else "") or f"joint_{place + 1}",
+                field="type",
+                found=cell.text if cell else None,
+                accepted=None if notice else ACCEPTED_TYPES,
+                suggestion=suggestion,
+            )
+        )
+
+
+def total_problem(row: DHRow, above: Sequence[DHRow | None]) -> Problem | None:
+    """Why a row with a type is a total all the same: it is called so, and its lengths are made of those above it."""
+    rows = [other for other in above if other is not None]
+    if kind_of(row.joint) != "total" or len(rows) < len((row.a, row.d)):
+        return None
+    columns = (([abs(other.a) for other in rows], row.a), ([abs(other.d) for other in rows], row.d))
+    for make in (sum, max, min, _mean):
+        if any(number for _, number in columns) and all(
+            math.isclose(make(numbers), abs(number), rel_tol=1e-3, abs_tol=1e-9) for numbers, number in columns
+        ):
+            return Problem(
+                message=f"the row {shown(row.joint)} seems to be no joint: its lengths sum up those of the rows above",
+                mark=row.mark,
+                joint=row.joint,
+                accepted="one row for each joint",
+                suggestion="remove the row, or name it otherwise if it is a joint",
+            )
+    return None
+
+
+def _mean(numbers: Sequence[float]) -> float:
+    return math.fsum(numbers) / len(numbers)
+
+
+def _type_of(cells: Cells) -> JointType | None:
+    cell = cells.get("type")
+    return joint_type(cell.text) if cell and cell.text else None
+
+
+def _variable(cells: Cells) -> int | None:
+    """The number of the joint variable that a row names, 0 for one without a number; None where it names none."""
+    for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
+        cell = cells.get(name)
+        if cell is None or not any(map(str.isalpha, cell.text)):
+            continue
+        try:
+            variable = evaluate(cell.text, dimension, decimal_comma=True).variable  # `q1 + 1,57`, too
+        except QuantityError:
+            continue
+        if variable is not None:
+            return variable.row or 0
+    return None

@@ -1,0 +1,82 @@
+"""What a table of rows is read from: a file of rows, as each format gives them, and the rows of one manipulator."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
+
+from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from dh2urdf.source import Mark, Problem
+    from dh2urdf.table_text import CellRow
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+Row: TypeAlias = "Sequence[Value]"
+"""The cells of a row, one for each column."""
+
+
+@runtime_checkable
+class RowSource(Protocol):
+    """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
+
+    The key of a row is what the format knows its place by: the number of a line, or more.
+
+    Attributes:
+        notices: what is to be said of the rows so far, beyond what stands in them.
+        comments: comments between the rows that nobody has looked at yet.
+    """
+
+    notices: list[Problem]
+    comments: list[Comment]
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The rows down to the header."""
+
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns that the header names, and gives them with those that hold numbers known."""
+
+    def batches(self) -> Iterator[tuple[Sequence[Any], Sequence[Row]]]:
+        """Some hundred rows below the header at a time, and the key of each."""
+
+    def row_marks(self, keys: Iterable[Any]) -> Iterable[Mark]:
+        """The places of rows."""
+
+    def marks(self, key: Any, texts: Sequence[str]) -> Sequence[Mark]:  # noqa: ANN401 - a key of its own
+        """The place of each cell of a row."""
+
+    def row_problems(self, key: Any, texts: Sequence[str], number: int) -> Iterable[Problem]:  # noqa: ANN401
+        """Why the cells of a row, whose number within its manipulator is given, are not those of the columns."""
+
+
+class Rows:
+    """The rows of one manipulator as they stand in the file.
+
+    Attributes:
+        name: the manipulator's name.
+        keys: the key of each row.
+        cells: the cells of each row; of more than are read, some are left out.
+        count: how many rows there are.
+        torn: whether other rows of the same manipulator stand elsewhere.
+        nameless: whether the robot column is empty in some of them.
+    """
+
+    __slots__ = ("cells", "count", "keys", "name", "nameless", "torn")
+
+    def __init__(self, name: str, keys: Iterable[Any] = (), cells: Iterable[Row] = ()) -> None:
+        self.name = name
+        self.keys = list(keys)
+        self.cells = list(cells)
+        self.count = len(self.cells)
+        self.torn = False
+        self.nameless = False
+
+    def extend(self, keys: Sequence[Any], cells: Sequence[Row]) -> None:
+        """Adds rows, as many as are needed to see that there are too many."""
+        room = max(0, MAX_JOINTS - len(self.cells))
+        self.keys.extend(keys[:room])
+        self.cells.extend(cells[:room])
+        self.count += len(cells)

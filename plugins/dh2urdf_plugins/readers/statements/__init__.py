@@ -1,0 +1,1 @@
+"""What a table states besides its rows: base, tool, payload, shapes, comments."""

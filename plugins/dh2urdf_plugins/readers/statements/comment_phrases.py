@@ -1,0 +1,213 @@
+"""What comments say in words of units and of the convention: `lengths in mm, angles in degrees`, `MDH parameters`.
+
+A phrase that consists of nothing but units and what they measure is a statement like `units: {length: mm}`. Prose that
+only mentions a unit is not: where nothing else declares a unit and the table would be read in another one, it is
+refused, since one of the two is wrong.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Convention
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import UNITS, Dimension, Unit, unit_word
+from dh2urdf.source import Problem
+from dh2urdf_plugins.readers.header.units import KEY_OF
+from dh2urdf_plugins.readers.words.fields import convention_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.statements.statements import Statements
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+_MEASURES = {
+    "length": "length lengths distance distances dimension dimensions translation translations linear länge längen "
+    "laenge laengen abmessungen longueur longueurs longitud longitudes lunghezza lunghezze",
+    "angle": "angle angles angular rotation rotations winkel ángulo ángulos angulo angulos angolo angoli",
+    "mass": "mass masses weight weights massen gewicht gewichte masa masas",
+    "inertia": "inertia inertias trägheit trägheiten trägheitsmomente inertie inerties inercia inercias inerzia",
+    "effort": "effort efforts torque torques moment momente drehmoment drehmomente couple couples par coppia coppie",
+    "velocity": "velocity velocities speed speeds geschwindigkeit geschwindigkeiten vitesse vitesses velocidad "
+    "velocidades velocità",
+}
+_MEASURE_WORDS = {word: key for key, words in _MEASURES.items() for word in words.split()}
+_FIELD_WORDS = {"a": "length", "r": "length", "d": "length", "alpha": "angle", "α": "angle"} | {
+    "theta": "angle",
+    "θ": "angle",
+}
+_UNIT_WORDS = frozenset(
+    "unit units einheit einheiten unité unités unite unites unidad unidades unità unita uom".split()  # noqa: SIM905
+)
+_FILLERS = frozenset(
+    "all the are is in given measured expressed and of with table value values number numbers every both as by for "  # noqa: SIM905
+    "alle alles sind ist und werte die der toutes tous les sont en et valeurs todas todos las los están están y "
+    "valores tutte tutti le gli i sono e valori everything parameters parameter dh link joint measurement "
+    "measurements used using use system here".split()
+)
+_BREAKS = re.compile(r"[\s,;:=&()\[\]{}|\u2013\u2014\uff1a\uff0c]+|\.(?=\s|$)|(?<=\s)[-/](?=\s)")
+_BETWEEN_UNITS = re.compile(r"(?<=[^\W\d_°])/(?=[^\W\d_°])|(?<=°)/|/(?=°)")
+_INCHES = re.compile(r"\bin\b(?=\s*(?:[,;/)\]}&]|and\b|$))")
+"""The unit, where another word would follow the preposition."""
+_MENTION = re.compile(
+    r"(?:(?:\b(?:in|en|unit|units|are|is|are given in|einheit|einheiten|unité|unités)\b|[\[(:=]|^)\s*)"
+    r"((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?)+)",
+    re.IGNORECASE,
+)
+_FREEDOM = re.compile(r"\bdegrees?\s+of\s+freedom\b", re.IGNORECASE)
+_SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
+
+_SAYS_CONVENTION = late_pattern(r"\bdh\b|denavit|convention|parameters", re.IGNORECASE)
+_CONVENTION_WORDS = late_pattern(
+    r"(?:denavit|hartenberg|dh|convention|konvention|convención|convencion|convenzione|notation|the|this|table|is|in|"
+    r"uses|using|parameters|parameter|s|of|follows|according|to)"
+)
+_PROSE = {
+    Convention.MODIFIED: (
+        re.compile(r"\b(mdh|craig|proximal)\b", re.IGNORECASE),
+        re.compile(r"\bmodified\b", re.IGNORECASE),
+    ),
+    Convention.STANDARD: (
+        re.compile(r"\b(sdh|distal|spong)\b", re.IGNORECASE),
+        re.compile(r"\b(standard|classic|classical)\b", re.IGNORECASE),
+    ),
+}
+"""Words for the convention in a comment: those that mean nothing else, and those that may."""
+
+
+# --- Phrases that are statements --------------------------------------------------------------------------------------
+
+
+def units_said(text: str) -> dict[str, str] | None:
+    """The units that a phrase declares, by key of `units`; None where it says anything besides.
+
+    ``all lengths in mm, angles in degrees``, ``units [mm, deg]``, ``mm/deg``, ``a and d in mm``.
+    """
+    words = [word for word in _words(text) if word not in _UNIT_WORDS and word not in _FILLERS]
+    said: dict[str, str] = {}
+    measured: set[str] = set()
+    for word in words:
+        if key := _MEASURE_WORDS.get(word) or _FIELD_WORDS.get(word):
+            measured.add(key)
+            continue
+        unit = _unit(word)
+        key = KEY_OF.get(unit.dimension) if unit else None
+        if unit is None or key is None or said.setdefault(key, unit.symbol) != unit.symbol:
+            return None
+    one_of_two = len({"a", "d"} & {word.replace("r", "a") for word in words if word in _FIELD_WORDS}) == 1
+    return said if said and measured <= said.keys() and not one_of_two else None
+
+
+def unit_of_measure(key: str, value: str) -> dict[str, str] | None:
+    """The unit that a key such as ``length_unit``, ``lengths`` or ``unit of angles`` declares, or None."""
+    words = [word for word in _words(key.replace("_", " ").replace("-", " ")) if word not in _FILLERS]
+    measures = [word for word in words if word not in _UNIT_WORDS]
+    if len(measures) != 1 or measures[0] not in _MEASURE_WORDS:
+        return None
+    said = units_said(value)
+    return said if said and said.keys() == {_MEASURE_WORDS[measures[0]]} else None
+
+
+def convention_said(text: str) -> Convention | None:
+    """The convention that a phrase says and nothing besides: ``modified DH convention``, ``convention is standard``."""
+    words = [word for word in _words(text.replace("-", " ").replace("'", " ")) if word]
+    if not any(word.startswith(("conven", "konven", "notation")) for word in words):
+        return None
+    named = {convention_of(word) for word in words if not _CONVENTION_WORDS.fullmatch(word)}
+    return named.pop() if len(named) == 1 else None
+
+
+def _words(text: str) -> list[str]:
+    plain = _INCHES.sub("inch", unicodedata.normalize("NFC", text).casefold())
+    return [word for word in _BREAKS.split(_BETWEEN_UNITS.sub(" ", plain)) if word]
+
+
+def _unit(word: str) -> Unit | None:
+    """The unit of any dimension that a word stands for."""
+    return UNITS.get(unit_word(word))
+
+
+# --- Prose ------------------------------------------------------------------------------------------------------------
+
+
+def prose_problems(comment: Comment, statements: Statements, columns: Columns) -> list[Problem]:
+    """What a comment says that the table does not: another convention, or a unit.
+
+    Args:
+        comment: one that says nothing under a key.
+        statements: what the table and the options say.
+        columns: its headers.
+    """
+    problems = _other_convention(comment, statements.convention[0]) if statements.convention else []
+    declared = [unit for unit, _ in statements.stated.values()] + [*columns.units.values()]
+    return problems + _other_units(comment, declared)
+
+
+def convention_in_prose(line: str) -> Convention | None:
+    """The convention that a comment speaks of; None where it speaks of none, or of both."""
+    spoken = [
+        convention
+        for convention, (sure, likely) in _PROSE.items()
+        if sure.search(line) or (likely.search(line) and _SAYS_CONVENTION.search(line))
+    ]
+    return spoken[0] if len(spoken) == 1 else None
+
+
+def _other_convention(comment: Comment, convention: Convention) -> list[Problem]:
+    spoken = convention_in_prose(comment.text)
+    if spoken in (None, convention):
+        return []
+    return [
+        Problem(
+            message=f"this comment speaks of the {spoken} convention, and the table is read as {convention}",
+            severity="notice",
+            mark=comment.whole,
+            field="convention",
+            found=comment.line,
+            suggestion=f"if it means this table, write `# convention: {spoken}`",
+        )
+    ]
+
+
+def mentioned_units(text: str) -> list[Unit]:
+    """The units of lengths and angles that prose mentions, those behind a number left out: ``0.1 mm``."""
+    found: list[Unit] = []
+    for match in _MENTION.finditer(_FREEDOM.sub("", text)):
+        for word in re.finditer(r"[^\W\d_]+|°", match[1]):
+            unit = _unit(word[0])
+            is_rate = match[1][word.end() :].lstrip().startswith("/s")
+            if unit is None or unit.dimension not in _SYSTEM or is_rate or word[0].casefold() in _FILLERS:
+                break
+            found.append(unit)
+    return found
+
+
+def _other_units(comment: Comment, declared: Sequence[Unit]) -> list[Problem]:
+    """What is wrong with units that a comment mentions beside those that hold."""
+    problems = []
+    for unit in dict.fromkeys(mentioned_units(comment.text)):
+        others = {other.symbol for other in declared if other.dimension is unit.dimension}
+        key, system = KEY_OF[unit.dimension], _SYSTEM[unit.dimension]
+        if unit.symbol in (others or {system}):
+            continue
+        read_in = " and ".join(sorted(others)) if others else f"{system}, since nothing declares a unit"
+        problems.append(
+            Problem(
+                message=f"this comment mentions {unit.symbol}, and {key}s are read in {read_in}",
+                severity="notice" if others else "error",
+                mark=comment.whole,
+                field=f"units.{key}",
+                found=comment.line,
+                accepted=None
+                if others
+                else f"`# units: {{{key}: {unit.symbol}}}` if that is the unit of all {key}s, or units in the headers",
+                suggestion=None
+                if others
+                else f"if the {key}s are in {system}, declare that too: `# units: {{{key}: {system}}}`",
+            )
+        )
+    return problems

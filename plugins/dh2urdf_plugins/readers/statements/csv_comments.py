@@ -1,0 +1,273 @@
+"""Comment lines of a CSV table: what columns cannot say stands in them, and prose stands in them too."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.documents import Node, load_yaml
+from dh2urdf.errors import TableError
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import Dimension, QuantityError, evaluate
+from dh2urdf.source import Problem, shown
+from dh2urdf.table_text import yaml_word
+from dh2urdf_plugins.readers.header.words import one_slip, read_header
+from dh2urdf_plugins.readers.statements.comment_phrases import (
+    convention_in_prose,
+    convention_said,
+    mentioned_units,
+    unit_of_measure,
+    units_said,
+)
+from dh2urdf_plugins.readers.words.comment_lines import Comment, within
+from dh2urdf_plugins.readers.words.fields import convention_of
+
+if TYPE_CHECKING:
+    from typing import NoReturn
+
+    from dh2urdf.source import Mark
+
+STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "defaults")
+"""What comment lines before the header may say, as YAML."""
+_EXAMPLES = {
+    "name": "# name: ur5",
+    "convention": "# convention: standard, or modified",
+    "units": "# units: {length: mm, angle: deg}",
+    "base": "# base: {xyz: [0, 0, 0.3], rpy: [0, 0, pi]}",
+    "tool": "# tool: {xyz: [0, 0, 0.1]}",
+    "payload": "# payload: {mass: 2.5, com: [0, 0, 0.05], inertia: {ixx: 0.01, iyy: 0.01, izz: 0.004}}",
+    "defaults": "# defaults: {geometry: {shape: cylinder, radius: 0.04}, density: 2700}",
+}
+MAX_STATEMENT = 10_000
+"""Length of a comment line that says something [1]."""
+
+_STATEMENT = re.compile(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
+_ENTRY = re.compile(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
+_BULLET = re.compile(r"^\s*[-*•]\s+")
+_QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
+_NUMBERS = late_pattern(r"\s*\[\s*[+-]?[0-9.]")
+_OF_THE_FILE = frozenset(
+    "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
+    "no nr id serial serialnumber dof dofs axes joints links rows columns degreesoffreedom numberofjoints numberofaxes "
+    "anzahlachsen achsen freiheitsgrade seite abbildung tabelle datum datei jahr fecha data pagina".split()
+)
+"""What comments number that is no quantity of the arm."""
+_STRUCTURED = late_pattern(r"\{.*:.*|\[\s*(?:\[|[+-]?[0-9.])", re.DOTALL)
+_NOT_LETTERS = late_pattern(r"[\W_]+")
+_CONVENTION_KEYS = frozenset(
+    "dh dhparameters dhparameter dhnotation notation dhtype dhvariant dhtable dhform conventions konvention "  # noqa: SIM905
+    "dhkonvention convencion convenzione parameterisation parameterization".split()
+)
+_MEANT = {
+    "tool": "tcp tcpoffset tcptransform tcpframe tool0 tooltransform toolframe tooloffset toolcenterpoint "
+    "toolcentrepoint ttool htool ee eef eeframe eetransform eeoffset endeffector endeffectortransform flange "
+    "flangetransform flangeoffset gripper hand werkzeug flansch endeffektor greifer outil effecteur herramienta "
+    "efector utensile",
+    "base": "basetransform baseframe baseoffset baselink basepose tbase hbase world worldtransform worldframe "
+    "worldtobase basis origin mounting mount root",
+    "payload": "payload load payloads nutzlast chargeutile",
+    "defaults": "default geometry density shape material radius",
+    "units": "unitsystem measurementunits",
+    "name": "robot manipulator model arm robotname manipulatorname modelname armname",
+}
+_MEANT_BY = {word: key for key, words in _MEANT.items() for word in words.split()}
+"""Keys that say what a statement says under another name, without case and separators."""
+
+
+_MAPPING = late_pattern(r"\s*\{[^,]*:")
+"""The beginning of units as YAML, whose places are those of the file; words are put into such a form first."""
+
+
+def statement(comment: Comment) -> tuple[str, Node] | None:
+    """What a comment says, as a key and the YAML value behind it; None where it is only a comment.
+
+    Raises:
+        TableError: it is a misspelt key, a key of something that nothing reads, or the value is not YAML.
+    """
+    text = comment.text
+    if name := name_said(comment):
+        return "name", _node(comment, yaml_word(name))
+    match = _STATEMENT.match(text)
+    key = match[1].casefold() if match else ""
+    if match and key in STATEMENTS:
+        value = text[match.end() :]
+        if key != "units" or _MAPPING.match(value) or not units_said(value):
+            return key, _value(comment, key, match.end())
+    if (found := _phrase(comment)) is not None:
+        return found
+    if match and (near := next((word for word in STATEMENTS if one_slip(key, word)), None)):
+        _refuse(comment, match[1], match.start(1), ", ".join(STATEMENTS), f"did you mean {near!r}?")
+    _refuse_unread(comment)
+    return None
+
+
+def is_statement_key(key: str) -> bool:
+    """Whether a key is what a column of names, or of conventions, may be called."""
+    return _field_name(key) in ("robot", "convention")
+
+
+def _field_name(key: str) -> str | None:
+    field = read_header(key).field
+    return field.name if field else None
+
+
+def name_said(comment: Comment) -> str | None:
+    """The name that a comment says under a key such as `Robot`, `manipulator` or `model`, with nothing besides."""
+    entry = _ENTRY.fullmatch(comment.text)
+    if entry is None or _field_name(entry[1]) != "robot" or _STRUCTURED.match(entry[2].strip()):
+        return None
+    if mentioned_units(entry[2]) or convention_in_prose(entry[2]):
+        return None
+    value = entry[2].strip()
+    if _QUOTED.fullmatch(value):
+        return str(_node(comment, value, entry.start(2)).value) or None
+    return value.strip("\"'") or None
+
+
+def comment_below(line: str, place: Mark) -> Comment:
+    """The comment that a line or a row below the header is.
+
+    Raises:
+        TableError: it says something under a key, which would not hold for the rows above.
+    """
+    comment = Comment.of(line, place)
+    match = _STATEMENT.match(comment.text)
+    if match and match[1].casefold() in STATEMENTS and statement(comment):
+        raise TableError(below_header(comment))
+    return comment
+
+
+def below_header(comment: Comment) -> Problem:
+    """What is wrong with a comment below the header that says something."""
+    return Problem(
+        message=f"{shown(comment.line)} stands below the header, and would not hold for the rows above",
+        mark=comment.whole,
+        accepted="such lines above the header",
+    )
+
+
+def _phrase(comment: Comment) -> tuple[str, Node] | None:
+    """The units or the convention that a comment says in words."""
+    entry = _ENTRY.fullmatch(comment.text)
+    units = units_said(_BULLET.sub("", comment.text)) or (unit_of_measure(entry[1], entry[2]) if entry else None)
+    if units:
+        return "units", _node(comment, "{" + ", ".join(f"{key}: {unit}" for key, unit in units.items()) + "}")
+    convention = convention_said(comment.text)
+    if entry and convention is None and _is_convention_key(entry[1]):
+        convention = convention_of(entry[2])
+    return ("convention", _node(comment, str(convention))) if convention else None
+
+
+def _is_convention_key(key: str) -> bool:
+    return _plain(key) in _CONVENTION_KEYS or _field_name(key) == "convention"
+
+
+def _value(comment: Comment, key: str, start: int) -> Node:
+    if len(comment.line) > MAX_STATEMENT:
+        message = f"the comment line has {len(comment.line)} characters"
+        accepted = f"at most {MAX_STATEMENT} where it says {key}"
+        raise TableError(Problem(message=message, mark=comment.whole, accepted=accepted))
+    if not comment.text[start:].strip():
+        word = comment.text[:start].strip().rstrip(":=\uff1a").strip()
+        raise TableError(
+            Problem(
+                message=f"the comment line says nothing behind {shown(word)}",
+                mark=comment.mark,
+                field=key,
+                found=comment.line,
+                accepted=_EXAMPLES[key],
+            )
+        )
+    return _node(comment, comment.text[start:], start)
+
+
+def _node(comment: Comment, text: str, start: int = 0) -> Node:
+    """The YAML value that begins in a comment, with the places of the file."""
+    place = within(comment.mark, start)
+    if place.place is None:
+        # The value is moved to its own line and column, so that its marks are those of the file.
+        before = "\n" * ((place.line or 1) - 1) + " " * ((place.column or 1) - 1)
+        return load_yaml(before + text, place.file, TableError)
+    try:
+        root = load_yaml(text, place.file, TableError)
+    except TableError as error:
+        raise TableError(replace(problem, mark=place) for problem in error.problems) from None
+    waiting = [root]
+    for node in waiting:
+        node.line, node.column, node.place = place.line or 0, place.column or 0, place.place
+        node.key_places = {}
+        if isinstance(node.value, dict):
+            waiting.extend(node.value.values())
+        elif isinstance(node.value, list):
+            waiting.extend(node.value)
+    return root
+
+
+# --- What nothing reads -----------------------------------------------------------------------------------------------
+
+
+def _refuse_unread(comment: Comment) -> None:
+    """Refuses a comment that says something under a key that nothing reads, where a program was meant to read it."""
+    entry = _ENTRY.fullmatch(comment.text)
+    if entry is None:
+        return
+    key, value = _plain(entry[1]), entry[2].strip()
+    is_structured = _STRUCTURED.match(value) is not None
+    meant = _MEANT_BY.get(key) or (key if key in STATEMENTS else None)
+    if meant and (is_structured or _is_number(value) or meant in ("units", "name")):
+        advice = _EXAMPLES.get(meant)
+        _refuse(
+            comment, entry[1], entry.start(1), advice or ", ".join(STATEMENTS), advice and f"did you mean {meant!r}?"
+        )
+    if is_structured and value.startswith("{"):
+        _refuse(comment, entry[1], entry.start(1), ", ".join(STATEMENTS))
+
+
+def _refuse(comment: Comment, word: str, position: int, accepted: str, suggestion: str | None = None) -> NoReturn:
+    raise TableError(
+        Problem(
+            message=f"the comment line says {shown(word)}, which nothing is called",
+            mark=within(comment.mark, position),
+            found=word,
+            accepted=accepted,
+            suggestion=suggestion or "put a word in front if this is prose, such as `# Note: …`",
+        )
+    )
+
+
+def unread_values(comment: Comment) -> list[Problem]:
+    """A notice of a comment that gives a number to something: nothing reads it; a joint gets it from a column."""
+    entry = _ENTRY.fullmatch(comment.text)
+    if entry is None or _plain(entry[1]) in _OF_THE_FILE or not (_is_number(entry[2]) or _NUMBERS.match(entry[2])):
+        return []
+    field = read_header(entry[1]).field
+    of_joints = field is not None and field.dimension is not None
+    nothing = "no joint gets this value" if of_joints else "nothing is read from it"
+    return [
+        Problem(
+            message=f"{shown(comment.line)} is a comment, and {nothing}",
+            severity="notice",
+            mark=comment.whole,
+            field=field.name if field and of_joints else None,
+            found=comment.line,
+            suggestion=f"write a column {field.name} if it is meant for the joints" if field and of_joints else None,
+        )
+    ]
+
+
+def _plain(key: str) -> str:
+    letters = "".join(c for c in unicodedata.normalize("NFKD", key) if not unicodedata.combining(c))
+    return _NOT_LETTERS.sub("", letters).casefold()
+
+
+def _is_number(text: str) -> bool:
+    """Whether a text is a number or a quantity of some kind."""
+    for dimension in Dimension:
+        try:
+            quantity = evaluate(text.strip(), dimension)
+        except QuantityError:
+            continue
+        return quantity.variable is None
+    return False

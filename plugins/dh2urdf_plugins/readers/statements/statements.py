@@ -1,0 +1,397 @@
+"""What a table and the reader's options say about all rows: convention, units, base, tool, shapes."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.documents import load_yaml
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, Payload
+from dh2urdf.provenance import Said
+from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, is_unit, unit_word
+from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf_plugins.readers.header.columns import Columns
+from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, table_units
+from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
+from dh2urdf_plugins.readers.statements.payloads import PayloadReader
+from dh2urdf_plugins.readers.statements.placements import PLACED, TransformReader
+from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
+from dh2urdf_plugins.readers.words.cells import Cell, Units
+from dh2urdf_plugins.readers.words.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOICES, convention_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from dh2urdf.documents import Node
+    from dh2urdf.manipulator import DHRow
+
+OPTIONS = "an option"
+"""What marks name as the file of an option."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableOptions:
+    """What a table does not say itself; what it does say must not contradict it."""
+
+    convention: str | None = field(
+        default=None, metadata={"help": "standard (classic, distal) or modified (Craig, proximal)"}
+    )
+    length_unit: str | None = field(default=None, metadata={"help": "unit of lengths: m, cm, mm, in …; m by default"})
+    angle_unit: str | None = field(default=None, metadata={"help": "unit of angles: rad or deg; rad by default"})
+    units: str | dict[str, Any] | list[Any] | None = field(
+        default=None, metadata={"help": "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}"}
+    )
+    base: str | dict[str, Any] | list[Any] | None = field(
+        default=None, metadata={"help": "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}"}
+    )
+    tool: str | dict[str, Any] | list[Any] | None = field(
+        default=None, metadata={"help": "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"}
+    )
+    payload: str | dict[str, Any] | None = field(
+        default=None, metadata={"help": "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"}
+    )
+    mesh_links: bool = field(
+        default=False,
+        metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
+    )
+
+    def __post_init__(self) -> None:
+        """Refuses words that mean nothing in any table.
+
+        Raises:
+            TableError: the convention or a unit is none that is known; whoever reads options knows its place.
+        """
+        problems: list[Problem] = []
+        Statements().say_options(self, problems.append)
+        if problems:
+            fields = {"units.length": "length_unit", "units.angle": "angle_unit"}
+            raise TableError(
+                replace(problem, mark=None, field=fields.get(problem.field or "", problem.field))
+                for problem in problems
+            )
+
+
+@dataclass(slots=True)
+class Statements:
+    """What a table and the options say about all of its rows.
+
+    Each may be said more than once, in the same sense; two senses are an error that names both places.
+
+    Attributes:
+        convention: the convention and where it is said.
+        stated: the units that are declared, by what they measure, and where.
+        columns: the headers of the table, where it has some.
+        base: the base transform.
+        tool: the tool transform.
+        geometry: shape of the links.
+        density: density of links without a mass [kg/m³].
+        base_mass: mass of the base's body [kg]; 0 for none.
+        payload: what the arm carries at tool0.
+        base_geometry: shape of the base's body.
+        base_meshes: meshes of the base's body.
+        mesh_links: whether meshes may be links out of the table's folder.
+        visuals: whether links are seen.
+        collisions: whether links touch.
+        placed: where base, tool, payload, shapes, masses and what is drawn are said.
+        bare: the numbers among them that are in the SI unit since nothing says their unit, as `Units` has them.
+    """
+
+    convention: tuple[Convention, Mark] | None = None
+    stated: dict[Dimension, tuple[Unit, Mark]] = field(default_factory=dict)
+    columns: Columns | None = None
+    base: RigidTransform | None = None
+    tool: RigidTransform | None = None
+    geometry: LinkGeometry = LinkGeometry()
+    density: float | None = None
+    base_mass: float | None = None
+    payload: Payload | None = None
+    base_geometry: LinkGeometry = LinkGeometry()
+    base_meshes: Meshes = Meshes()
+    mesh_links: bool = False
+    visuals: bool | None = None
+    collisions: bool | None = None
+    placed: dict[str, Mark] = field(default_factory=dict)
+    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)
+
+    def manipulator(
+        self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
+    ) -> Manipulator:
+        """The manipulator of some rows; the convention has been said."""
+        return Manipulator(
+            name=name,
+            convention=self.convention[0] if self.convention else Convention.STANDARD,
+            rows=rows,
+            base=self.base or IDENTITY,
+            tool=self.tool or IDENTITY,
+            geometry=self.geometry,
+            density=self.density,
+            base_mass=self.base_mass,
+            payload=self.payload,
+            base_geometry=self.base_geometry,
+            base_visual=self.base_meshes.visual,
+            base_collision=self.base_meshes.collision,
+            visuals=self.visuals,
+            collisions=self.collisions,
+            mark=mark,
+            notices=notices,
+        )
+
+    def traced(self, name: Cell) -> dict[str, Said]:
+        """What is said of all rows, and where."""
+        said = {"name": Said(text=name.text, mark=name.mark)}
+        if self.convention:
+            said["convention"] = Said(text=str(self.convention[0]), mark=self.convention[1])
+        for what, mark in self.placed.items():
+            said[what] = Said(text=None, mark=mark)
+        for dimension, (unit, mark) in self.stated.items():
+            said[f"units.{dimension.name.lower()}"] = Said(text=unit.symbol, mark=mark)
+        return said
+
+    def units(self) -> Units:
+        """The units of numbers that name none."""
+        stated = {dimension: unit for dimension, (unit, _) in self.stated.items()}
+        return replace(table_units(stated, self.columns), bare=self.bare)
+
+    def say_convention(self, cell: Cell, add: Callable[[Problem], None]) -> None:
+        """Takes a word for the convention."""
+        convention = convention_of(cell.text)
+        if convention is None:
+            message = f"{shown(cell.text)} is no convention that is known" if cell.text else "the convention is empty"
+            add(
+                Problem(
+                    message=message,
+                    mark=cell.mark,
+                    field="convention",
+                    found=cell.text,
+                    accepted=ACCEPTED_CONVENTIONS,
+                    suggestion=did_you_mean(cell.text, [word for word in CONVENTION_CHOICES if len(word) > len("dh")])
+                    if cell.text
+                    else None,
+                )
+            )
+        else:
+            self.say_which(convention, cell, add)
+
+    def say_which(self, convention: Convention, cell: Cell, add: Callable[[Problem], None]) -> None:
+        """Takes the convention from what only it writes."""
+        if self.convention is None:
+            self.convention = (convention, cell.mark)
+        elif self.convention[0] is not convention:
+            add(
+                Problem(
+                    message=f"{shown(cell.text)} means the {convention} convention, and {self.convention[1]} says "
+                    f"{self.convention[0]}",
+                    mark=cell.mark,
+                    field="convention",
+                    found=cell.text,
+                    accepted="one convention for the whole table",
+                )
+            )
+
+    def say_unit(self, cell: Cell, key: str, add: Callable[[Problem], None]) -> None:
+        """Takes a declaration of a unit.
+
+        Args:
+            cell: the word for it.
+            key: what it is the unit of, as `UNIT_KEYS` has it.
+            add: takes what is wrong with it.
+        """
+        unit: Unit | None = None
+        fault: QuantityError | None = None
+        for dimension in UNIT_KEYS[key]:
+            try:
+                unit = unit or find_unit(cell.text, dimension)
+            except QuantityError as error:
+                fault = fault or error
+        if fault and not unit:
+            add(
+                Problem(
+                    message=fault.message,
+                    mark=cell.mark,
+                    field=f"units.{key}",
+                    found=cell.text,
+                    accepted=", ".join(map(accepted_units, UNIT_KEYS[key])),
+                    suggestion=fault.suggestion,
+                )
+            )
+        if not unit:
+            return
+        said = self.stated.setdefault(unit.dimension, (unit, cell.mark))
+        if said[0] != unit:
+            add(
+                Problem(
+                    message=f"{shown(cell.text)} contradicts the unit {said[0].symbol} that {said[1]} declares",
+                    mark=cell.mark,
+                    field=f"units.{key}",
+                    found=cell.text,
+                    accepted=f"one unit of {key} for the whole table",
+                )
+            )
+
+    def say_units(self, node: Node, add: Callable[[Problem], None]) -> None:
+        """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
+        if isinstance(node.value, dict):
+            for key, item in node.value.items():
+                if key not in UNIT_KEYS:
+                    add(
+                        Problem(
+                            message=f"{shown(key)} is nothing that has a unit of its own",
+                            mark=node.key_mark(key),
+                            field=f"units.{key}",
+                            found=key,
+                            accepted=", ".join(UNIT_KEYS),
+                            suggestion=_MEANT_KEYS.get(key.casefold()) or did_you_mean(key, UNIT_KEYS),
+                        )
+                    )
+                    continue
+                several = len(UNIT_KEYS[key]) > 1
+                words = _words_of_units(item) if several or not isinstance(item.value, list) else []
+                if not words:
+                    message = f"units.{key} is {item.describe()}"
+                    add(Problem(message=message, mark=item.mark, field=f"units.{key}", accepted="the name of a unit"))
+                for word in words:
+                    self.say_unit(word, key, add)
+            return
+        words = _words_of_units(node)
+        known = [UNITS.get(unit_word(word.text)) for word in words]
+        for word, unit in zip(words, known, strict=True):
+            if unit and all(known):
+                self.say_unit(word, KEY_OF.get(unit.dimension, "length"), add)
+        if not words or not all(known):
+            add(
+                Problem(
+                    message=f"units is {node.describe()}",
+                    mark=node.mark,
+                    field="units",
+                    found=node.text,
+                    accepted=f"units such as mm, deg, or a mapping such as {{length: mm, angle: deg}}, with the keys "
+                    f"{', '.join(UNIT_KEYS)}",
+                )
+            )
+
+    def say_transform(self, node: Node, what: str, add: Callable[[Problem], None]) -> None:
+        """Takes `base` or `tool`: a rigid transform, and the base's body."""
+        body = ("mass", "geometry", *MESH_KEYS) if what == "base" else ()
+        transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
+        if body:
+            self.say_body(node, add)
+        only_body = body and isinstance(node.value, dict) and node.value.keys().isdisjoint(PLACED)
+        if transform is None or only_body:
+            return
+        said = self.base if what == "base" else self.tool
+        if said is not None and said != transform:
+            self._said_twice(what, node, add)
+        elif what == "base":
+            self.base = transform
+            self.placed[what] = node.mark
+        else:
+            self.tool = transform
+            self.placed[what] = node.mark
+
+    def say_options(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
+        """Takes the convention and the units of the options; base and tool follow when the units are known."""
+        mark = Mark(file=OPTIONS)
+        self.mesh_links = options.mesh_links
+        if options.convention is not None:
+            self.say_convention(Cell(options.convention, mark), add)
+        if options.length_unit is not None:
+            self.say_unit(Cell(options.length_unit, mark), "length", add)
+        if options.angle_unit is not None:
+            self.say_unit(Cell(options.angle_unit, mark), "angle", add)
+        if options.units is not None and (node := _option_node("units", options.units, add)):
+            self.say_units(node, add)
+
+    def say_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
+        """Takes `defaults`: the links' geometry and density."""
+        if not isinstance(node.value, dict):
+            message = f"defaults is {node.describe()}"
+            add(Problem(message=message, mark=node.mark, field="defaults", accepted="{geometry: …, density: …}"))
+            return
+        refuse_unknown_keys(node, ("geometry", "density", *other_keys), "defaults", add)
+        shapes = ShapeReader(self.units(), add)
+        if geometry := node.value.get("geometry"):
+            self.geometry = shapes.geometry(geometry, "defaults.geometry")
+            self.placed["geometry"] = geometry.mark
+        if density := node.value.get("density"):
+            self.density = shapes.positive(density, "defaults.density", Dimension.DENSITY)
+            self.placed["density"] = density.mark
+
+    def say_what_is_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
+        """Takes `visuals` and `collisions`: all or none."""
+        if node := entries.get("visuals"):
+            self.visuals, self.placed["visuals"] = drawn_or_not(node, "visuals", add), node.mark
+        if node := entries.get("collisions"):
+            self.collisions, self.placed["collisions"] = drawn_or_not(node, "collisions", add), node.mark
+
+    def say_body(self, node: Node, add: Callable[[Problem], None]) -> None:
+        """Takes mass, geometry and meshes of the base's body from `base`."""
+        if not isinstance(node.value, dict):
+            return
+        shapes = ShapeReader(self.units(), add)
+        if mass := node.value.get("mass"):
+            self._say_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
+        if geometry := node.value.get("geometry"):
+            self.base_geometry = shapes.geometry(geometry, "base.geometry")
+            self.placed["base_geometry"] = geometry.mark
+        self.base_meshes = MeshReader(self.units(), add, links=self.mesh_links).read(node.value, "base.")
+
+    def _say_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
+        if self.base_mass is not None and mass is not None and self.base_mass != mass:
+            self._said_twice("base.mass", node, add)
+        self.base_mass, self.placed["base_mass"] = mass, node.mark
+
+    def say_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
+        """Takes `payload`: what the arm carries at tool0."""
+        payload = PayloadReader(self.units(), add).read(node)
+        if self.payload is not None and payload is not None and self.payload != payload:
+            self._said_twice("payload", node, add)
+        if payload is not None:
+            self.payload, self.placed["payload"] = payload, node.mark
+
+    @staticmethod
+    def _said_twice(what: str, node: Node, add: Callable[[Problem], None]) -> None:
+        message = f"{what} is said twice, and not alike: in the table and in {OPTIONS}"
+        add(Problem(message=message, mark=node.mark, field=what, found=node.text, accepted=f"one {what}"))
+
+    def say_option_transforms(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
+        """Takes base, tool and payload of the options."""
+        for what, value in (("base", options.base), ("tool", options.tool), ("payload", options.payload)):
+            if value is not None and (node := _option_node(what, value, add)):
+                if what == "payload":
+                    self.say_payload(node, add)
+                else:
+                    self.say_transform(node, what, add)
+
+
+_MEANT_KEYS = {
+    **dict.fromkeys(("torque", "force", "friction"), "did you mean 'effort'?"),
+    **dict.fromkeys(("speed", "rate"), "did you mean 'velocity'?"),
+    **dict.fromkeys(("lengths", "distance"), "did you mean 'length'?"),
+    **dict.fromkeys(("angles", "rotation"), "did you mean 'angle'?"),
+    **dict.fromkeys(("masses", "weight"), "did you mean 'mass'?"),
+}
+"""What people call the keys of `units`, which one of their letters does not show."""
+
+
+def _words_of_units(node: Node) -> list[Cell]:
+    """The units that a text or a list names: at its commas, or at its spaces where that makes units of all."""
+    if isinstance(node.value, list):
+        return [word for item in node.value for word in _words_of_units(item)]
+    parts = [part.strip() for part in re.split("[,;]", node.text or "") if part.strip()] if node.value else []
+    words = [word for part in parts for word in ([part] if is_unit(part) else part.split())]
+    return [Cell(word, node.mark) for word in words]
+
+
+def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callable[[Problem], None]) -> Node | None:
+    """The value of an option as YAML; None where it is none."""
+    text = value if isinstance(value, str) else json.dumps(value)
+    try:
+        return load_yaml(text if text.strip() else "~", OPTIONS, TableError)
+    except TableError as error:
+        for problem in error.problems:
+            add(replace(problem, field=what))
+        return None

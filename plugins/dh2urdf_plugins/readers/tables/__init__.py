@@ -1,0 +1,1 @@
+"""Whole tables: from rows of cells to manipulators."""

@@ -1,0 +1,243 @@
+"""The cells of rows by field, and what can be wrong with a row before any of them is read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import JointType
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import is_unit
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.header.unknown_columns import (
+    is_beside,
+    is_number,
+    is_zero,
+    left_out,
+    refused,
+    stray_number,
+    with_unit,
+)
+from dh2urdf_plugins.readers.rows.joint_rows import LABEL
+from dh2urdf_plugins.readers.rows.names import kind_of
+from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, split_cell
+from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
+from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
+from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, turns
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, REQUIRED, joint_type
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.rows.rows import RowReader
+    from dh2urdf_plugins.readers.words.cells import Units, Value
+
+_DECIMAL_COMMA = late_pattern(r"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*[^\W\d_]{0,3}°?")
+
+
+class TableCells:
+    """Tells the cells of rows apart, and notes what is wrong with them as cells."""
+
+    def __init__(self, columns: Columns, units: Units) -> None:
+        """Takes the columns of the table, and its units."""
+        self.columns = columns
+        self.has_type = "type" in columns.fields
+        self.left_out = set[int]()
+        self.refused: dict[int, Problem] = {}  # of the manipulator: the first cell of each column that is refused
+        self.signs = DecimalSigns(turns(columns.fields, units))
+        headers = columns.headers
+        self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
+        self.first_counts: dict[int, int] = {}  # of the manipulator: where a column without a header begins to count
+
+    def read(
+        self, row: Sequence[Value], marks: Sequence[Mark], mark: Mark, number: int, reader: RowReader
+    ) -> dict[str, Cell] | None:
+        """The cells of a row by field, or None where they cannot be told apart.
+
+        Args:
+            row: the cells as they stand in the file.
+            marks: the place of each.
+            mark: the place of the row.
+            number: the number of the row within its manipulator.
+            reader: what takes the problems.
+        """
+        columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
+        if number == 1 and self._are_units(texts):
+            reader.add(self._row_of_units(texts, mark))
+            return None
+        if [text.strip(SPACES) for text in texts[: len(columns.headers)]] == columns.headers:
+            reader.add(self._header_again(mark, number))
+            return None
+        cells = self._label(texts, marks)
+        for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
+            if index in columns.ignored:
+                continue
+            cell = Cell(text.strip(SPACES), marks[index], index in columns.of_theta)
+            if name is None and index not in columns.unheld:
+                self._left_out(cell, index, number, mark, reader)
+                continue
+            if "\n" in cell.text:
+                reader.add(_several_lines(cell, name, joint))
+                return None
+            if name is None:
+                self._refuse(index, refused(cell, columns.headers[index], columns.unheld[index], joint, number=number))
+                continue
+            if name in ("joint", "link") and SPREADSHEET_ERROR.match(cell.text):
+                reader.add(_spreadsheet_error(cell, name, joint))
+            found = self._split(cell, name, number, reader) if name in GROUPS else {name: cell}
+            for part, of_part in found.items():
+                is_text = FIELDS[part].dimension is not None and isinstance(row[index], str)
+                cells[part] = self._number(of_part, part, number) if is_text else of_part
+        return cells
+
+    def _number(self, cell: Cell, name: str, number: int) -> Cell:
+        """A number as text, whose decimal sign is remembered where it may be a comma.
+
+        Between commas a number with a decimal comma stands in quotes: so a German spreadsheet writes it.
+        """
+        if self.columns.decimal_comma:
+            self.signs.note(cell, name, number)
+        elif self.columns.quoted_commas and "," in cell.text and _DECIMAL_COMMA.fullmatch(cell.text):
+            self.signs.note(cell, name, number)
+            return cell._replace(text=cell.text.replace(",", "."))
+        return cell
+
+    def _refuse(self, index: int, problem: Problem | None) -> None:
+        """Keeps what is wrong with a column that names no field: its first cell that is not 0, or its first one."""
+        first = self.refused.get(index)
+        if problem and (first is None or (is_zero(first.found or "") and not is_zero(problem.found or ""))):
+            self.refused[index] = problem
+
+    def _label(self, texts: Sequence[str], marks: Sequence[Mark]) -> dict[str, Cell]:
+        """What a column that no field knows calls the row, where no joint is called so."""
+        for name, text, mark in zip(self.columns.fields, texts, marks, strict=False):
+            if name is None and kind_of(text.strip(SPACES)):
+                return {LABEL: Cell(text.strip(SPACES), mark)}
+        return {}
+
+    def _are_units(self, texts: Sequence[str]) -> bool:
+        """Whether what stands in the columns of geometry are units, and nothing else."""
+        words = [
+            text.strip(f"{SPACES}[]()")
+            for name, text in zip(self.columns.fields, texts, strict=False)
+            if name in REQUIRED
+        ]
+        return all(map(is_unit, words))
+
+    def _row_of_units(self, texts: Sequence[str], mark: Mark) -> Problem:
+        index = self.columns.fields.index("a")
+        header, unit = self.columns.headers[index], texts[index].strip(f"{SPACES}[]()")
+        return Problem(
+            message="row 1 holds units, not a joint",
+            mark=mark,
+            joint="joint_1",
+            field="a",
+            found=texts[index].strip(SPACES),
+            accepted=f"units in the headers, such as `{header} [{unit}]`",
+        )
+
+    def _header_again(self, mark: Mark, number: int) -> Problem:
+        place = self.columns.mark.in_file
+        return Problem(
+            message=f"row {number} is the header{f' of {place}' if place else ''} again",
+            mark=mark,
+            joint=f"joint_{number}",
+            accepted="one header; tables of several manipulators have a column robot",
+        )
+
+    def _look_for_types(self, text: str, index: int, mark: Mark, number: int, reader: RowReader) -> None:
+        """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
+        word = text.strip(SPACES)
+        if self.has_type or not word.isalpha():
+            return
+        kind = joint_type(word)
+        if kind is None or kind is JointType.REVOLUTE:
+            return
+        header = self.columns.headers[index]
+        reader.add(
+            Problem(
+                message=f"{shown(word)} seems to be a type, and no field is called {shown(header)}: the joint would be "
+                "taken as revolute",
+                mark=mark,
+                joint=f"joint_{number}",
+                field="type",
+                found=word,
+                accepted=f"one of the headers {', '.join(FIELDS['type'].headers)}",
+            )
+        )
+
+    def _left_out(self, cell: Cell, index: int, number: int, mark: Mark, reader: RowReader) -> None:
+        """Notes that a column that names no field holds something, and refuses quantities in it."""
+        self._look_for_types(cell.text, index, mark, number, reader)
+        if index in self.strays and is_number(cell.text) and not self._counts(cell.text, index, number):
+            self._refuse(index, stray_number(cell.text, cell.mark, f"joint_{number}"))
+            return
+        if cell.text and index in self.columns.silent:
+            self.left_out.add(index)
+        self._refuse(index, with_unit(cell, self.columns.headers[index], f"joint_{number}"))
+
+    def _counts(self, text: str, index: int, number: int) -> bool:
+        """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""
+        if not (text.isascii() and text.isdigit()):
+            return False
+        before = int(text) - number
+        return before == self.first_counts.setdefault(index, before) and (
+            before in (-1, 0) or "robot" in self.columns.fields
+        )
+
+    def problems(self) -> list[Problem]:
+        """What is wrong with a manipulator's columns, once for each, and its numbers; forgets the manipulator.
+
+        The notice of columns that are left out comes with the first manipulator that has something in them.
+        """
+        found, columns = sorted(self.left_out), self.columns
+        problems = [*self.refused.values(), *filter(None, [self.signs.problem()])]
+        columns.silent.difference_update(found)
+        self.left_out.clear()
+        self.refused.clear()
+        self.first_counts.clear()
+        if found:
+            problems.append(left_out([(index, columns.headers[index]) for index in found], columns.marks[found[0]]))
+        return problems
+
+    def _split(self, cell: Cell, name: str, number: int, reader: RowReader) -> dict[str, Cell]:
+        """The cells of the fields that share a cell."""
+        parts = split_cell(FIELDS[name], cell.text, decimal_comma=self.columns.decimal_comma)
+        if isinstance(parts, dict):
+            return {part: cell._replace(text=text) for part, text in parts.items()}
+        reader.add(
+            Problem(
+                message=parts.message,
+                mark=cell.mark,
+                joint=f"joint_{number}",
+                field=name,
+                found=cell.text,
+                accepted=ACCEPTED[name],
+                suggestion=parts.suggestion,
+            )
+        )
+        return {}
+
+
+def _spreadsheet_error(cell: Cell, name: str, joint: str) -> Problem:
+    return Problem(
+        message=f"{shown(cell.text)} is what a spreadsheet writes for an error, not the name of a {name}",
+        mark=cell.mark,
+        joint=joint,
+        field=name,
+        found=cell.text,
+        accepted="a name",
+        suggestion="mend the formula in the spreadsheet, and save the table again",
+    )
+
+
+def _several_lines(cell: Cell, name: str | None, joint: str) -> Problem:
+    return Problem(
+        message=f"the cell that begins with {shown(cell.text.split(chr(10))[0])} runs over several lines",
+        mark=cell.mark,
+        joint=joint,
+        field=name,
+        found=cell.text,
+        accepted="a cell on one line",
+        suggestion="is its closing quote missing?",
+    )

@@ -1,0 +1,344 @@
+"""A table with one row per joint, one manipulator or a million behind each other: the same for every file of rows.
+
+The file is never held as a whole: its rows come in batches, and the rows of one manipulator are read together, by
+`plain_rows` where nothing about them is remarkable, and with all care where something is. A sample of the former is
+read in both ways, and compared.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from itertools import chain, groupby
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import SCREENFUL, TableError
+from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.output import SeenNames
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.header.units import unit_notices, unit_problems
+from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.plain.sample import HEAD, PlainSample, compare
+from dh2urdf_plugins.readers.rows.records import make_manipulators
+from dh2urdf_plugins.readers.rows.rows import RowReader
+from dh2urdf_plugins.readers.rows.source import Rows
+from dh2urdf_plugins.readers.statements.comment_phrases import prose_problems
+from dh2urdf_plugins.readers.statements.csv_comments import below_header, statement, unread_values
+from dh2urdf_plugins.readers.statements.plausibility import shortest_plain
+from dh2urdf_plugins.readers.statements.statements import Statements, TableOptions
+from dh2urdf_plugins.readers.tables.cells import TableCells
+from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows, stopped, too_many_joints
+from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
+from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
+from dh2urdf_plugins.readers.words.fields import convention_of
+from dh2urdf_plugins.readers.words.names import MAX_NAME
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+    from dh2urdf.documents import Node
+    from dh2urdf.manipulator import DHRow
+    from dh2urdf.provenance import Trace
+    from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.rows.source import Row, RowSource
+    from dh2urdf_plugins.readers.statements.top import Top
+    from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+
+class RowTable:
+    """One file that is being read.
+
+    Attributes:
+        statements: what the table and the options say of all rows.
+        notices: what is to be said with the next manipulator.
+    """
+
+    def __init__(
+        self, name: Cell, options: TableOptions, top: Top, source: RowSource, trace: Trace | None = None
+    ) -> None:
+        """Takes what stands above the rows.
+
+        Args:
+            name: what a manipulator is called where the table does not say it, and the place of the whole table.
+            options: what the table does not say itself.
+            top: its headers, and what it says of all rows.
+            source: its rows.
+            trace: takes what the cells of each manipulator say, where it is wanted: all are read with care then.
+
+        Raises:
+            TableError: what is said contradicts itself, or means nothing.
+        """
+        self.whole = name.mark
+        self.source = source
+        self.columns = columns = source.start(top.columns)
+        self.statements = Statements()
+        self.notices: list[Problem] = [*top.notices, *columns.notices]
+        self.name = self._state(top.statements, options) or name
+        self.units = self.statements.units()
+        stated = {dimension: unit for dimension, (unit, _) in self.statements.stated.items()}
+        self.notices += unit_notices(columns, stated, self.units)
+        self.robot_column = self._column("robot")
+        self.convention_column = self._column("convention")
+        self.trace = trace
+        self.plain_table = self.statements.convention is not None or self.convention_column is not None
+        self.plain_table &= trace is None
+        self.has_type = "type" in columns.fields
+        self.cells = TableCells(columns, self.units)
+        self.remarked = 0
+        self.plain = PlainRows(columns, self.units, shortest_plain(self.statements))
+        self.sample = PlainSample()
+        self.seen = SeenNames()
+
+    def _column(self, name: str) -> int | None:
+        return self.columns.fields.index(name) if name in self.columns.fields else None
+
+    def _state(self, said: Mapping[str, Node], options: TableOptions) -> Cell | None:
+        """Takes what the table, its headers and the options say of all rows; gives the name that the table says."""
+        columns, problems = self.columns, list[Problem]()
+        if units := said.get("units"):
+            self.statements.say_units(units, problems.append)
+        if convention := said.get("convention"):
+            self.statements.say_convention(Cell(convention.text or "", convention.mark), problems.append)
+        if columns.modified is not None:
+            header = Cell(columns.headers[columns.modified], columns.mark)
+            if self.statements.convention is None and options.convention is None:
+                message = f"the header {shown(header.text)} means the modified (Craig) convention"
+                self.notices.append(
+                    Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
+                )
+            self.statements.say_which(Convention.MODIFIED, header, problems.append)
+        self.statements.say_options(options, problems.append)
+        problems += unit_problems(columns, self.statements.stated.values())
+        self.statements.columns = columns
+        for what in ("base", "tool"):
+            if node := said.get(what):
+                self.statements.say_transform(node, what, problems.append)
+        if payload := said.get("payload"):
+            self.statements.say_payload(payload, problems.append)
+        self.statements.say_option_transforms(options, problems.append)
+        if defaults := said.get("defaults"):
+            self.statements.say_defaults(defaults, problems.append)
+        errors = [problem for problem in problems if problem.severity == "error"]
+        if errors:
+            others = [problem for problem in problems if problem.severity == "notice"]
+            raise TableError(errors, [*self.notices, *others])
+        self.notices += problems
+        return self._said_name(said.get("name"))
+
+    def _said_name(self, name: Node | None) -> Cell | None:
+        if name and "robot" in self.columns.fields:
+            message = f"the name {shown(name.text or '')} has no effect: the column robot names each manipulator"
+            self.notices.append(Problem(message=message, severity="notice", mark=name.mark, field="name"))
+        return Cell(name.text or "", name.mark) if name else None
+
+    def judge(self, comments: Iterable[Comment], *, below: bool = False) -> None:
+        """Notes what comments say that the table does not.
+
+        Args:
+            comments: those that say nothing under a key.
+            below: whether they stand below the header.
+
+        Raises:
+            TableError: a comment contradicts the table, or says below the header what holds for all rows.
+        """
+        problems: list[Problem] = []
+        for comment in comments:
+            found = prose_problems(comment, self.statements, self.columns)
+            problems += [below_header(comment)] if below and found and statement(comment) else found
+            problems += unread_values(comment)
+        errors = [problem for problem in problems if problem.severity == "error"]
+        notices = [problem for problem in problems if problem.severity == "notice"]
+        if errors:
+            raise TableError(errors, [*self.notices, *notices])
+        self.notices += notices[:SCREENFUL]
+
+    # --- Rows ---------------------------------------------------------------------------------------------------------
+
+    def manipulators(self) -> Iterator[Manipulator | Rejected]:
+        """Reads all rows."""
+        any_rows = False
+        for groups in self._groups():
+            any_rows = any_rows or bool(groups)
+            self.notices += self.source.notices[self.remarked :]
+            self.remarked = len(self.source.notices)
+            if self.source.comments:
+                self.judge(self.source.comments, below=True)
+                self.source.comments.clear()
+            while groups and (self.notices or not self.plain_table):
+                yield self._careful(groups.pop(0))
+            yield from self._plain(groups) or map(self._any, groups)
+        if not any_rows:
+            yield self._careful(Rows(self.name.text))
+
+    def _groups(self) -> Iterator[list[Rows]]:
+        """The rows of manipulators that are complete, batch by batch."""
+        rows = Rows(self.name.text)
+        for keys, batch in self.source.batches():
+            finished = []
+            for name, some_keys, some_rows in self._by_robot(keys, batch):
+                if not name and rows.keys:  # a cell that a spreadsheet has merged with the one above, perhaps
+                    rows.nameless = True
+                elif name != rows.name or not rows.keys:
+                    finished.append(rows)
+                    rows = Rows(name, some_keys, some_rows)
+                    continue
+                rows.extend(some_keys, some_rows)
+            yield self._whole(finished, rows)
+        yield self._whole([rows])
+
+    def _by_robot(
+        self, keys: Sequence[Any], batch: Sequence[Row]
+    ) -> Iterator[tuple[str, Sequence[Any], Sequence[Row]]]:
+        """Runs of rows with the same name of the manipulator."""
+        column = self.robot_column
+        if column is None:
+            yield self.name.text, keys, batch
+            return
+        key: Callable[[Row], Value] = itemgetter(column)
+        if batch and min(map(len, batch)) <= column:
+
+            def key(cells: Row) -> Value:
+                """A short row is refused later; until then it goes without a name."""
+                return cells[column] if len(cells) > column else ""
+
+        start = 0
+        for name, some in groupby(batch, key):
+            rows = list(some)
+            yield text_of(name).strip(SPACES), keys[start : start + len(rows)], rows
+            start += len(rows)
+
+    def _whole(self, groups: list[Rows], *unfinished: Rows) -> list[Rows]:
+        """Marks the manipulators whose rows do not all stand together, as far as a batch shows it in time."""
+        groups = [rows for rows in groups if rows.keys]
+        if self.robot_column is not None:
+            count = Counter(rows.name for rows in (*groups, *unfinished))
+            names = [rows.name for rows in groups]
+            known = self.seen.known(names)
+            for rows in groups:
+                rows.torn = count[rows.name] > 1 or rows.name in known
+            self.seen.add(names)
+        return groups
+
+    def _any(self, rows: Rows) -> Manipulator | Rejected:
+        plain = self._plain([rows])
+        return plain[0] if plain else self._careful(rows)
+
+    def _plain(self, groups: list[Rows]) -> list[Manipulator] | None:
+        """Manipulators about which there is nothing to say, read fast; None where there may be something."""
+        for rows in groups:
+            name = rows.name
+            if (
+                rows.torn
+                or rows.nameless
+                or rows.count > MAX_JOINTS
+                or not name
+                or len(name) > MAX_NAME
+                or not (name.isascii() and name.isprintable())
+            ):
+                return None
+        cells = list(chain.from_iterable(rows.cells for rows in groups))
+        marks = self.source.row_marks(chain.from_iterable(rows.keys for rows in groups))
+        sizes = [len(rows.keys) for rows in groups]
+        if not cells or (read := self.plain.read(cells, marks, sizes)) is None:
+            return None
+        if (statements := self._agreed(cells)) is None:
+            return None
+        model = statements.manipulator(groups[0].name, read[0][:1], None)
+        arms = make_manipulators(model, zip([rows.name for rows in groups], read, strict=True))
+        if (index := self.sample.choose(sizes)) is not None:
+            head = Rows(groups[index].name, groups[index].keys[:HEAD], groups[index].cells[:HEAD])
+            compare(arms[index], self._read_with_care(head, TableCells(self.columns, self.units)), head.count)
+        return arms
+
+    def _agreed(self, cells: list[Row]) -> Statements | None:
+        """What holds for all of some rows, the convention included; None where they say several, or an unknown one."""
+        if self.convention_column is None:
+            return self.statements
+        said = {text_of(row[self.convention_column]) for row in cells}
+        conventions = {None if "\n" in word else convention_of(word.strip(SPACES)) for word in said}
+        stated = self.statements.convention
+        (convention, *others) = conventions
+        if others or convention is None or (stated and stated[0] is not convention):
+            return None
+        return replace(self.statements, convention=(convention, self.whole))
+
+    # --- Rows, with care ----------------------------------------------------------------------------------------------
+
+    def _careful(self, rows: Rows) -> Manipulator | Rejected:
+        """A manipulator, or everything that is wrong with it."""
+        result = self._read_with_care(rows, self.cells, self.trace)
+        self.plain_table &= not self.cells.signs.has_commas
+        self.notices = []  # what is to be said of the file is said once, with the first manipulator
+        return result
+
+    def _read_with_care(
+        self, rows: Rows, table_cells: TableCells, trace: Trace | None = None
+    ) -> Manipulator | Rejected:
+        reader = RowReader(self.units, type_is_given=self.has_type, traced=trace is not None)
+        for notice in self.notices:
+            reader.add(notice)
+        mark = self._mark(rows.keys[0]) if rows.keys else self.whole
+        name = self.name
+        if self.robot_column is not None and rows.keys:
+            marks = self.source.marks(rows.keys[0], list(map(text_of, rows.cells[0])))
+            name = Cell(rows.name, marks[min(self.robot_column, len(marks) - 1)])
+        if rows.count > MAX_JOINTS:
+            too_many = too_many_joints(rows.count, mark).about(robot=rows.name)
+            return Rejected(name=rows.name, problems=(too_many,), mark=mark, notices=tuple(self.notices))
+        if rows.torn:
+            reader.add(_torn(name))
+        statements = replace(self.statements)
+        read = self._read_rows(rows, statements, reader, table_cells)
+        for problem in table_cells.problems():
+            reader.add(problem)
+        return manipulator(name, statements, read, reader, mark, trace=trace)
+
+    def _read_rows(
+        self, rows: Rows, statements: Statements, reader: RowReader, table_cells: TableCells
+    ) -> list[DHRow | None]:
+        """The rows as far as they can be read, and what they say of the convention."""
+        found: list[tuple[dict[str, Cell] | None, Mark]] = []
+        for number, (key, row) in enumerate(zip(rows.keys, rows.cells, strict=True), start=1):
+            mark, texts = self._mark(key), list(map(text_of, row))
+            found.append((None, mark))
+            if problems := list(self.source.row_problems(key, texts, number)):
+                for problem in problems:
+                    reader.add(problem)
+            elif cells := table_cells.read(row, self.source.marks(key, texts), mark, number, reader):
+                if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
+                    reader.add(_nameless(robot, rows.name, number))
+                if convention := cells.pop("convention", None):
+                    statements.say_convention(convention, reader.add)
+                found[-1] = (cells, mark)
+            if stopped(reader):
+                return [None]
+        return read_rows(found, reader)
+
+    def _mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of the source's own
+        (mark,) = self.source.row_marks([key])
+        return mark
+
+
+def _nameless(robot: Cell, name: str, number: int) -> Problem:
+    return Problem(
+        message=f"row {number} does not say which manipulator it belongs to; the row above says {shown(name)}",
+        mark=robot.mark,
+        joint=f"joint_{number}",
+        field="robot",
+        found=robot.text,
+        accepted="the name of the manipulator in every row",
+        suggestion="a spreadsheet that has merged cells leaves all but the first of them empty",
+    )
+
+
+def _torn(name: Cell) -> Problem:
+    return Problem(
+        message=f"rows of {shown(name.text)} stand in several places of the file",
+        mark=name.mark,
+        field="robot",
+        found=name.text,
+        accepted="all rows of a manipulator together",
+    )

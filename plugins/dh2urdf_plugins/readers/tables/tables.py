@@ -1,0 +1,141 @@
+"""The manipulator that statements and rows make, or everything that is wrong with it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.header.units import bare_beside_cells
+from dh2urdf_plugins.readers.rows.joint_rows import settle, total_problem
+from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
+from dh2urdf_plugins.readers.statements.plausibility import arm_length, plausibility
+from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
+from dh2urdf_plugins.readers.words.names import name_fault, name_problems
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.provenance import Trace
+    from dh2urdf_plugins.readers.rows.rows import RowReader
+    from dh2urdf_plugins.readers.statements.statements import Statements
+    from dh2urdf_plugins.readers.words.cells import Cell
+
+
+def manipulator(
+    name: Cell,
+    statements: Statements,
+    rows: Sequence[DHRow | None],
+    reader: RowReader,
+    mark: Mark,
+    *,
+    trace: Trace | None = None,
+) -> Manipulator | Rejected:
+    """The manipulator that statements and rows make, or everything that is wrong with it.
+
+    Args:
+        name: its name.
+        statements: what holds for all rows.
+        rows: the rows; None where there is an error in one.
+        reader: what read the rows, with the problems so far.
+        mark: the manipulator's place.
+        trace: takes what the cells say, where it is wanted.
+    """
+    add = reader.add
+    if trace is not None:
+        trace.rows, trace.table = tuple(reader.said or ()), statements.traced(name)
+    if fault := name_fault(name.text):
+        add(Problem(message=fault[0], mark=name.mark, field="name", found=name.text, accepted=fault[1]))
+    if statements.convention is None and not any(problem.field == "convention" for problem in reader.problems):
+        add(
+            Problem(
+                message="the table does not say which Denavit-Hartenberg convention it is written in, and that is "
+                "never guessed",
+                mark=mark,
+                field="convention",
+                accepted="standard (classic, distal): A = Rz(theta) Tz(d) Tx(a) Rx(alpha); modified (Craig, "
+                "proximal): A = Rx(alpha) Tx(a) Rz(theta) Tz(d), where a row has a and alpha of the link before",
+                suggestion="write `# convention: standard` above a CSV header, `convention: standard` in YAML, or "
+                "give `--convention standard`",
+            )
+        )
+    arm = [row for row in rows if row]
+    if not rows:
+        add(Problem(message="there are no joints: a manipulator has one row for each", mark=mark, field="joints"))
+    if reader.names:
+        for problem in name_problems(reader.names):
+            add(problem)
+    for problem in bare_beside_cells(reader.units, reader.foreign, reader.bare):
+        add(problem)
+    _look_at_sizes(arm, statements, reader)
+    problems = [problem.about(robot=name.text, mark=mark) for problem in sorted(reader.problems, key=_place)]
+    if reader.errors:
+        errors, notices = (
+            tuple(problem for problem in problems if problem.severity == severity) for severity in ("error", "notice")
+        )
+        return Rejected(name=name.text, problems=errors, mark=mark, notices=notices)
+    return statements.manipulator(name.text, tuple(arm), mark, tuple(problems))
+
+
+def _place(problem: Problem) -> tuple[bool, int, int]:
+    mark = problem.mark
+    elsewhere = mark is None or mark.line is None
+    return elsewhere, (mark and mark.line) or 0, (mark and mark.column) or 0
+
+
+def too_many_joints(count: int, mark: Mark) -> Problem:
+    """What is wrong with a manipulator of more joints than are read."""
+    return Problem(
+        message=f"the manipulator has {count:,} joints",
+        mark=mark,
+        field="joints",
+        accepted=f"at most {MAX_JOINTS:,} joints in one manipulator",
+        suggestion="a table of several manipulators has a column robot",
+    )
+
+
+def _look_at_sizes(rows: Sequence[DHRow], statements: Statements, reader: RowReader) -> None:
+    """Refuses an arm too long to be computed with, and notes what is hardly meant."""
+    length = arm_length(rows)
+    if length > MEASURABLE_ARM:
+        longest = max(rows, key=lambda row: max(abs(row.a), abs(row.d)))
+        field = "a" if abs(longest.a) >= abs(longest.d) else "d"
+        reader.add(
+            Problem(
+                message=f"{field} is {getattr(longest, field):g} m, and the arm is {length:.4g} m long: positions on "
+                "it cannot be computed to a micrometre",
+                mark=longest.mark,
+                joint=longest.joint,
+                field=field,
+                accepted=f"an arm of at most {MEASURABLE_ARM:g} m",
+            )
+        )
+    for problem in plausibility(rows, statements, reader.units) if rows and not reader.errors else ():
+        reader.add(problem)
+
+
+def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowReader) -> list[DHRow | None]:
+    """The rows of a manipulator; None for each in which there is an error.
+
+    Args:
+        rows: the cells of each row by field, and its place; None where they cannot be told apart.
+        reader: what reads them.
+    """
+    read: list[DHRow | None] = []
+    for number, (cells, mark) in enumerate(rows, start=settle(rows, reader)):
+        row = None if cells is None else reader.read(number, cells, mark)
+        if row and (problem := total_problem(row, read)):
+            reader.add(problem)
+        read.append(row)
+        if stopped(reader):
+            break
+    return read
+
+
+def stopped(reader: RowReader) -> bool:
+    """Whether a manipulator has so many errors that reading it stops; says so, then."""
+    if reader.errors < MAX_PROBLEMS:
+        return False
+    reader.add(Problem(message=f"reading the manipulator stopped after {reader.errors} errors"))
+    return True

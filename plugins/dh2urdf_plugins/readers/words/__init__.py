@@ -1,0 +1,1 @@
+"""The words of tables: cells, names, fields and what may stand for them."""

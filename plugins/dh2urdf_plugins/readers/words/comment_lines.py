@@ -1,0 +1,161 @@
+"""Comment lines of a CSV file, as people type them and as spreadsheets write them back.
+
+A spreadsheet knows no comments. It opens the line as cells and saves it as cells: it fills the line up with delimiters,
+puts cells in quotes, and splits what stood between brackets at every comma. Here the line becomes what was typed.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.patterns import late_pattern
+from dh2urdf.source import Mark
+from dh2urdf_plugins.readers.words.cells import SPACES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+MARKERS = ("#", "%", "//")
+"""What a comment begins with: as in Python, in MATLAB and in C."""
+SIGNS = (*MARKERS, "\N{FULLWIDTH NUMBER SIGN}", "\N{FULLWIDTH PERCENT SIGN}")
+"""What a line contains if it is a comment; East Asian keyboards have signs of full width."""
+
+_INVISIBLE = SPACES + "\ufeff\u3000"
+_APOSTROPHES = "'\N{RIGHT SINGLE QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}`\N{ACUTE ACCENT}"
+_START = re.compile(
+    rf'(?P<outer>(?:[{_INVISIBLE},;]|"")*)(?P<quote>"?)[{_INVISIBLE}]*[{_APOSTROPHES}]*[{_INVISIBLE}]*'
+    rf"(?P<sign>{'|'.join(SIGNS)})"
+)
+SPREADSHEET_ERROR = late_pattern(
+    r"\s*#(?:[¡¿]?[A-Z\u00c0-\u00dc][A-Z\u00c0-\u00dc/0-9_ ]*[!?]|N/?[AVD]\b|CALC!|GETTING_DATA|KALK!)"
+)
+"""What spreadsheets write for an error: ``#REF!``, ``#NAME?``, ``#N/A``, in German ``#WERT!`` and ``#NV``."""
+_DECIMAL_COMMA = late_pattern(r"([^,]*?[+-]?[0-9]*),([0-9]+[^,]*)")
+_OPEN_KEY = late_pattern(r".*[:=\uff1a]", re.DOTALL)
+_BRACKETS = frozenset("[{")
+_NUMBER = late_pattern(r"[-+−(]*([0-9]|[.,][0-9]|\\?pi\b|π)")
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment of a table, in whatever format.
+
+    Attributes:
+        text: what stands behind the marker.
+        mark: where that stands.
+        line: the whole comment, as messages repeat it.
+        whole: the place of the whole comment.
+    """
+
+    text: str
+    mark: Mark
+    line: str
+    whole: Mark
+
+    @classmethod
+    def of(cls, line: str, place: Mark) -> Comment:
+        """The comment that a line or a row is, with its marker or without one."""
+        match = _START.match(line)
+        text = line[match.end() :] if match else line
+        rest = text.lstrip(f"{_INVISIBLE}{''.join(MARKERS)}")
+        return cls(rest, within(place, len(line) - len(rest)), line.strip(), place)
+
+
+def within(place: Mark, position: int) -> Mark:
+    """The place of a character of a line, counted from 0; a cell has one place for all of its characters."""
+    return place if place.place else replace(place, column=(place.column or 1) + position)
+
+
+def is_comment(line: str, *, top: bool = False) -> bool:
+    """Whether a line is a comment by its first characters; an error of a spreadsheet begins with # too, and is none.
+
+    Args:
+        line: the line.
+        top: whether it stands above the header: there a comment may also stand in quotes, or in a column further right.
+            Below, a cell in quotes may be a name.
+    """
+    match = _START.match(line)
+    if match is None or SPREADSHEET_ERROR.match(line, match.start("sign")):
+        return False
+    return top or not (match["quote"] or match["outer"].strip(_INVISIBLE))
+
+
+def marks_a_comment(cell: str) -> bool:
+    """Whether a cell without its quotes begins as a comment does."""
+    return is_comment(cell)
+
+
+def is_open(line: str) -> bool:
+    """Whether a comment in quotes goes on in the next line."""
+    match = _START.match(line)
+    return match is not None and bool(match["quote"]) and line.count('"') % 2 == 1
+
+
+def without_marker(line: str) -> str:
+    """A comment line with spaces in place of its marker: the header that is commented out, perhaps."""
+    match = _START.match(line)
+    if match is None:
+        return line
+    start, end = match.end("quote"), match.end("sign")
+    return line[:start] + " " * (end - start) + line[end:]
+
+
+def sign_of(line: str) -> str:
+    """The marker of a comment."""
+    match = _START.match(line)
+    return match["sign"] if match else MARKERS[0]
+
+
+def as_typed(line: str, delimiter: str | None) -> list[str]:
+    """A comment line as a person would type it; several where a cell of a spreadsheet has several lines.
+
+    Args:
+        line: the comment line as it stands in the file.
+        delimiter: what stands between the cells of the table; None where there is no header that shows it.
+    """
+    match = _START.match(line)
+    if match is None:
+        return [line]
+    delimiters = delimiter or ",;\t"
+    padded = line.rstrip(f'{SPACES}{delimiters}"')
+    is_padded = any(sign in line[len(padded) :] for sign in delimiters)
+    typed = without_marker(line)[: match.start("sign")] + line[match.start("sign") :].rstrip(SPACES + delimiters)
+    if match["quote"] or (delimiter and (is_padded or (delimiter != "," and _BRACKETS.intersection(typed)))):
+        cells = next(csv.reader([line.lstrip(SPACES + delimiters)], delimiter=delimiter or ","), [])
+        first = _START.match(cells[0]) if cells else None
+        if first is not None:
+            text = joined([cells[0][first.start("sign") :], *cells[1:]], decimal_comma=delimiter != ",")
+            typed = " " * match.start("sign") + text
+    return typed.split("\n")
+
+
+def joined(cells: Sequence[str], *, decimal_comma: bool = False) -> str:
+    """What was one text before a spreadsheet made cells of it: ``# convention:``, ``standard``."""
+    parts = [cell for cell in cells if cell.strip(SPACES)]
+    if decimal_comma and len(parts) > 1:
+        parts = [_with_point(part) for part in parts]
+    text = ""
+    for part in parts:
+        text += part if not text else f" {part}" if _OPEN_KEY.fullmatch(text.strip(SPACES)) else f",{part}"
+    return text.rstrip(SPACES)
+
+
+def _with_point(part: str) -> str:
+    """A part of a list with a decimal point in place of its decimal comma."""
+    match = _DECIMAL_COMMA.fullmatch(part)
+    return f"{match[1]}.{match[2]}" if match else part
+
+
+def fills_row(cells: Sequence[str], required: Iterable[int]) -> bool:
+    """Whether cells, the first of which begins as a comment does, are a row: what it needs is there, and a number."""
+    filled = [cells[index].strip(SPACES) if index < len(cells) else "" for index in required]
+    return all(filled) and any(map(_NUMBER.match, filled))
+
+
+def looks_like_row(line: str, delimiter: str, required: Iterable[int]) -> bool:
+    """Whether a comment line was a row before it became a comment: there are numbers where a row has them."""
+    cells = without_marker(line).split(delimiter)
+    return all(index < len(cells) and _NUMBER.match(cells[index].strip(SPACES)) for index in required)

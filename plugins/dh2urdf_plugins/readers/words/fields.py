@@ -1,0 +1,340 @@
+"""The fields of a table: the one list of headers, of which readers, schema and docs are made, and words in cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.quantities import Dimension
+from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField
+from dh2urdf_plugins.readers.words.other_words import OTHER_CONVENTIONS, OTHER_TYPES
+from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of a row, or several fields that share a cell.
+
+    Attributes:
+        name: what the project calls it.
+        headers: what tables call it, in English words and symbols.
+        dimension: what it measures; None for words.
+        linear: what it measures in the row of a prismatic joint, where that is something else.
+        around: words that may stand before or behind its headers and say nothing new: ``max`` of ``max speed``.
+        others: what tables call it in other languages, by language.
+        parts: the fields that a cell of it holds, where it is several.
+    """
+
+    name: str
+    headers: tuple[str, ...]
+    dimension: Dimension | None = None
+    linear: Dimension | None = None
+    around: tuple[str, ...] = ()
+    others: Mapping[str, tuple[str, ...]] = field(default_factory=dict, compare=False)
+    parts: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All of its headers, in every language."""
+        return (*self.headers, *(word for words in self.others.values() for word in words))
+
+
+LANGUAGES = {"de": "German", "fr": "French", "es": "Spanish", "it": "Italian"}
+REQUIRED = ("a", "alpha", "d")
+
+_OF = "of, the, de, du, des, la, le, del, della, dell, di"
+_JOINT = "joint, axis, gelenk, achse, achs, achsen, axe, articulation, articulaire"
+_JOINT += ", eje, articulación, articular, asse, giunto"
+_LINK = "link, body, glied, corps, segment, eslabón, cuerpo, membro, corpo"
+_MOST = "max, maximum, limit, maximal, maximale, maximales, maximaler, maxi"
+_MOST += ", máximo, máxima, massimo, massima, limite, límite"
+_BOUND = "limit, limits, bound, position, pos, angle, value, q, theta, travel"
+_BOUND += ", grenze, grenzwert, gelenkgrenze, winkel, anschlag, limite, borne, butée, angle articulaire"
+_BOUND += ", límite, ángulo, valor, angolo, finecorsa"
+_CENTRES = "com, cog, center of mass, centre of mass, center of gravity, centre of gravity"
+_TENSORS = "inertia, inertia tensor, inertia matrix, tensor of inertia, moment of inertia, moments of inertia"
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(text.split(", ")) if text else ()
+
+
+def _field(
+    name: str,
+    headers: str,
+    *,
+    dimension: Dimension | None = None,
+    around: str = "",
+    parts: tuple[str, ...] = (),
+    **others: str,
+) -> Field:
+    """A field; what it measures is that of the number in `ROW_FIELDS`, or of its first part."""
+    languages = {language: _words(words) for language, words in others.items()}
+    number = ROW_FIELDS.get(parts[0] if parts else name, RowField(dimension))
+    dimension, linear = number.dimension, number.linear
+    return Field(name, _words(headers), dimension, linear, _words(around), languages, parts)
+
+
+def _com(axis: str) -> Field:
+    of_words = (f"{word} {axis}, {axis} {word}" for word in _words(_CENTRES))
+    headers = f"com_{axis}, c{axis}, {axis}c, {', '.join(of_words)}"
+    german = f"schwerpunkt {axis}, {axis} schwerpunkt, massenschwerpunkt {axis}"
+    french = f"centre de masse {axis}, centre de gravité {axis}"
+    spanish = f"centro de masa {axis}, centro de masas {axis}, centro de gravedad {axis}"
+    italian = f"centro di massa {axis}, baricentro {axis}"
+    return _field(f"com_{axis}", headers, around=_LINK, de=german, fr=french, es=spanish, it=italian)
+
+
+def _moment(name: str) -> Field:
+    axes = name[1:]
+    numbers = axes.translate(str.maketrans("xyz", "123"))
+    twins = {axes, axes[::-1]}
+    headers = ", ".join([name, *(f"i{twin}" for twin in twins - {axes}), f"j{axes}", f"i{numbers}", f"inertia {axes}"])
+    return _field(
+        name,
+        headers,
+        around=_LINK,
+        de=f"trägheit {axes}",
+        fr=f"inertie {axes}",
+        es=f"inercia {axes}",
+        it=f"inerzia {axes}",
+    )
+
+
+def _fields() -> dict[str, Field]:
+    fields = [
+        _field(
+            "robot",
+            "robot, manipulator, model, robot name, manipulator name, model name, arm, arm name",
+            de="roboter, robotername, modell",
+            fr="manipulateur, modèle, nom du robot",
+            es="manipulador, modelo, nombre del robot",
+            it="manipolatore, modello, nome del robot",
+        ),
+        _field("convention", "convention, dh convention", de="konvention", es="convención", it="convenzione"),
+        _field(
+            "index",
+            "i, #, index, no, nr, number, num, n°, joint number, joint no, joint nr, joint index, joint #, "
+            "axis number, axis no",
+            de="nummer, lfd nr, gelenknummer, achsnummer",
+            fr="numéro, indice",
+            es="número, índice",
+            it="numero",
+        ),
+        _field(
+            "joint",
+            "joint, joint name, name, joint id, axis, axis name",
+            de="gelenk, gelenkname, achse, achsname",
+            fr="articulation, nom, nom de l'articulation, axe, liaison",
+            es="articulación, nombre, eje, junta",
+            it="giunto, nome, nome del giunto, asse, articolazione",
+        ),
+        _field("link", "link, link name, body", de="glied, armglied", fr="corps, maillon", es="eslabón", it="membro"),
+        _field(
+            "type",
+            "type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type",
+            de="typ, gelenktyp, achstyp, gelenkart",
+            fr="type d'articulation, type de liaison",
+            es="tipo, tipo de articulación, tipo de junta",
+            it="tipo, tipo di giunto",
+        ),
+        _field(
+            "a",
+            "a, r, link length, length",
+            de="länge, gliedlänge, armlänge",
+            fr="longueur, longueur du corps, longueur du segment",
+            es="longitud, longitud del eslabón",
+            it="lunghezza, lunghezza del link",
+        ),
+        _field(
+            "alpha",
+            "alpha, α, twist, link twist, twist angle, link twist angle",
+            de="verdrehung, verwindung, verdrehwinkel",
+            fr="torsion, angle de torsion",
+            es="alfa, torsión, ángulo de torsión",
+            it="alfa, torsione, angolo di torsione",
+        ),
+        _field("d", "d, link offset"),
+        _field(
+            "theta",
+            "theta, θ, th, joint angle",
+            de="gelenkwinkel, drehwinkel",
+            fr="angle articulaire",
+            es="ángulo articular, ángulo de articulación",
+            it="angolo di giunto",
+        ),
+        _field("offset", "offset, joint offset"),
+        _field(
+            "sign",
+            "sign, direction, dir, polarity, rotation direction, direction of rotation",
+            dimension=Dimension.NUMBER,
+            around=_JOINT,
+            de="vorzeichen, drehrichtung",
+            fr="signe, sens, sens de rotation",
+            es="signo, sentido, sentido de giro",
+            it="segno, verso, senso di rotazione",
+        ),
+        _field(
+            "flip", "flip, flipped, inverted, reversed", de="invertiert", fr="inversé", es="invertido", it="invertito"
+        ),
+        _field(
+            "limits",
+            "limits, limit, range, qlim, range of motion, motion range, working range, stroke, travel",
+            around=f"{_JOINT}, {_OF}, motion, movement, position, angle, angular, q, theta",
+            parts=("lower", "upper"),
+            de="grenzen, bereich, arbeitsbereich, bewegungsbereich, schwenkbereich, winkelbereich",
+            fr="limites, plage, débattement, course",
+            es="límites, rango, recorrido, carrera",
+            it="limiti, corsa, escursione",
+        ),
+        _field(
+            "lower",
+            "lower, q_min, min, lower limit, limit lower, low, lo, minimum, q_lo, lower bound",
+            around=f"{_JOINT}, {_OF}, {_BOUND}",
+            de="untere, unterer, unteres, untergrenze, grenze unten, minimal, minimaler, minimale",
+            fr="inférieure, inférieur, mini, minimale",
+            es="inferior, mínimo, mínima",
+            it="inferiore, minimo, minima",
+        ),
+        _field(
+            "upper",
+            "upper, q_max, max, upper limit, limit upper, high, hi, maximum, q_hi, upper bound",
+            around=f"{_JOINT}, {_OF}, {_BOUND}",
+            de="obere, oberer, oberes, obergrenze, grenze oben, maximal, maximaler, maximale",
+            fr="supérieure, supérieur, maxi",
+            es="superior, máximo, máxima",
+            it="superiore, massimo, massima",
+        ),
+        _field(
+            "velocity",
+            "velocity, speed, vel, omega, max velocity, velocity limit, v_max, qd_max, q_dot_max, dot_q_max, dq_max, "
+            "theta_dot_max",
+            around=f"{_JOINT}, {_MOST}, {_OF}, angular, rotational, rotation",
+            de="geschwindigkeit, winkelgeschwindigkeit",
+            fr="vitesse, vitesse angulaire",
+            es="velocidad, velocidad angular",
+            it="velocità, velocità angolare",
+        ),
+        _field(
+            "effort",
+            "effort, torque, force, tau, max effort, effort limit, peak torque",
+            around=f"{_JOINT}, {_MOST}, {_OF}",
+            de="drehmoment, kraft, maximalmoment",
+            fr="couple",
+            es="par máximo, par max, par de torsión, fuerza",
+            it="coppia, forza",
+        ),
+        _field(
+            "mass",
+            "mass, m, m_i, weight",
+            around=f"{_LINK}, {_OF}",
+            de="masse, gewicht",
+            fr="poids",
+            es="masa, peso",
+            it="massa",
+        ),
+        _field(
+            "com",
+            f"{_CENTRES}, com position",
+            around=f"{_LINK}, {_OF}, position, location, vector, xyz",
+            parts=COM,
+            de="schwerpunkt, massenschwerpunkt, schwerpunktlage",
+            fr="centre de masse, centre de gravité",
+            es="centro de masa, centro de masas, centro de gravedad",
+            it="centro di massa, baricentro",
+        ),
+        *map(_com, "xyz"),
+        _field(
+            "inertia",
+            _TENSORS,
+            around=f"{_LINK}, {_OF}",
+            parts=INERTIA,
+            de="trägheit, trägheitstensor, trägheitsmatrix, trägheitsmoment, massenträgheit",
+            fr="inertie, matrice d'inertie, tenseur d'inertie, moment d'inertie",
+            es="inercia, matriz de inercia, tensor de inercia, momento de inercia",
+            it="inerzia, matrice d'inerzia, tensore d'inerzia, momento d'inerzia",
+        ),
+        *map(_moment, INERTIA),
+        _field("radius", "radius", around=_LINK, fr="rayon", es="radio", it="raggio"),
+        _field(
+            "damping",
+            "damping, viscous friction, viscous damping, damping coefficient, viscous friction coefficient",
+            around=f"{_JOINT}",
+            de="dämpfung, viskose reibung",
+            fr="amortissement, frottement visqueux",
+            es="amortiguamiento, fricción viscosa",
+            it="smorzamento, attrito viscoso",
+        ),
+        _field(
+            "friction",
+            "friction, coulomb friction, dry friction, friction loss",
+            around=f"{_JOINT}",
+            de="reibung, coulombsche reibung, trockene reibung",
+            fr="frottement, frottement sec",
+            es="fricción, fricción seca",
+            it="attrito, attrito secco",
+        ),
+        _field("armature", "armature, reflected inertia, reflected rotor inertia"),
+    ]
+    known = {each.name: each for each in fields}
+    return known | {name: _field(name, name) for name in ROW_FIELDS if name not in known}
+
+
+FIELDS = _fields()
+GROUPS = {name: each for name, each in FIELDS.items() if each.parts}
+"""Fields whose cells hold several others."""
+WORDS = {key: each for each in FIELDS.values() for word in each.words for key in keys_of(word)}
+"""The field of each header, by its key."""
+
+
+# --- Words ------------------------------------------------------------------------------------------------------------
+
+_TYPES = {
+    JointType.REVOLUTE: ("revolute", "r", "rotational", "rotary", "rotation", "hinge", "0"),
+    JointType.PRISMATIC: ("prismatic", "p", "linear", "t", "translational", "translation", "sliding", "1"),
+    JointType.CONTINUOUS: ("continuous", "c"),
+    JointType.FIXED: ("fixed", "f", "static", "rigid"),
+}
+_CONVENTIONS = {
+    Convention.STANDARD: ("standard", "dh", "sdh", "classic", "classical", "distal", "spong", "paul"),
+    Convention.MODIFIED: ("modified", "mdh", "modified dh", "craig", "proximal"),
+}
+_TYPE_WORDS = {word: kind for kind, words in _TYPES.items() for word in words}
+_CONVENTION_WORDS = {key_of(word): kind for kind, words in _CONVENTIONS.items() for word in words} | {
+    "standarddh": Convention.STANDARD,
+    "classicdh": Convention.STANDARD,
+    "denavithartenberg": Convention.STANDARD,
+    "modifieddenavithartenberg": Convention.MODIFIED,
+}
+_FLIP_WORDS = {
+    **dict.fromkeys(_words("true, yes, 1, wahr, ja, vrai, oui, verdadero, sí, vero, sì, si"), True),
+    **dict.fromkeys(_words("false, no, 0, falsch, nein, faux, non, falso"), False),
+}
+
+ACCEPTED_TYPES = "; ".join(", ".join(words) for words in _TYPES.values())
+ACCEPTED_CONVENTIONS = (
+    f"{', '.join(_CONVENTIONS[Convention.STANDARD])} for A = Rz(theta) Tz(d) Tx(a) Rx(alpha); "
+    f"{', '.join(_CONVENTIONS[Convention.MODIFIED])} for A = Rx(alpha) Tx(a) Rz(theta) Tz(d)"
+)
+ACCEPTED_FLIPS = "true or false"
+TYPE_CHOICES = tuple(_TYPE_WORDS)
+CONVENTION_CHOICES = tuple(_CONVENTION_WORDS)
+
+
+def joint_type(text: str) -> JointType | None:
+    """The joint type that a word means."""
+    word = text.strip().casefold()
+    key = key_of(word) if any(map(str.isalpha, word)) else word  # `-1` is not 1
+    return _TYPE_WORDS.get(key) or OTHER_TYPES.get(key)
+
+
+def convention_of(text: str) -> Convention | None:
+    """The convention that a word means."""
+    key = key_of(text.strip().casefold()).removesuffix("convention")
+    return _CONVENTION_WORDS.get(key) or OTHER_CONVENTIONS.get(key)
+
+
+def flip_of(text: str) -> bool | None:
+    """The truth value that a word means."""
+    return _FLIP_WORDS.get(text.strip().casefold())

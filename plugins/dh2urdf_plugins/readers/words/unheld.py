@@ -1,0 +1,170 @@
+"""Headers that are no field: what they mean, what they look like, and how a column is left out on purpose."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from dh2urdf.row_fields import ROW_FIELDS
+from dh2urdf_plugins.readers.words.word_keys import keys_of
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(text.split(", "))
+
+
+GEOMETRY = "0 in this column, or a table of a, alpha, d and theta (or offset) without it"
+
+
+class Unheld(NamedTuple):
+    """What a header means that no field holds.
+
+    Attributes:
+        reason: what it is.
+        accepted: what to write in its place.
+        counts: whether it may hold the number of the row.
+    """
+
+    reason: str
+    accepted: str = GEOMETRY
+    counts: bool = False
+
+
+_HOME = Unheld("an angle or a length that may be theta, d or an offset")
+_RIGID = "a table without it: joints do not yield"
+_AT_THE_JOINT = "damping and friction as the joint feels them, behind the gear"
+UNHELD_WORDS = {
+    "beta": Unheld("the angle of Hayati's convention"),
+    "gamma": Unheld("an angle of Khalil and Kleinfinger's convention"),
+    "b": Unheld("a length of Khalil and Kleinfinger's convention, or a friction"),
+    "mu": Unheld("whether a joint is driven, in Khalil and Kleinfinger's convention"),
+    "q": Unheld("the joint variable"),
+    "q offset": Unheld("an offset of the joint variable"),
+    "q0": Unheld("an angle or a length that may be theta, d or an offset"),
+    "phi": Unheld("an angle that may be theta or an offset"),
+    "angle": Unheld("an angle that may be theta, alpha or an offset"),
+    **dict.fromkeys(
+        _words(
+            "home, theta home, home theta, home position, home angle, theta0, theta zero, d0, theta init, zero, "
+            "zero offset, zero position, encoder offset"
+        ),
+        _HOME,
+    ),
+    "theta offset": Unheld("an offset of theta alone"),
+    "d offset": Unheld("an offset of d alone"),
+    "mdh": Unheld("the convention as a number"),
+    "prismatic": Unheld("the type of a joint in another form"),
+    "revolute": Unheld("the type of a joint in another form"),
+    **dict.fromkeys(
+        _words("x, y, z, xyz"),
+        Unheld(
+            "a coordinate that may be of a frame or of a centre of mass", "com_x, com_y, com_z for a centre of mass"
+        ),
+    ),
+    **dict.fromkeys(_words("roll, pitch, yaw, rpy, rx, ry, rz"), Unheld("a turn of a frame beside the DH parameters")),
+    **dict.fromkeys(
+        _words("rotor inertia, motor inertia, motor rotor inertia, inertia of rotor, rotorträgheit, motorträgheit"),
+        Unheld(
+            "the inertia of a rotor, before or behind its gear",
+            "a column armature: the inertia that the joint feels, the rotor's times the square of the gear ratio",
+        ),
+    ),
+    **dict.fromkeys(
+        _words(
+            "gear ratio, gear, g, reduction, reduction ratio, transmission ratio, übersetzung, rapport de réduction, "
+            "relación de transmisión, rapporto di riduzione"
+        ),
+        Unheld("the ratio of a gear", f"a column armature with the rotor's inertia behind the gear; {_AT_THE_JOINT}"),
+    ),
+    **dict.fromkeys(
+        _words(
+            "stiffness, joint stiffness, spring stiffness, spring constant, spring rate, spring, elasticity, "
+            "compliance, steifigkeit, gelenksteifigkeit, federkonstante, raideur, raideur articulaire, rigidez, "
+            "rigidezza"
+        ),
+        Unheld("how far the joint yields under a load", _RIGID),
+    ),
+    **dict.fromkeys(
+        _words("backlash, gear backlash, joint backlash, lost motion, spiel, getriebespiel, jeu, juego, gioco"),
+        Unheld("the play of a gear", _RIGID),
+    ),
+    **dict.fromkeys(_words("tc, tc+, tc-, fs, fv"), Unheld("a friction of the motor or of the joint", _AT_THE_JOINT)),
+    **dict.fromkeys(
+        _words("xx, xy, xz, yy, yz, zz, mx, my, mz, ia"),
+        Unheld(
+            "a dynamic parameter that may be about the frame's origin",
+            "ixx … iyz about the centre of mass, com_x, com_y, com_z and mass",
+        ),
+    ),
+    **dict.fromkeys(
+        _words("lc, rc"), Unheld("the distance of a centre of mass", "com_x, com_y, com_z in the frame after the row")
+    ),
+    **dict.fromkeys(
+        _words("rated torque, nominal torque, continuous torque, holding torque, stall torque, nennmoment"),
+        Unheld("a torque that may not be the largest", "a column effort: the largest torque or force of the joint"),
+    ),
+    **dict.fromkeys(
+        _words("rated speed, nominal speed, nenndrehzahl"),
+        Unheld("a speed that may not be the largest", "a column velocity: the largest speed of the joint"),
+    ),
+    **dict.fromkeys(
+        _words("qd, dq, q dot, dot q, theta dot"), Unheld("a speed that may not be a limit", "velocity, or qd_max")
+    ),
+    **dict.fromkeys(
+        _words("qdd, ddq, qdd max, ddq max, q ddot max"), Unheld("a limit of acceleration", "a table without it")
+    ),
+    "j": Unheld("the number of a row, or an inertia", "a column index, or ixx … iyz", counts=True),
+    **dict.fromkeys(
+        _words("unit, units, einheit, einheiten, unité, unités, unidad, unidades, unità"),
+        Unheld("the unit of a row", "units in the headers, such as `a [mm]`, in the cells, or above the header"),
+    ),
+    "diameter": Unheld("twice a radius", "a column radius"),
+    "density": Unheld("a density", "`defaults: {density: 2700}` for all links, or a column mass"),
+    "payload": Unheld("a load at the tool", "`payload: {mass: 5}` for the whole arm"),
+}
+"""Headers of what shapes or loads the arm and no field holds: refused where a cell is not 0."""
+_HELD = {key for name in ROW_FIELDS for key in keys_of(name)}
+UNHELD = {key: meaning for word, meaning in UNHELD_WORDS.items() for key in keys_of(word) if key not in _HELD}
+"""The same by their keys."""
+
+
+# --- Headers that look like fields ------------------------------------------------------------------------------------
+
+SUSPECTS = {
+    "acceleration": "accel*, acceler*, aceler*, *beschleunigung*, qdd, ddq",
+    "jerk": "jerk, ruck, dddq*, qddd*, dtau*, taud*",
+    "inertia": "inertia*, inertial, moi, *trägheit*, inertie*, inercia*, inerzia*",
+    "com": "com, cog, centroid*, gravity, *schwerpunkt*, baricentr*, barycentr*, gravité, gravedad",
+    "velocity": "speed*, veloc*, vel, rpm, *geschwindigkeit*, *drehzahl*, vitesse*, omega, qd, dq, qdot",
+    "effort": "torque*, effort*, force, forces, *moment*, couple*, coppi*, par, fuerza*, forza, kraft*, tau, stall",
+    "damping": "damp*, *dämpfung*, viscous, viskos*, amortiss*, amortig*, smorz*",
+    "friction": "friction*, *reibung*, frottement*, fricción*, attrito, coulomb*, stiction",
+    "armature": "rotor, armature",
+    "stiffness": "stiff*, spring*, *steif*, complian*, elasti*, raideur*, rigid*, backlash*",
+    "gear": "gear*, ratio, *getriebe*, *übersetzung, reducer*, reduction*",
+    "mass": "mass, masses, weight*, *masse, masa, massa, peso, poids, *gewicht*, payload*",
+    "offset": "offset*, zero*, home*, *versatz*, décalage*, desfase*, desplazamiento*, *nullpunkt*, calibration*",
+    "sign": "sign, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, *richtung, sens, sentido, senso",
+    "limits": "limit*, límit*, range, ranges, bound*, stroke, travel, *grenze*, *bereich, anschlag, plage, butée*, "
+    "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum",
+    "type": "prismatic, revolute, rotary",
+    "alpha": "twist*, verdreh*, torsion*, torsión*",
+    "a": "length*, *länge*, longueur*, longitud*, lunghezza*",
+    "theta": "angle*, *winkel, ángulo*, angolo*",
+    "radius": "radius, radii, diameter*, durchmesser, thickness",
+}
+"""Words in the headers of columns that probably are a field, by field; ``*`` stands for any letters."""
+PROSE = (
+    "note, notes, comment, comments, remark, remarks, description, source, reference, supplier, vendor, url, "
+    "datasheet, "
+    "bemerkung, bemerkungen, kommentar, beschreibung, quelle, remarque, remarques, commentaire, nota, notas, "
+    "comentario, commento"
+)
+"""Words in the headers of columns that hold text for people."""
+LIKELY = {
+    key: f"if {word} is the inertia of a rotor, write a column armature: what the joint feels of it, behind the gear"
+    for word in ("Jm", "Im", "Jr", "Ir")
+    for key in keys_of(word.casefold())
+}
+"""What to say of headers that are left out and may be something: symbols whose meaning differs from book to book."""
+IGNORED = "_"
+"""What the header of a column begins with that its author wants to be left out."""

@@ -1,0 +1,216 @@
+"""What a workbook holds beside the values of its cells, and the bounds of what its reading may cost.
+
+openpyxl reads the values row by row, without holding a sheet. Merged cells, hidden rows and formulas that have never
+been computed are not among what it gives so, and are read here from the sheet's XML (ECMA-376-1, part 18.3).
+"""
+
+from __future__ import annotations
+
+import posixpath
+import zipfile
+import zlib
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NoReturn
+from xml.parsers import expat
+
+from lxml import etree
+
+from dh2urdf.documents import check_file
+from dh2urdf.errors import TableError
+from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MAX_UNPACKED = 2**29
+"""Bytes of a workbook when unpacked [B]: a zip archive may hold a thousand times its own size."""
+MAX_PARTS = 10_000
+"""Parts of a workbook."""
+
+_PROLOG = 2**16
+_ACCEPTED = "a workbook in the format of Excel 2007 and later (.xlsx)"
+_BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, OSError, RuntimeError)
+"""What Python's zipfile raises for an archive that is broken, encrypted, or packed in a way it does not know."""
+
+
+@dataclass(slots=True)
+class SheetLayout:
+    """What a sheet has beside values.
+
+    Attributes:
+        merged: the merged ranges: first row, first column, last row and last column, counted from 1.
+        hidden_rows: rows that are not shown and hold anything.
+        hidden_columns: first and last of each run of columns that are not shown.
+        uncomputed: by row, the columns of formulas without a value.
+    """
+
+    merged: list[tuple[int, int, int, int]] = field(default_factory=list)
+    hidden_rows: list[int] = field(default_factory=list)
+    hidden_columns: list[tuple[int, int]] = field(default_factory=list)
+    uncomputed: dict[int, list[int]] = field(default_factory=dict)
+
+
+def check_workbook(path: Path) -> None:
+    """Refuses what is no workbook, and one that would cost too much.
+
+    Raises:
+        TableError: the file is of another kind, is broken, holds too much, or XML that declares entities.
+    """
+    check_file(path, TableError)
+    with path.open("rb") as binary:
+        start = binary.read(8)
+    if start.startswith(b"\xd0\xcf\x11\xe0"):
+        _refuse(
+            path,
+            "this is a workbook of Excel 97 to 2003 (xls), or one with a password",
+            "save it as .xlsx, without a password",
+        )
+    if not start.startswith(b"PK"):
+        _refuse(path, "this is no workbook", "save the sheet as .xlsx; a table of text is read by the reader csv")
+    try:
+        with zipfile.ZipFile(path) as archive:
+            _check_parts(path, archive)
+    except _BROKEN as error:
+        _refuse(path, f"the workbook is broken: {error or type(error).__name__}", "save it again")
+
+
+def _check_parts(path: Path, archive: zipfile.ZipFile) -> None:
+    parts = archive.infolist()
+    names = {part.filename for part in parts}
+    if "mimetype" in names and "content.xml" in names:
+        _refuse(path, "this is a spreadsheet in the OpenDocument format (ods)", "save it as .xlsx")
+    if "[Content_Types].xml" not in names or "xl/workbook.bin" in names:
+        _refuse(path, "this zip archive is no workbook in XML", "save it as .xlsx")
+    size = sum(part.file_size for part in parts)
+    if size > MAX_UNPACKED or len(parts) > MAX_PARTS:
+        found = f"{size / 2**20:,.0f} MiB in {len(parts):,} parts"
+        accepted = f"at most {MAX_UNPACKED / 2**20:,.0f} MiB in {MAX_PARTS:,} parts"
+        message = f"the workbook holds {found} when unpacked"
+        raise TableError(
+            Problem(
+                message=message,
+                mark=Mark(file=str(path)),
+                accepted=accepted,
+                suggestion="save the sheet as CSV: a CSV file of any length is read",
+            )
+        )
+    for part in parts:
+        if part.filename.endswith((".xml", ".rels")) and _declares_entities(archive, part):
+            _refuse(path, f"its part {part.filename} has a document type, as no spreadsheet writes it", "save it again")
+
+
+def _declares_entities(archive: zipfile.ZipFile, part: zipfile.ZipInfo) -> bool:
+    """Whether a part has a document type, in which entities could be declared that unfold to gigabytes."""
+    found: list[str] = []
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = lambda name, *_: found.append(name)
+    with archive.open(part) as content:
+        try:
+            parser.Parse(content.read(_PROLOG), False)
+        except expat.ExpatError:
+            return bool(found)  # what is broken is refused where it is read
+    return bool(found)
+
+
+def _refuse(path: Path, message: str, suggestion: str) -> NoReturn:
+    raise TableError(Problem(message=message, mark=Mark(file=str(path)), accepted=_ACCEPTED, suggestion=suggestion))
+
+
+# --- Sheets -----------------------------------------------------------------------------------------------------------
+
+
+def sheet_parts(path: Path) -> dict[str, str]:
+    """The part of each sheet, by its title.
+
+    Raises:
+        TableError: the workbook is broken.
+    """
+    with zipfile.ZipFile(path) as archive:
+        book_name = _target(archive, "_rels/.rels", "", "/officeDocument")
+        folder, _, file = book_name.rpartition("/")
+        links = _links(archive, f"{folder}/_rels/{file}.rels", folder)
+        book = etree.fromstring(archive.read(book_name), _parser())
+        found = {}
+        for sheet in book.iter("{*}sheet"):
+            key = next((value for name, value in sheet.attrib.items() if str(name).endswith("}id")), "")
+            if (target := links.get(str(key))) and target[1].endswith("/worksheet"):
+                found[sheet.get("name", "")] = target[0]
+        return found
+
+
+def _parser() -> etree.XMLParser:
+    return etree.XMLParser(resolve_entities=False, no_network=True)
+
+
+def _links(archive: zipfile.ZipFile, name: str, folder: str) -> dict[str, tuple[str, str]]:
+    """The part and the kind of each relation of a part."""
+    found = {}
+    for link in etree.fromstring(archive.read(name), _parser()).iter("{*}Relationship"):
+        path = posixpath.join("/", folder, link.get("Target", ""))
+        found[link.get("Id", "")] = posixpath.normpath(path).lstrip("/"), link.get("Type", "")
+    return found
+
+
+def _target(archive: zipfile.ZipFile, name: str, folder: str, kind: str) -> str:
+    return next(part for part, type_ in _links(archive, name, folder).values() if type_.endswith(kind))
+
+
+def read_layout(path: Path, part: str) -> SheetLayout:
+    """What a sheet has beside values.
+
+    Args:
+        path: the workbook.
+        part: the sheet's part.
+    """
+    layout = SheetLayout()
+    with zipfile.ZipFile(path) as archive, archive.open(part) as content:
+        parsed: Any = etree.iterparse(
+            content, events=("end",), tag=["{*}row", "{*}col", "{*}mergeCell"], resolve_entities=False, no_network=True
+        )
+        number = 0
+        for _, element in parsed:
+            match etree.QName(element).localname:
+                case "row":
+                    number = int(element.get("r") or number + 1)
+                    _see_row(layout, element, number)
+                    element.clear()
+                    while element.getprevious() is not None:
+                        del element.getparent()[0]
+                case "col" if _is_true(element.get("hidden")):
+                    layout.hidden_columns.append((int(element.get("min", "1")), int(element.get("max", "1"))))
+                case "mergeCell":
+                    layout.merged.append(_range(element.get("ref", "A1")))
+    return layout
+
+
+def _see_row(layout: SheetLayout, row: Any, number: int) -> None:  # noqa: ANN401 - an element
+    hidden = _is_true(row.get("hidden"))
+    column = 0
+    filled = False
+    for cell in row:
+        column = _cell(cell.get("r"))[1] if cell.get("r") else column + 1
+        value = cell.findtext("{*}v")
+        filled = filled or bool(value) or cell.find("{*}is") is not None
+        # A formula whose value is an empty text has the type of texts, and is an empty cell.
+        if not value and cell.get("t") != "str" and cell.find("{*}f") is not None:
+            layout.uncomputed.setdefault(number, []).append(column)
+    if hidden and filled:
+        layout.hidden_rows.append(number)
+
+
+def _is_true(word: str | None) -> bool:
+    return word in ("1", "true")
+
+
+def _range(ref: str) -> tuple[int, int, int, int]:
+    first, _, last = ref.partition(":")
+    return (*_cell(first), *_cell(last or first))
+
+
+def _cell(ref: str) -> tuple[int, int]:
+    """Row and column of a reference such as ``C4``."""
+    letters = ref.rstrip("0123456789")
+    column = 0
+    for letter in letters.replace("$", "").upper():
+        column = 26 * column + ord(letter) - 64
+    return int(ref[len(letters) :] or 1), column

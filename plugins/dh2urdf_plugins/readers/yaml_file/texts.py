@@ -1,0 +1,84 @@
+"""YAML tables as their authors type them: written text by text, and read without giving the texts a meaning."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.documents import load_yaml, read_bytes
+from dh2urdf.errors import TableError
+from dh2urdf.row_fields import COM, INERTIA
+from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
+from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.words.table_words import statements_of, units_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from dh2urdf.documents import Node
+
+_GROUPS = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
+_GROUPED = {field: group for group, fields in _GROUPS.items() for field in fields} | dict.fromkeys(COM, "com")
+_LONGEST = 4 * 2**20
+
+
+def write(table: TableText) -> WrittenTable:
+    """A YAML file with a line for each joint."""
+    lines = [f"name: {yaml_word(table.name)}"] if table.name.strip() else []
+    lines += [f"convention: {yaml_word(table.convention)}"] if table.convention else []
+    lines.append(f"units: {units_text(table)}")
+    lines += [
+        f"{key}: {text}"
+        for key in ("base", "tool", "payload", "defaults", "visuals", "collisions")
+        if (text := getattr(table, key)).strip()
+    ]
+    lines.append("joints:" if table.rows else "joints: []")
+    lines += [f"  - {{{', '.join(_entries(row))}}}" for row in table.rows]
+    return WrittenTable(content="\n".join([*lines, ""]).encode())
+
+
+def _entries(row: Mapping[str, str]) -> Iterator[str]:
+    """The entries of a joint: names first, then fields, then groups of fields."""
+    for field, text in row.items():
+        if field not in _GROUPED:
+            yield f"{'name' if field == 'joint' else field}: {text if field in MESHES else yaml_word(text)}"
+    for group, fields in _GROUPS.items():
+        if inner := [f"{field}: {yaml_word(row[field])}" for field in fields if field in row]:
+            yield f"{group}: {{{', '.join(inner)}}}"
+    if any(field in row for field in COM):
+        yield f"com: [{', '.join(yaml_word(row.get(field, '')) for field in COM)}]"
+
+
+def texts(path: Path) -> Iterator[TableText]:
+    """The tables of a YAML file.
+
+    Raises:
+        TableError: the file is no YAML document, or too large to be typed by a person.
+    """
+    root = load_yaml(read_bytes(path, TableError, limit=_LONGEST), str(path), TableError)
+    robots = root.value.get("robots") if isinstance(root.value, dict) else None
+    nodes = robots.value if robots is not None and isinstance(robots.value, list) else [root]
+    for number, node in enumerate(nodes, start=1):
+        name = path.stem if node is root else f"{path.stem}_{number}"
+        if isinstance(node.value, dict) and (table := _table(node.value, name)):
+            yield table
+
+
+def _table(entries: Mapping[str, Node], default_name: str) -> TableText | None:
+    said = statements_of(entries, default_name=default_name)
+    joints = entries.get("joints")
+    if said is None or joints is None or not isinstance(joints.value, list):
+        return None
+    rows = [dict(_texts(joint)) for joint in joints.value]
+    return TableText(**said, rows=tuple({field: text for field, text in row.items() if text} for row in rows))
+
+
+def _texts(joint: Node) -> Iterator[tuple[str, str]]:
+    """The texts of a joint by field; what has no field is left out, and whoever compares finds out."""
+    for key, node in joint.value.items() if isinstance(joint.value, dict) else ():
+        if key in _GROUPS and isinstance(node.value, dict):
+            yield from ((name, inner.text or "") for name, inner in node.value.items() if name in _GROUPS[key])
+        elif key == "com" and isinstance(node.value, list):
+            yield from zip(COM, (inner.text or "" for inner in node.value), strict=False)
+        elif (header := read_header(key)).field and node.text is not None:
+            yield header.field.name, node.text if node.value is not None else ""

@@ -1,0 +1,613 @@
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, truth_of, with_tables
+from dh2urdf.cells.wanted_tables import Gathering
+from dh2urdf.conversion.one_manipulator import Call, make_cell
+from dh2urdf.errors import RobotError
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.kinematics.proof import proof_vectors, prove
+from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.robot import Joint, Link, Origin, Robot
+from dh2urdf.robot_check import check_robot
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Rejected
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.read_back.xacro_reader import expand
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from conftest import Answer, ReferenceRobot
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+
+TRACK = Manipulator(
+    name="track",
+    convention=Convention.STANDARD,
+    rows=(
+        DHRow(
+            joint="slide",
+            link="carriage",
+            type=JointType.PRISMATIC,
+            a=0.0,
+            alpha=0.3,
+            d=0.1,
+            limits=Limits(lower=-1.0, upper=1.0),
+        ),
+        DHRow(joint="bolt", link="plate", type=JointType.FIXED, a=0.2, alpha=math.pi / 2, d=0.0),
+    ),
+    base=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.4), (0.0, math.pi / 2, 0.0)),
+    tool=RigidTransform.from_xyz_rpy((0.0, 0.05, 0.0), (0.1, 0.2, 0.3)),
+)
+ARM = Manipulator(
+    name="arm",
+    convention=Convention.MODIFIED,
+    rows=(
+        DHRow(joint="pan", link="one", a=0.0, alpha=0.0, d=0.3),
+        DHRow(joint="lift", link="two", a=0.1, alpha=-math.pi / 2, d=0.0, offset=0.4, sign=-1),
+        DHRow(joint="reach", link="three", a=0.5, alpha=0.7, d=0.2),
+    ),
+)
+TABLES = {"track": TRACK, "arm": ARM}
+
+
+def cell(*arms: ArmCall, tables: dict[str, Manipulator] | None = None) -> Cell:
+    mark = Mark(file="run.yaml", line=3)
+    return Cell(call=CellCall(name="cell", arms=arms, mark=mark), manipulators=tables or TABLES)
+
+
+def call(name: str, of: str, **more: Any) -> ArmCall:
+    return ArmCall(name=name, of=of, **{"prefix": f"{name}_", "mark": Mark(file="run.yaml", line=4), **more})
+
+
+def swap(frames: Any = "aligned") -> Call[Any]:
+    return Call(stage=TRANSFORM, options=AlphaSwapOptions(frames=frames))
+
+
+def robots(tables: dict[str, Manipulator] = TABLES) -> dict[str, Robot]:
+    return {name: TRANSFORM.transform(table, AlphaSwapOptions()) for name, table in tables.items()}
+
+
+ON_TRACK = cell(
+    call("track", "track", placement=Origin(xyz=(1.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.5))),
+    call("left", "arm", parent="track", link="tool0", placement=Origin(xyz=(0.0, 0.1, 0.0), rpy=(0.0, 0.3, 0.0))),
+    call("hand", "arm", parent="left", link="two", placement=Origin(xyz=(0.0, 0.0, 0.2))),
+    call("right", "arm", placement=Origin(xyz=(-1.0, 0.0, 0.0))),
+)
+"""An arm on a track, an arm in the middle of that arm, and one that stands alone."""
+
+
+class TestCompose:
+    def test_there_is_one_root_and_every_name_has_its_prefix(self) -> None:
+        """The links are the world and those of every arm, each with the prefix; joints and materials likewise."""
+        alone = robots()
+        robot = compose(ON_TRACK, alone)
+        assert robot.name == "cell"
+        assert [link.name for link in robot.links] == [
+            "world",
+            *(f"{arm.name}_{link.name}" for arm in ON_TRACK.call.arms for link in alone[arm.of].links),
+        ]
+        joints = [joint.name for joint in robot.joints]
+        assert joints[:3] == ["track_base_joint", "track_base_link-base_link_inertia", "track_slide"]
+        assert len(joints) == len(set(joints)) == len(robot.links) - 1
+        materials = {visual.material.name for link in robot.links for visual in link.visuals if visual.material}
+        assert materials
+        assert all(name.startswith(("track_", "left_", "hand_", "right_")) for name in materials)
+        assert check_robot(robot) == ()
+
+    def test_each_arm_hangs_on_its_parent(self) -> None:
+        """A fixed joint holds an arm's root link at its placement."""
+        held = {joint.name: joint for joint in compose(ON_TRACK, robots()).joints if joint.name.endswith("_base_joint")}
+        assert {name: (joint.parent, joint.child) for name, joint in held.items()} == {
+            "track_base_joint": ("world", "track_base_link"),
+            "left_base_joint": ("track_tool0", "left_base_link"),
+            "hand_base_joint": ("left_two", "hand_base_link"),
+            "right_base_joint": ("world", "right_base_link"),
+        }
+        assert held["left_base_joint"].origin == Origin(xyz=(0.0, 0.1, 0.0), rpy=(0.0, 0.3, 0.0))
+
+    def test_an_arm_is_what_it_is_alone(self) -> None:
+        """Without the prefix, and but for its root's explicit weightlessness, no number of an arm changes."""
+        alone = robots()["arm"]
+        placed = compose(cell(call("left", "arm", prefix="")), robots())
+        assert placed.joints[1:] == alone.joints
+        assert placed.links[2:] == alone.links[1:]
+        assert alone.links[0].inertial is None
+        assert placed.links[1].inertial is not None
+        assert placed.links[1].inertial.mass == 0.0
+
+    def test_the_arms_keep_their_formulas_and_the_cell_has_none(self) -> None:
+        """Two arms both have an a_1: their parameters stand with their kind, once."""
+        robot = compose(ON_TRACK, robots())
+        assert robot.parameters == ()
+        assert all(joint.origin.xyz_formula is None for joint in robot.joints)
+        left, hand, right = robot.arms[1:]
+        assert left.kind is hand.kind is right.kind
+        assert left.kind.parameters
+        assert (hand.prefix, hand.parent) == ("hand_", "left_two")
+
+    def test_the_mounting_joint_takes_no_name_of_the_arm(self) -> None:
+        """A table may call its joint base_joint."""
+        table = replace(ARM, rows=(replace(ARM.rows[0], joint="base_joint"), *ARM.rows[1:]))
+        robot = compose(cell(call("a", "arm")), robots({"arm": table}))
+        assert robot.joints[0].name == "a_base_joint_"
+
+    def test_names_that_meet_are_named(self) -> None:
+        """Different prefixes can still give one name; both arms, and the place of the second, are said."""
+        rows = (replace(ARM.rows[0], link="b_one"), *ARM.rows[1:])
+        tables = {"arm": ARM, "other": replace(ARM, name="other", rows=rows)}
+        both = cell(call("x", "other", prefix="a_"), call("y", "arm", prefix="a_b_"), tables=tables)
+        with pytest.raises(RobotError) as caught:
+            compose(both, robots(tables))
+        assert str(caught.value) == (
+            "run.yaml:4: error: field 'prefix': the arm 'y' has the name 'a_b_one', as has the arm 'x'\n"
+            "    give the arm a prefix of its own"
+        )
+
+    def test_a_link_called_world_is_the_worlds(self) -> None:
+        """An arm without a prefix must not have a link `world`."""
+        table = replace(ARM, rows=(replace(ARM.rows[0], link="world"), *ARM.rows[1:]))
+        with pytest.raises(RobotError, match="the arm 'a' has the name 'world', as has the root of the cell"):
+            compose(cell(call("a", "arm", prefix="")), robots({"arm": table}))
+
+    @pytest.mark.parametrize(("link", "meant"), [("tool_0", "tool0"), ("left_two", "two"), ("Three", "three")])
+    def test_a_parent_link_that_is_not_there_is_an_error(self, link: str, meant: str) -> None:
+        """It names the links that there are, and the one that was probably meant."""
+        mark = Mark(file="run.yaml", line=5, column=9)
+        arms = (call("left", "arm"), call("hand", "arm", parent="left", link=link, parent_mark=mark))
+        with pytest.raises(RobotError) as caught:
+            compose(cell(*arms), robots())
+        message = str(caught.value)
+        assert message.startswith(f"run.yaml:5:9: error: field 'parent': the arm 'hand' stands on 'left/{link}'")
+        assert "accepted: left/base_link, left/base_link_inertia, left/one, left/two, left/three" in message
+        assert f"did you mean {meant!r}?" in message
+
+
+# --- The truth, against an oracle that shares nothing with the project: numpy's 4x4 products --------------------------
+
+
+def rx(angle: float) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[1, 0, 0, 0], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1]])
+
+
+def ry(angle: float) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, 0, s, 0], [0, 1, 0, 0], [-s, 0, c, 0], [0, 0, 0, 1]])
+
+
+def rz(angle: float) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+
+
+def t(x: float, y: float, z: float) -> np.ndarray:
+    T = np.eye(4)
+    T[:3, 3] = x, y, z
+    return T
+
+
+def at(origin: Origin) -> np.ndarray:
+    roll, pitch, yaw = origin.rpy
+    return t(*origin.xyz) @ rz(yaw) @ ry(pitch) @ rx(roll)
+
+
+def dh(table: Manipulator, q: Sequence[float], rows: int | None = None) -> np.ndarray:
+    """base · A_1 … A_rows, and the tool where that is all of them."""
+    values = iter(q)
+    T = np.asarray(as_matrices(table.base))
+    for row in table.rows[:rows]:
+        value = 0.0 if row.type is JointType.FIXED else next(values)
+        slides = row.type is JointType.PRISMATIC
+        theta = row.theta + (0.0 if slides else row.offset + row.sign * value)
+        d = row.d + (row.offset + row.sign * value if slides else 0.0)
+        joint, link = rz(theta) @ t(0, 0, d), t(row.a, 0, 0) @ rx(row.alpha)
+        T = T @ (joint @ link if table.convention is Convention.STANDARD else link @ joint)
+    return T if rows is not None else T @ np.asarray(as_matrices(table.tool))
+
+
+joint_values = st.lists(st.floats(-3, 3), min_size=10, max_size=10)
+
+
+class TestTruth:
+    @given(q=joint_values)
+    def test_an_arm_on_another_arms_tool_is_a_product_of_dh_products(self, q: list[float]) -> None:
+        """T(world → tool0) is placement · T_track(q) · placement · T_arm(q), and of an arm on the world its own."""
+        truth = truth_of(ON_TRACK, robots())
+        track, left, _hand, right = (at(arm.placement) for arm in ON_TRACK.call.arms)
+        tips = {tip.link: np.asarray(as_matrices(tip.pose(q))) for tip in truth.tips}
+        on_track = track @ dh(TRACK, q[:1])
+        expected = {
+            "track_tool0": on_track,
+            "left_tool0": on_track @ left @ dh(ARM, q[1:4]),
+            "right_tool0": right @ dh(ARM, q[7:10]),
+        }
+        for link, pose in expected.items():
+            np.testing.assert_allclose(tips[link], pose, rtol=0, atol=1e-13)
+
+    @given(q=joint_values)
+    def test_an_arm_on_a_link_in_the_middle(self, q: list[float]) -> None:
+        """With DH frames and the modified convention, link i is DH frame i: an arm on it has the product up to there."""
+        alone = {name: TRANSFORM.transform(table, AlphaSwapOptions(frames="dh")) for name, table in TABLES.items()}
+        tip = truth_of(ON_TRACK, alone).tips[2]
+        track, left, hand, _ = (at(arm.placement) for arm in ON_TRACK.call.arms)
+        expected = track @ dh(TRACK, q[:1]) @ left @ dh(ARM, q[1:4], rows=2) @ hand @ dh(ARM, q[4:7])
+        assert tip.link == "hand_tool0"
+        np.testing.assert_allclose(np.asarray(as_matrices(tip.pose(q))), expected, rtol=0, atol=1e-13)
+
+    def test_a_joint_vector_has_the_moving_joints_of_the_robot_in_order(self) -> None:
+        """So a simulator's joints can be set one by one; a tip names those on its way."""
+        robot, truth = make_cell(ON_TRACK, swap())
+        assert truth.joints == tuple(joint.name for joint in robot.moving_joints)
+        assert truth.tips[2].joints == ("track_slide", "left_pan", "left_lift", "hand_pan", "hand_lift", "hand_reach")
+
+    def test_the_reach_of_a_tip_adds_up_along_the_way(self) -> None:
+        """Placements, tables, and the travel of slides: what rounding may grow with."""
+        truth = truth_of(ON_TRACK, robots())
+        track = 1.0 + 0.4 + 0.1 + 0.2 + 0.05
+        assert truth.tips[0].reach([[0.0] * 10]) == pytest.approx(track)
+        assert truth.tips[0].reach([[-0.5] + [9.0] * 9]) == pytest.approx(track + 0.5)
+        assert truth.tips[1].reach([[0.0] * 10]) == pytest.approx(track + 0.1 + 1.1)
+
+
+class TestProof:
+    @pytest.mark.parametrize("frames", ["aligned", "dh"])
+    @pytest.mark.parametrize("link", ["base_link", "base_link_inertia", "one", "two", "three", "flange", "tool0"])
+    def test_it_holds_whatever_link_holds_the_arm(self, frames: str, link: str) -> None:
+        """The written file puts every tool0 where the tables have it."""
+        made, truth = make_cell(cell(call("a", "arm"), call("b", "track", parent="a", link=link)), swap(frames))
+        (file,) = URDF.emit(made, "cell", URDF.options())
+        proof = prove(truth, parse_urdf(file.content, "cell"), proof_vectors(truth, made, 8))
+        assert proof.holds
+        assert proof.position_error < 1e-14
+        assert set(proof.tips) == {"a_tool0", "b_tool0"}
+
+    @pytest.mark.parametrize("frames", ["aligned", "dh"])
+    def test_an_arm_on_a_fixed_row(self, frames: str) -> None:
+        """A link that a fixed row holds moves as the one before."""
+        made, truth = make_cell(cell(call("a", "track"), call("b", "arm", parent="a", link="plate")), swap(frames))
+        assert prove(truth, made, proof_vectors(truth, made, 8)).position_error < 1e-14
+
+    def test_a_wrong_placement_is_found_in_the_arm_that_it_moves(self) -> None:
+        """The tip of the largest error is named, and the error of every other one said."""
+        made, truth = make_cell(ON_TRACK, swap())
+        moved = tuple(
+            replace(joint, origin=Origin(xyz=(-1.0, 0.0, 1e-6))) if joint.name == "right_base_joint" else joint
+            for joint in made.joints
+        )
+        proof = prove(truth, replace(made, joints=moved), proof_vectors(truth, made, 4))
+        assert not proof.holds
+        assert proof.tip == "right_tool0"
+        assert proof.tips["right_tool0"] == pytest.approx(1e-6)
+        assert max(error for tip, error in proof.tips.items() if tip != "right_tool0") < 1e-14
+
+    def test_pinocchio_has_every_tool_where_the_tables_have_it(self, tmp_path: Path) -> None:
+        """A reader that shares no code with the project, on the file as it is written."""
+        pin = pytest.importorskip("pinocchio")
+        made, truth = make_cell(ON_TRACK, swap())
+        (file,) = URDF.emit(made, "cell", URDF.options())
+        (tmp_path / file.name).write_bytes(file.content)
+        model = pin.buildModelFromUrdf(str(tmp_path / file.name))
+        data = model.createData()
+        for q in proof_vectors(truth, made, 5):
+            values = np.zeros(model.nq)
+            for name, value in zip(truth.joints, q, strict=True):
+                values[model.joints[model.getJointId(name)].idx_q] = value
+            pin.framesForwardKinematics(model, data, values)
+            for tip in truth.tips:
+                found = data.oMf[model.getFrameId(tip.link)].homogeneous
+                np.testing.assert_allclose(found, as_matrices(tip.pose(q)), rtol=0, atol=1e-12)
+
+    def test_published_arms_stand_in_one_cell(self, reference_robots: list[ReferenceRobot]) -> None:
+        """All of them at once, each on its place, at the poses that their publishers computed."""
+        tables = {robot.id: robot.manipulator for robot in reference_robots if len(robot.manipulator.rows) <= 12}
+        arms = [
+            call(f"a{number}", name, placement=Origin(xyz=(number, 0.0, 0.0), rpy=(0.1 * number, 0.0, 0.2)))
+            for number, name in enumerate(tables)
+        ]
+        truth = truth_of(cell(*arms, tables=tables), robots(tables))
+        published = {robot.id: robot for robot in reference_robots}
+        assert len(arms) > 15
+        for arm, tip in zip(arms, truth.tips, strict=True):
+            robot = published[arm.of]
+            for values, pose in zip(robot.q, robot.poses, strict=True):
+                q = np.zeros(len(truth.joints))
+                q[list(tip.columns)] = values
+                expected = at(arm.placement) @ np.asarray(pose)
+                np.testing.assert_allclose(as_matrices(tip.pose(tuple(q))), expected, rtol=0, atol=1e-9)
+
+
+# --- The files ---------------------------------------------------------------------------------------------------------
+
+
+def parts(content: bytes) -> dict[str, list[ET.Element]]:
+    """The materials, links and joints of a robot, each in order."""
+    root = ET.fromstring(content)  # noqa: S314 - our own file
+    return {tag: root.findall(tag) for tag in ("material", "link", "joint")}
+
+
+def same_text(mine: str, theirs: str) -> bool:
+    """Equal, or equal numbers within 1e-15·max(1, |x|)."""
+    if mine == theirs:
+        return True
+    pairs = list(zip(map(float, mine.split()), map(float, theirs.split()), strict=True))
+    return all(abs(x - y) <= 1e-15 * max(1, abs(y)) for x, y in pairs)
+
+
+class TestXacro:
+    @pytest.mark.parametrize("single_file", [False, True])
+    def test_expanded_it_is_the_urdf(self, tmp_path: Path, *, single_file: bool) -> None:
+        """Materials, links and joints, each in order, tag by tag and attribute by attribute."""
+        robot = compose(ON_TRACK, robots())
+        for file in XACRO.emit(robot, "cell", XACRO.options(single_file=single_file)):
+            (tmp_path / file.name).write_bytes(file.content)
+        expanded = parts(expand(tmp_path / "cell.urdf.xacro"))
+        urdf = parts(URDF.emit(robot, "cell", URDF.options())[0].content)
+        for tag, elements in urdf.items():
+            assert len(elements) > 5
+            for mine, theirs in zip(expanded[tag], elements, strict=True):
+                for left, right in zip(mine.iter(), theirs.iter(), strict=True):
+                    assert (left.tag, len(left), set(left.attrib)) == (right.tag, len(right), set(right.attrib))
+                    assert all(same_text(text, right.attrib[key]) for key, text in left.attrib.items())
+
+    def test_there_is_one_macro_for_each_kind_and_one_call_for_each_arm(self) -> None:
+        """The top file holds the world and the calls, with prefix, parent and origin."""
+        top, library = XACRO.emit(compose(ON_TRACK, robots()), "cell", XACRO.options())
+        assert (top.name, library.name) == ("cell.urdf.xacro", "cell_macro.xacro")
+        assert top.content.decode() == (
+            """<?xml version="1.0"?>
+<!-- cell: a cell of track (track), left (arm), hand (arm), right (arm), made by dh2urdf -->
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="cell">
+  <mujoco>
+    <compiler fusestatic="false" discardvisual="false"/>
+  </mujoco>
+  <xacro:include filename="cell_macro.xacro"/>
+  <link name="world"/>
+  <xacro:track prefix="track_" parent="world">
+    <origin xyz="1 0 0" rpy="0 0 0.5"/>
+  </xacro:track>
+  <xacro:arm prefix="left_" parent="track_tool0">
+    <origin xyz="0 0.1 0" rpy="0 0.3 0"/>
+  </xacro:arm>
+  <xacro:arm prefix="hand_" parent="left_two">
+    <origin xyz="0 0 0.2" rpy="0 0 0"/>
+  </xacro:arm>
+  <xacro:arm prefix="right_" parent="world">
+    <origin xyz="-1 0 0" rpy="0 0 0"/>
+  </xacro:arm>
+</robot>
+"""
+        )
+        assert library.content.count(b"<xacro:macro ") == 2
+        assert library.content.count(b'<xacro:property name="a_1"') == 2
+
+    @pytest.mark.parametrize("prefix", ["", "007", "1e3", "true", "1_0", "'x'", "$(arg x)", "${1/0}", "a b/", "é"])
+    def test_a_prefix_is_a_text_whatever_it_looks_like(self, tmp_path: Path, prefix: str) -> None:
+        """xacro makes numbers and truth values of parameters, and evaluates expressions: not of these."""
+        arms = (call("a", "arm", prefix=prefix), call("b", "arm", parent="a", link="one"))
+        robot = compose(cell(*arms), robots())
+        for file in XACRO.emit(robot, "cell", XACRO.options()):
+            (tmp_path / file.name).write_bytes(file.content)
+        read = parse_urdf(expand(tmp_path / "cell.urdf.xacro"), "cell")
+        assert [link.name for link in read.links] == [link.name for link in robot.links]
+        assert [(joint.name, joint.parent) for joint in read.joints] == [
+            (joint.name, joint.parent) for joint in robot.joints
+        ]
+
+    def test_kinds_whose_macros_would_have_one_name_are_told_apart(self, tmp_path: Path) -> None:
+        """`my arm` and `my_arm` are two robots."""
+        tables = {"my arm": replace(ARM, name="my arm"), "my_arm": replace(TRACK, name="my_arm")}
+        arms = (call("a", "my arm"), call("b", "my_arm"))
+        robot = compose(cell(*arms, tables=tables), robots(tables))
+        top, library = XACRO.emit(robot, "cell", XACRO.options())
+        assert b"<xacro:my_arm prefix" in top.content
+        assert b"<xacro:my_arm_2 prefix" in top.content
+        for file in (top, library):
+            (tmp_path / file.name).write_bytes(file.content)
+        names = [joint.name for joint in parse_urdf(expand(tmp_path / top.name), "cell").joints]
+        assert "a_pan" in names
+        assert "b_slide" in names
+
+    def test_a_frame_that_is_no_root_weighs_nothing_explicitly(self, tmp_path: Path) -> None:
+        """PyBullet takes a link without inertial for 1 kg, unless it is the root, which must have none for KDL."""
+        (tmp_path / "arm_macro.xacro").write_bytes(XACRO.emit(robots()["arm"], "arm", XACRO.options())[1].content)
+        scene = tmp_path / "scene.xacro"
+        for parent, mass in (("", None), ("world", 0.0)):
+            scene.write_text(
+                '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="s"><xacro:include filename="arm_macro.xacro"/>'
+                f'<link name="world"/><xacro:arm prefix="" parent="{parent}"><origin/></xacro:arm></robot>'
+            )
+            base = parse_urdf(expand(scene), "scene").links[1]
+            assert base.name == "base_link"
+            assert (base.inertial and base.inertial.mass) == mass
+
+
+# --- The rule about frames without mass -------------------------------------------------------------------------------
+
+
+def test_an_arm_may_stand_on_a_tool0() -> None:
+    """Both frames weigh nothing, but the one below holds the base's body, so sdformat lumps a mass into it first."""
+    made, _ = make_cell(ON_TRACK, swap())
+    assert [notice for notice in made.notices if notice.severity == "error"] == []
+
+
+def test_a_frame_without_a_body_below_another_is_still_refused() -> None:
+    """The fault that costs sdformat the whole model."""
+    robot = compose(ON_TRACK, robots())
+    weightless = robot.links[1].inertial
+    end = Link(name="end", inertial=weightless)
+    joint = Joint(name="to_end", type=JointType.FIXED, parent="right_tool0", child="end")
+    longer = replace(robot, links=(*robot.links, end), joints=(*robot.joints, joint))
+    assert [problem.message for problem in check_robot(longer)] == [
+        "link 'end' and its parent 'right_tool0' both weigh nothing"
+    ]
+
+
+# --- The run ----------------------------------------------------------------------------------------------------------
+
+
+class TestGathering:
+    CALL = CellCall(name="pair", arms=(call("a", "arm"), call("b", "arm")), mark=Mark(file="run.yaml", line=3))
+
+    def gathered(self, *items: Manipulator | Rejected) -> Cell | Rejected:
+        gathering = Gathering(["arm"])
+        for item in items:
+            gathering.see(item)
+        (found,) = with_tables([self.CALL], gathering)
+        return found
+
+    def test_only_what_cells_need_is_kept(self) -> None:
+        """A run of a million with one cell of two keeps one table."""
+        found = self.gathered(*(replace(TRACK, name=f"t{number}") for number in range(2000)), ARM)
+        assert isinstance(found, Cell)
+        assert found.manipulators == {"arm": ARM}
+
+    def test_an_unknown_manipulator_fails_the_cell(self) -> None:
+        """With what there is, and what was probably meant."""
+        found = self.gathered(replace(ARM, name="arms"), TRACK)
+        assert isinstance(found, Rejected)
+        assert str(found.problems[0]) == (
+            "run.yaml:4: error: field 'of': the arm 'a' is made of 'arm', and no manipulator of the run has that name\n"
+            "    accepted: arms, track\n    did you mean 'arms'?"
+        )
+        assert len(found.problems) == 2
+
+    def test_two_manipulators_of_the_name_fail_the_cell(self) -> None:
+        """It is not guessed which of them is meant."""
+        first, second = (replace(ARM, mark=Mark(file="a.csv", line=line)) for line in (2, 9))
+        found = self.gathered(first, second)
+        assert isinstance(found, Rejected)
+        assert "and several manipulators have that name" in str(found.problems[0])
+        assert "they stand at a.csv:2 and a.csv:9" in str(found.problems[0])
+
+    def test_an_arm_that_cannot_be_read_fails_the_cell_with_the_reason(self) -> None:
+        """The problem of the table follows a sentence about the arm."""
+        bad = Rejected(name="arm", problems=(Problem(message="'x' is no number", mark=Mark(file="a.csv", line=7)),))
+        found = self.gathered(bad)
+        assert isinstance(found, Rejected)
+        assert [str(problem) for problem in found.problems[:2]] == [
+            "run.yaml:4: error: field 'of': the arm 'a' cannot be made of 'arm'",
+            "a.csv:7: error: 'x' is no number",
+        ]
+
+
+def report(folder: Path) -> dict[str, Any]:
+    entries = json.loads((folder / "report.json").read_bytes())["manipulators"]
+    return {entry["name"]: entry for entry in entries}
+
+
+@pytest.mark.parametrize(
+    ("config", "tips"),
+    [
+        ("pair", ["left_tool0", "right_tool0"]),
+        ("ur5_on_track", ["track_tool0", "arm_tool0"]),
+        ("around_a_table", ["left_tool0", "near_tool0", "right_tool0", "far_tool0"]),
+    ],
+)
+def test_the_examples_are_made_proved_and_loaded(
+    cli: Callable[..., Answer], tmp_path: Path, config: str, tips: list[str]
+) -> None:
+    """URDF, xacro and picture of the whole cell; every tool0 is proved in both files and found in PyBullet."""
+    cli("run", CONFIGS / f"{config}.yaml", "-o", tmp_path / "out")
+    entry = report(tmp_path / "out")[config]
+    assert entry["status"] == "ok"
+    assert Path(entry["source"]).name == f"{config}.yaml"
+    assert [file["path"] for file in entry["files"]] == [
+        *(f"{config}.urdf", f"{config}.urdf.xacro", f"{config}_macro.xacro")
+    ]
+    for proof in entry["proof"].values():
+        assert list(proof["tips"]) == tips
+        assert proof["position_error"] == max(proof["tips"].values()) < 1e-14
+    loaded = entry["loaders"]["pybullet"]
+    assert loaded["position_error"] < loaded["tolerance"] < 1e-5
+    assert loaded["findings"] == []
+    assert loaded["mass_error"] == 0.0
+    assert (tmp_path / "out" / loaded["picture"]).is_file()
+
+
+def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
+    """Each tip is measured: a file whose second arm is moved by 1 mm is refused, with the tip's name."""
+    pytest.importorskip("pybullet")
+    from dh2urdf.errors import LoaderError
+    from dh2urdf.isolation.child_process import load_in_child
+    from dh2urdf.stages import LoadRequest
+    from dh2urdf_plugins.loaders.pybullet.loader import LOADER
+
+    made, truth = make_cell(ON_TRACK, swap())
+    (file,) = URDF.emit(made, "cell", URDF.options())
+    (tmp_path / file.name).write_bytes(file.content.replace(b'xyz="-1 0 0"', b'xyz="-1.001 0 0"'))
+    poses = proof_vectors(truth, made, 2)[3:]
+    expected = {tip.link: tuple(tuple(as_matrices(tip.pose(q)).ravel().tolist()) for q in poses) for tip in truth.tips}
+    request = LoadRequest(path=tmp_path / file.name, robot=made, poses=poses, expected=expected)
+    with pytest.raises(LoaderError, match=r"PyBullet has right_tool0 in another place, 0\.001 m and"):
+        load_in_child(LOADER, request, LOADER.options(picture=False))
+
+
+RUN = """
+inputs: [arms.csv]
+cells:
+  - {name: good, arms: [{name: a, of: one}, {name: b, of: two, parent: a/tool0}]}
+  - {name: lost, arms: [{name: a, of: tow}]}
+  - {name: bad, arms: [{name: a, of: three}]}
+  - {name: heavy, arms: [{name: a, of: four}]}
+  - {name: loose, arms: [{name: a, of: one}, {name: b, of: two, parent: a/link_9}]}
+"""
+ARMS = """# convention: standard
+robot,a,alpha,d,mass
+one,0.3,0,0.1,1
+two,0.4,pi/2,0,1
+three,0.4,x,0,1
+four,0.4,0,0,1e400
+"""
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_cell_that_cannot_be_made_fails_alone(cli: Callable[..., Answer], tmp_path: Path, workers: str) -> None:
+    """Every cell is a row of the report, with its reason; all else is made, in any number of processes."""
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "arms.csv").write_text(ARMS)
+    cli("run", "run.yaml", "-o", "out", "--workers", workers, status=1)
+    rows = report(tmp_path / "out")
+    assert list(rows) == ["one", "two", "three", "four", "good", "lost", "bad", "heavy", "loose"]
+    assert {name for name, row in rows.items() if row["status"] == "ok"} == {"one", "two", "good"}
+    assert "did you mean 'two'" in rows["lost"]["errors"][0]["message"]
+    assert (rows["lost"]["errors"][0]["line"], rows["lost"]["errors"][0]["column"]) == (5, 39)
+    assert [error["file"] for error in rows["bad"]["errors"]] == ["run.yaml", "arms.csv"]
+    assert rows["heavy"]["errors"][0]["message"] == "the arm 'a' cannot be made of 'four'"
+    assert "which is no link" in rows["loose"]["errors"][0]["message"]
+    assert (tmp_path / "out" / "good.urdf").is_file()
+    assert not (tmp_path / "out" / "loose.urdf").exists()
+
+
+def test_a_dry_run_checks_cells_too(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """Nothing is written; what fails fails."""
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "arms.csv").write_text(ARMS)
+    answer = cli("run", "run.yaml", "--dry-run", "--json", status=1)
+    rows = {row["name"]: row["status"] for row in json.loads(answer.stdout)["manipulators"]}
+    assert (rows["good"], rows["loose"], rows["lost"]) == ("skipped", "failed", "failed")
+    assert not (tmp_path / "build").exists()
+
+
+def test_the_papers_variant_is_reported_and_fails_nothing(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """A transform that does not keep the kinematics: the cell's arms are off as they are alone."""
+    cli("run", CONFIGS / "pair.yaml", "-o", tmp_path, "--set", "transform.options.variant=paper")
+    entry = report(tmp_path)["pair"]
+    assert (entry["status"], entry["keeps_kinematics"]) == ("ok", False)
+    assert entry["proof"]["urdf"]["position_error"] > 0.1

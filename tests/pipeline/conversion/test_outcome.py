@@ -1,0 +1,188 @@
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.conversion.one_manipulator import Written
+from dh2urdf.conversion.outcome import Outcome, Verdict, kind_of, to_line, to_text
+from dh2urdf.errors import (
+    CrashError,
+    EmitterError,
+    LoaderError,
+    ManipulatorError,
+    ProofError,
+    RobotError,
+    StageError,
+    TableError,
+    TimeLimitError,
+    TransformError,
+)
+from dh2urdf.kinematics.proof import Proof
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import EmittedFile, LoadReport
+
+PROOF = Proof(position_error=1e-16, angle_error=2e-16, q=(0.5, -1.0), tolerance=1e-9, poses=35)
+ARM = Outcome(
+    name="arm",
+    status="ok",
+    source="arm.csv",
+    drawn={"a_2": 0.4, "type_1": "prismatic"},
+    written=(
+        Written(stage="urdf", files=(EmittedFile(name="arm.urdf", content=b"<robot>"),), proof=PROOF),
+        Written(stage="text", files=(EmittedFile(name="arm.txt", content=b"arm"),), proof=None),
+    ),
+    loads={
+        "paper": Verdict(
+            report=LoadReport(
+                simulator="Paper",
+                version="1",
+                mass=2.5,
+                findings=(Problem(message="it is flat", severity="notice", joint="turn"),),
+            )
+        )
+    },
+    notices=(Problem(message="an ignored column", severity="notice", mark=Mark(file="arm.csv", line=1, column=9)),),
+    seconds={"transform": 0.25, "write": 0.5},
+)
+BAD = Outcome(
+    name="bad",
+    status="failed",
+    source="arm.csv",
+    kind="table",
+    was_read=False,
+    errors=(
+        Problem(
+            message="'x' is no number",
+            mark=Mark(file="arm.csv", line=3, column=5),
+            joint="elbow",
+            field="alpha",
+            found="x",
+            accepted="a number",
+            suggestion="did you mean '0'?",
+        ),
+    ),
+)
+FILE = {"path": "arm.urdf", "stage": "urdf", "bytes": 7, "sha256": "ab"}
+
+
+def test_a_row_has_all_that_is_known_of_a_manipulator() -> None:
+    """Files as they are handed in, a proof per emitter, null where there is none, a report per loader, the drawn values."""
+    row = json.loads(to_line(ARM.row("00ff", [FILE])))
+    assert list(row) == [
+        *("name", "status", "kind", "source", "key", "drawn", "keeps_kinematics", "files", "proof", "loaders"),
+        *("notices", "errors"),
+    ]
+    assert (row["name"], row["status"], row["kind"], row["source"], row["key"]) == (
+        "arm",
+        "ok",
+        None,
+        "arm.csv",
+        "00ff",
+    )
+    assert row["drawn"] == {"a_2": 0.4, "type_1": "prismatic"}
+    assert row["files"] == [FILE]
+    assert row["proof"] == {
+        "urdf": {"position_error": 1e-16, "angle_error": 2e-16, "q": [0.5, -1.0], "tolerance": 1e-9, "poses": 35},
+        "text": None,
+    }
+    assert row["loaders"]["paper"]["mass"] == 2.5
+    assert row["loaders"]["paper"]["findings"][0]["joint"] == "turn"
+    assert [(notice["line"], notice["message"]) for notice in row["notices"]] == [(1, "an ignored column")]
+    assert row["errors"] == []
+
+
+def test_an_error_has_its_place_and_its_words() -> None:
+    """File, line, column, joint, field, found, accepted and message; a suggestion is part of the message."""
+    row = BAD.row("00ff", [])
+    assert row["errors"] == [
+        {
+            "file": "arm.csv",
+            "line": 3,
+            "column": 5,
+            "place": None,
+            "joint": "elbow",
+            "field": "alpha",
+            "found": "x",
+            "accepted": "a number",
+            "message": "'x' is no number; did you mean '0'?",
+        }
+    ]
+    assert (row["status"], row["kind"], row["files"], row["proof"], row["loaders"]) == ("failed", "table", [], {}, {})
+
+
+def test_a_row_has_no_duration() -> None:
+    """A manipulator that took longer has the same row."""
+    slower = replace(ARM, seconds={"transform": 1.0, "write": 2.0})
+    assert to_line(slower.row("00ff", [FILE])) == to_line(ARM.row("00ff", [FILE]))
+
+
+def test_a_cell_has_the_error_of_every_tool0() -> None:
+    """One arm has one tool0, and its row does not repeat it; a cell has as many as arms."""
+    assert "tips" not in ARM.row("", [])["proof"]["urdf"]
+    several = replace(PROOF, tip="b_tool0", tips={"a_tool0": 0.0, "b_tool0": 1e-16})
+    cell = replace(ARM, written=(replace(ARM.written[0], proof=several),)).row("", [])
+    assert cell["proof"]["urdf"]["tip"] == "b_tool0"
+    assert cell["proof"]["urdf"]["tips"] == {"a_tool0": 0.0, "b_tool0": 1e-16}
+
+
+@pytest.mark.parametrize(
+    ("error", "kind"),
+    [
+        (TableError("x"), "table"),
+        (TransformError("x"), "transform"),
+        (RobotError("x"), "robot"),
+        (EmitterError("x"), "emitter"),
+        (ProofError("x"), "proof"),
+        (LoaderError("x"), "loader"),
+        (CrashError("x"), "crash"),
+        (TimeLimitError("x"), "time limit"),
+        (StageError("emitter 'x'", "KeyError: 1"), "stage"),
+        (ManipulatorError("x"), "manipulator"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_the_kind_of_a_failure_is_its_class_in_words(error: Exception, kind: str) -> None:
+    """So that whoever counts failures reads words, and whoever adds a class need not add a word."""
+    assert kind_of(error) == kind
+
+
+def test_a_line_is_one_line_and_a_text_is_indented() -> None:
+    """The manifest is read line by line, also where a message has lines; the report is for people too."""
+    row = {"name": "a\nb", "errors": [{"message": "one\ntwo\u2028three"}], "loads": {1: True}}
+    assert to_line(row).count(b"\n") == 1
+    assert to_line(row).endswith(b"}\n")
+    assert to_text(row).endswith(b"}\n")
+    assert b'\n  "name": "a\\nb",\n' in to_text(row)
+    assert json.loads(to_line(row)) == json.loads(to_text(row)) == json.loads(json.dumps(row))
+
+
+def test_what_is_no_number_is_null() -> None:
+    """JSON has no infinity."""
+    broken = replace(ARM, written=(replace(ARM.written[0], proof=replace(PROOF, position_error=float("inf"))),))
+    assert json.loads(to_line(broken.row("", [])))["proof"]["urdf"]["position_error"] is None
+
+
+def test_names_that_are_no_unicode_are_spelled_out() -> None:
+    """The name of a file may hold bytes that are no UTF-8: they do not keep the row from being written."""
+    row = replace(ARM, name="arm\udcff", source="a\udcff.csv").row("", [{**FILE, "path": "arm\udcff.urdf"}])
+    assert json.loads(to_line(row))["name"] == "arm\\udcff"
+    assert json.loads(to_line(row))["files"][0]["path"] == "arm\\udcff.urdf"
+    assert json.loads(to_text(row))["source"] == "a\\udcff.csv"
+
+
+TEXTS = st.text(st.characters(codec=None), max_size=5)
+
+
+@given(st.recursive(st.none() | st.booleans() | st.integers(-9, 9) | TEXTS, lambda inner: st.lists(inner, max_size=3)))
+def test_anything_plain_can_be_written(data: Any) -> None:
+    """Whatever texts it holds, lone surrogates too: what is UTF-8 comes back as it was."""
+    found = json.loads(to_line({"data": data}))["data"]
+    try:
+        json.dumps(data, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        return
+    assert found == data

@@ -1,0 +1,149 @@
+"""Functions that `test_isolation.py` runs in child processes, in a module that the child can import."""
+
+# ruff: noqa: T201 - what is printed in a child is what these functions are about
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NoReturn
+
+from dh2urdf.errors import LoaderError, MissingDependencyError
+from dh2urdf.isolation.child_process import run_in_child
+from dh2urdf.source import Problem
+from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions
+
+
+def double(number: float) -> float:
+    return 2 * number
+
+
+def as_many_bytes(data: bytes) -> bytes:
+    return data
+
+
+def print_everywhere() -> str:
+    libc = ctypes.CDLL(None)
+    print("from Python")
+    libc.puts(b"from C")
+    libc.printf(b"without a newline")
+    libc.fflush(None)
+    os.write(1, b"\nfrom descriptor 1\n")
+    os.write(2, b"from descriptor 2\n")
+    print("from standard error", file=sys.stderr)
+    return "printed"
+
+
+def print_in_c_and_crash() -> None:
+    ctypes.CDLL(None).printf(b"the last thing that was said")
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def print_much(size: int) -> None:
+    line = b"x" * 79 + b"\n"
+    os.write(1, b"the beginning\n")
+    for _ in range(size // len(line)):
+        os.write(1, line)
+    os.write(2, b"the end\n")
+
+
+def kill_myself(number: int) -> None:
+    os.kill(os.getpid(), number)
+
+
+def leave(how: str) -> None:
+    if how == "SystemExit":
+        raise SystemExit(3)
+    if how == "os._exit":
+        os._exit(3)
+
+
+def hang(pids: str) -> None:
+    """Hangs, with a child of its own that hangs too; both process ids stand in the file."""
+    other = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+    path = Path(pids)
+    path.with_suffix(".new").write_text(f"{os.getpid()} {other.pid}")
+    path.with_suffix(".new").rename(path)
+    time.sleep(600)
+
+
+def hang_in_grandchild(pids: str) -> None:
+    run_in_child(hang, pids, timeout=600)
+
+
+def read_standard_input() -> str:
+    return sys.stdin.read()
+
+
+def raise_value_error() -> NoReturn:
+    raise ValueError("not this value")
+
+
+def raise_missing_dependency() -> NoReturn:
+    print("looking for it")
+    raise MissingDependencyError("loader 'x'", "x", "dh2urdf[x]")
+
+
+class UnpicklableError(Exception):
+    def __init__(self, first: str, second: str) -> None:
+        super().__init__(first + second)
+
+
+def raise_unpicklable() -> NoReturn:
+    raise UnpicklableError("cannot ", "travel")
+
+
+def return_unpicklable() -> Any:
+    return lambda: None
+
+
+def crash_at_the_end() -> str:
+    import atexit
+
+    atexit.register(kill_myself, signal.SIGSEGV)
+    return "measured before"
+
+
+def double_from_a_worker(number: float) -> float:
+    """What a worker of a process pool does: it starts a child itself."""
+    return run_in_child(double, number, timeout=60).value
+
+
+def load(request: LoadRequest, _options: NoOptions) -> LoadReport:
+    print("WARNING: a screw is loose")
+    match request.path.name:
+        case "refused.urdf":
+            raise LoaderError("I do not like it")
+        case "refused_with_its_path.urdf":
+            print(f"WARNING: {request.path} is bad")
+            raise LoaderError(f"cannot load {request.path}")
+        case "noisy.urdf":
+            print(f"WARNING: {request.path} is odd")
+        case "crash.urdf":
+            sys.stdout.flush()
+            os.kill(os.getpid(), signal.SIGSEGV)
+        case "hang.urdf":
+            time.sleep(600)
+    return LoadReport(simulator="toy", version="1", findings=(Problem(message="measured", severity="notice"),))
+
+
+def read_output(_request: LoadRequest, output: str) -> list[Problem]:
+    return [Problem(message=line, severity="notice") for line in output.splitlines() if "WARNING" in line]
+
+
+LOADER = Loader(
+    name="toy",
+    summary="loads nothing",
+    load=load,
+    options=NoOptions,
+    poses=lambda _options: 0,
+    picture=lambda _options: False,
+    read_output=read_output,
+)
+HASTY = replace(LOADER, time_limit=lambda _options: 2.0)

@@ -1,0 +1,304 @@
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, TimeLimitError
+from dh2urdf.isolation.child_process import KEPT_OUTPUT, ChildFailure, load_in_child, run_in_child
+from dh2urdf.robot import Robot
+from dh2urdf.stages import LoadRequest, NoOptions
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+LONG = 60.0
+
+
+@pytest.fixture
+def functions(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(Path(__file__).parent)
+    import isolated_functions
+
+    return isolated_functions
+
+
+@pytest.fixture
+def request_for(tmp_path: Path) -> Any:
+    def make(name: str) -> LoadRequest:
+        return LoadRequest(
+            path=tmp_path / name,
+            robot=Robot(name="arm", links=(), joints=()),
+            poses=(),
+            expected={},
+        )
+
+    return make
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process runs; one that nobody has waited for yet does not."""
+    try:
+        if Path("/proc/self/stat").exists():
+            return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+        os.kill(pid, 0)
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return True
+
+
+def wait_until(condition: Any) -> bool:
+    end = time.monotonic() + LONG
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def test_value_comes_back(functions: ModuleType) -> None:
+    """The value of the function is the child's value, and a silent function has no output."""
+    result = run_in_child(functions.double, 21, timeout=LONG)
+    assert (result.value, result.output) == (42, "")
+
+
+def test_large_arguments_and_values_pass(functions: ModuleType) -> None:
+    """Neither side waits for a full pipe: two megabytes go there and back."""
+    data = bytes(range(256)) * 8192
+    assert run_in_child(functions.as_many_bytes, data, timeout=LONG).value == data
+
+
+def test_everything_printed_is_caught(functions: ModuleType, capfd: pytest.CaptureFixture[str]) -> None:
+    """Both streams are caught, from Python, C and bare descriptors, in the order of printing; nothing leaks out."""
+    result = run_in_child(functions.print_everywhere, timeout=LONG)
+    assert result.value == "printed"
+    assert result.output.splitlines() == [
+        "from Python",
+        "from C",
+        "without a newline",
+        "from descriptor 1",
+        "from descriptor 2",
+        "from standard error",
+    ]
+    assert capfd.readouterr() == ("", "")
+
+
+def test_huge_output_keeps_beginning_and_end(functions: ModuleType) -> None:
+    """Of four megabytes of output 64 kB are kept, and a line says how much is missing."""
+    output = run_in_child(functions.print_much, 4_000_000, timeout=LONG).output
+    assert output.startswith("the beginning\n")
+    assert output.endswith("the end\n")
+    gap = next(line for line in output.splitlines() if "left out" in line)
+    total = len("the beginning\n") + 4_000_000 + len("the end\n")
+    assert gap == f"[{total - KEPT_OUTPUT} bytes left out]"
+    assert len(output) < KEPT_OUTPUT + 100
+
+
+@pytest.mark.parametrize(
+    ("number", "name"),
+    [(signal.SIGSEGV, "segmentation fault"), (signal.SIGABRT, "aborted"), (signal.SIGKILL, "killed")],
+)
+def test_crash_names_the_signal(functions: ModuleType, number: int, name: str) -> None:
+    """A child that dies of a signal is an error that names the signal."""
+    with pytest.raises(CrashError) as caught:
+        run_in_child(functions.kill_myself, number, timeout=LONG)
+    assert caught.value.problems[0].message == f"the simulator crashed ({name})"
+
+
+def test_messages_name_whom_the_caller_names(functions: ModuleType) -> None:
+    """What is run in a child is not always a simulator."""
+    with pytest.raises(CrashError, match=r"^error: the emitter 'odd' crashed \(aborted\)"):
+        run_in_child(functions.kill_myself, signal.SIGABRT, timeout=LONG, who="the emitter 'odd'")
+    with pytest.raises(CrashError, match=r"^error: the emitter 'odd' left the interpreter"):
+        run_in_child(functions.leave, "SystemExit", timeout=LONG, who="the emitter 'odd'")
+
+
+def test_crash_tells_the_last_words(functions: ModuleType) -> None:
+    """What C printed just before a crash, without a newline or flush, is in the message."""
+    with pytest.raises(CrashError, match="it printed last: 'the last thing that was said'"):
+        run_in_child(functions.print_in_c_and_crash, timeout=LONG)
+
+
+@pytest.mark.parametrize("how", ["SystemExit", "os._exit"])
+def test_leaving_is_an_error(functions: ModuleType, how: str) -> None:
+    """A function that leaves the interpreter ends the child only, and the error has the exit status."""
+    with pytest.raises(CrashError, match=r"left the .*exit status 3"):
+        run_in_child(functions.leave, how, timeout=LONG)
+
+
+def test_crash_after_the_value_does_not_take_it_back(functions: ModuleType) -> None:
+    """What was measured stands, however the simulator dies while it is taken down."""
+    assert run_in_child(functions.crash_at_the_end, timeout=LONG).value == "measured before"
+
+
+def test_exceptions_keep_their_type(functions: ModuleType) -> None:
+    """An exception comes back in its own type, with the child's traceback in its cause."""
+    with pytest.raises(ValueError, match="not this value") as caught:
+        run_in_child(functions.raise_value_error, timeout=LONG)
+    cause = caught.value.__cause__
+    assert isinstance(cause, ChildFailure)
+    assert "in raise_value_error" in cause.traceback
+    assert "in raise_value_error" in str(cause)
+
+
+def test_own_errors_keep_their_data(functions: ModuleType) -> None:
+    """An error of dh2urdf comes back with its attributes, and the output in its cause."""
+    with pytest.raises(MissingDependencyError) as caught:
+        run_in_child(functions.raise_missing_dependency, timeout=LONG)
+    assert caught.value.extra == "dh2urdf[x]"
+    cause = caught.value.__cause__
+    assert isinstance(cause, ChildFailure)
+    assert cause.output == "looking for it\n"
+
+
+def test_unpicklable_exception_is_wrapped(functions: ModuleType) -> None:
+    """An exception that does not survive pickling becomes a RuntimeError with its name, its text and its traceback."""
+    with pytest.raises(RuntimeError, match=r"^UnpicklableError: cannot travel") as caught:
+        run_in_child(functions.raise_unpicklable, timeout=LONG)
+    assert isinstance(caught.value.__cause__, ChildFailure)
+    assert "in raise_unpicklable" in caught.value.__cause__.traceback
+
+
+def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:
+    """A value that cannot be sent is told as what pickle says of it."""
+    with pytest.raises((pickle.PicklingError, AttributeError, TypeError), match="lambda"):
+        run_in_child(functions.return_unpicklable, timeout=LONG)
+
+
+def test_function_must_be_importable() -> None:
+    """A function without a name in a module is refused before a child starts."""
+    with pytest.raises(CrashError, match="cannot be sent to a child process"):
+        run_in_child(lambda: None, timeout=LONG)
+
+
+def test_module_missing_in_the_child_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the child cannot import the function's module, the error says which and why."""
+    (tmp_path / "fleeting.py").write_text("def function():\n    return 1\n")
+    with monkeypatch.context() as path:
+        path.syspath_prepend(tmp_path)
+        import fleeting  # type: ignore[import-not-found]
+    with pytest.raises(CrashError, match=r"cannot import fleeting\.function: ModuleNotFoundError"):
+        run_in_child(fleeting.function, timeout=LONG)
+
+
+def test_time_limit_ends_the_whole_group(functions: ModuleType, tmp_path: Path) -> None:
+    """A child that hangs is killed at the limit, together with what it started itself."""
+    pids = tmp_path / "pids"
+    with pytest.raises(TimeLimitError, match="did not finish within 3 s"):
+        run_in_child(functions.hang, str(pids), timeout=3)
+    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
+
+
+def test_interrupt_ends_the_child(functions: ModuleType, tmp_path: Path) -> None:
+    """Ctrl-C while a child runs is raised in the parent, and leaves no process behind."""
+    pids = tmp_path / "pids"
+
+    def interrupt() -> None:
+        wait_until(pids.exists)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        run_in_child(functions.hang, str(pids), timeout=LONG)
+    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
+
+
+def test_child_leaves_with_a_killed_parent(tmp_path: Path) -> None:
+    """A parent that is killed outright takes its children with it."""
+    pids = tmp_path / "pids"
+    script = f"import isolated_functions as f; f.hang_in_grandchild({str(pids)!r})"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    with subprocess.Popen([sys.executable, "-c", script], env=environment) as parent:
+        assert wait_until(pids.exists)
+        parent.kill()
+    assert wait_until(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
+
+
+def test_standard_input_is_empty(functions: ModuleType) -> None:
+    """A simulator that asks on standard input gets an end of file, not the parent's words."""
+    assert run_in_child(functions.read_standard_input, timeout=LONG).value == ""
+
+
+def test_worker_of_a_process_pool_may_start_one(functions: ModuleType) -> None:
+    """It works inside a worker of a process pool."""
+    with ProcessPoolExecutor(1) as pool:
+        assert pool.submit(functions.double_from_a_worker, 21).result(timeout=LONG) == 42
+
+
+def test_script_needs_no_main_guard(tmp_path: Path) -> None:
+    """A script without `if __name__ == "__main__"` may use it: the child does not run the script again."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from math import hypot\n"
+        "from dh2urdf.isolation.child_process import run_in_child\n"
+        "print('once', run_in_child(hypot, 3.0, 4.0, timeout=60).value)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "once 5.0\n", "")
+
+
+def test_function_of_the_script_itself_is_refused(tmp_path: Path) -> None:
+    """A function that stands in the script cannot be imported by the child, and the error says so."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from dh2urdf.isolation.child_process import run_in_child\n"
+        "def mine(): pass\n"
+        "try:\n    run_in_child(mine, timeout=60)\nexcept Exception as error:\n    print(error)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True, check=False)
+    assert "mine stands in the script that is run" in done.stdout
+
+
+def test_report_is_completed_with_the_output(functions: ModuleType, request_for: Any) -> None:
+    """A loader's report gets what was printed, and the findings in it after the loader's own."""
+    report = load_in_child(functions.LOADER, request_for("good.urdf"), NoOptions())
+    assert report.output == "WARNING: a screw is loose\n"
+    assert [finding.message for finding in report.findings] == ["toy: measured", "toy: WARNING: a screw is loose"]
+
+
+def test_refusal_is_completed_with_the_output(functions: ModuleType, request_for: Any) -> None:
+    """What a simulator printed before the loader refused the file follows the loader's own problems."""
+    with pytest.raises(LoaderError) as caught:
+        load_in_child(functions.LOADER, request_for("refused.urdf"), NoOptions())
+    told = [problem.message for problem in caught.value.problems]
+    assert told == ["toy: I do not like it", "toy: WARNING: a screw is loose"]
+
+
+def test_a_crash_names_the_loader(functions: ModuleType, request_for: Any) -> None:
+    """A simulator that crashes is told by its loader's name, and what it printed before is read as ever."""
+    with pytest.raises(CrashError) as caught:
+        load_in_child(functions.LOADER, request_for("crash.urdf"), NoOptions())
+    crash, finding = (problem.message for problem in caught.value.problems)
+    assert crash.startswith("the loader 'toy' crashed (segmentation fault)")
+    assert finding == "toy: WARNING: a screw is loose"
+    assert not isinstance(caught.value, TimeLimitError)
+
+
+def test_a_loader_that_hangs_is_over_its_time_limit(functions: ModuleType, request_for: Any) -> None:
+    """The limit is the loader's own, and the error is of its own kind."""
+    with pytest.raises(TimeLimitError, match=r"^error: the loader 'toy' did not finish within 2 s"):
+        load_in_child(functions.HASTY, request_for("hang.urdf"), NoOptions())
+
+
+@pytest.mark.parametrize("name", ["noisy.urdf", "refused_with_its_path.urdf"])
+def test_the_folder_of_the_file_is_not_told(functions: ModuleType, request_for: Any, name: str) -> None:
+    """It is a temporary one of another name in every run; the file's own name is told."""
+    try:
+        report = load_in_child(functions.LOADER, request_for(name), NoOptions())
+        told = [report.output, *(finding.message for finding in report.findings)]
+        assert f"toy: WARNING: {name} is odd" in told
+    except LoaderError as error:
+        told = [problem.message for problem in error.problems]
+        assert told == [f"toy: cannot load {name}", "toy: WARNING: a screw is loose", f"toy: WARNING: {name} is bad"]
+    assert not any(str(request_for(name).path.parent) in text for text in told)

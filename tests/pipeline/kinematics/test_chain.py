@@ -1,0 +1,434 @@
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.kinematics.chain import (
+    KinematicChain,
+    angle_error,
+    as_matrices,
+    axis_rotation,
+    dh_transform,
+    dh_transforms,
+    forward_kinematics,
+    joint_variables,
+    position_error,
+    reach,
+    row_transform,
+)
+from dh2urdf.kinematics.pose_arrays import pose_matrices
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.robot import Joint, Link, Origin, Robot
+from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, rotation_from_rpy
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from conftest import ReferenceRobot  # type: ignore[import-not-found]
+    from numpy.typing import NDArray
+
+STANDARD, MODIFIED = Convention.STANDARD, Convention.MODIFIED
+ROUNDING = 2e-14
+"""An angle within 1e-15 of quarter turns, relatively, is made one: 6e-15 rad at 2π, on a lever of 2 m."""
+BOTH = pytest.mark.parametrize("convention", Convention)
+
+lengths = st.floats(-2, 2)
+angles = st.floats(-2 * math.pi, 2 * math.pi) | st.sampled_from([k * math.pi / 2 for k in range(-4, 5)])
+
+
+# The oracle: homogeneous matrices as a textbook has them, multiplied by numpy.
+
+
+def turn(axis: str, angle: float) -> NDArray[np.float64]:
+    c, s = math.cos(angle), math.sin(angle)
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    matrix = np.eye(4)
+    matrix[i, i], matrix[i, j], matrix[j, i], matrix[j, j] = c, -s, s, c
+    return matrix
+
+
+def shift(x: float = 0, y: float = 0, z: float = 0) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+def row_matrix(convention: Convention, row: DHRow, q: float) -> NDArray[np.float64]:
+    theta, d = row.theta, row.d
+    if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
+        theta += row.offset + row.sign * q
+    elif row.type is JointType.PRISMATIC:
+        d += row.offset + row.sign * q
+    joint, link = turn("z", theta) @ shift(z=d), shift(x=row.a) @ turn("x", row.alpha)
+    return joint @ link if convention is STANDARD else link @ joint
+
+
+def table_matrix(table: Manipulator, q: Sequence[float]) -> NDArray[np.float64]:
+    values = iter(q)
+    matrix = homogeneous(table.base)
+    for row in table.rows:
+        matrix = matrix @ row_matrix(table.convention, row, 0 if row.type is JointType.FIXED else next(values))
+    return matrix @ homogeneous(table.tool)
+
+
+def homogeneous(transform: RigidTransform) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
+    matrix[:3, 3] = transform.translation
+    return matrix
+
+
+@st.composite
+def dh_rows(draw: st.DrawFn, number: int) -> DHRow:
+    kind = draw(st.sampled_from(JointType))
+    free = kind is not JointType.FIXED
+    return DHRow(
+        joint=f"joint_{number}",
+        link=f"link_{number}",
+        type=kind,
+        a=draw(lengths),
+        alpha=draw(angles),
+        d=draw(lengths),
+        theta=draw(angles),
+        offset=draw(lengths) if free else 0.0,
+        sign=draw(st.sampled_from([1, -1])) if free else 1,
+    )
+
+
+rigid_transforms = st.builds(
+    RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles)
+)
+
+
+@st.composite
+def manipulators(draw: st.DrawFn) -> Manipulator:
+    count = draw(st.integers(1, 12))
+    return Manipulator(
+        name="arm",
+        convention=draw(st.sampled_from(Convention)),
+        rows=tuple(draw(dh_rows(number)) for number in range(1, count + 1)),
+        base=draw(rigid_transforms),
+        tool=draw(rigid_transforms),
+    )
+
+
+@st.composite
+def tables_with_q(draw: st.DrawFn) -> tuple[Manipulator, list[float]]:
+    table = draw(manipulators())
+    return table, [draw(lengths) for _ in table.moving_rows]
+
+
+def arm(*rows: DHRow, convention: Convention = STANDARD, **more: RigidTransform) -> Manipulator:
+    return Manipulator(name="arm", convention=convention, rows=rows, **more)
+
+
+def row(number: int = 1, **fields: object) -> DHRow:
+    return DHRow(**({"joint": f"j{number}", "link": f"l{number}", "a": 0.0, "alpha": 0.0, "d": 0.0} | fields))  # type: ignore[arg-type]
+
+
+class TestPublishedRobots:
+    def test_every_pose_is_the_published_one(self, reference_robot: ReferenceRobot) -> None:
+        """T(q) is what each table's own publisher computes, to the rounding of the published numbers."""
+        for q, pose in zip(reference_robot.q, reference_robot.poses, strict=True):
+            found = homogeneous(forward_kinematics(reference_robot.manipulator, q))
+            np.testing.assert_allclose(found, pose, rtol=0, atol=1e-12 * max(1, np.abs(pose).max()))
+
+    def test_vectorised_poses_are_the_single_ones(self, reference_robot: ReferenceRobot) -> None:
+        """All joint vectors at once give the poses that they give one by one."""
+        together = pose_matrices(reference_robot.manipulator, reference_robot.q)
+        assert together.shape == (len(reference_robot.q), 4, 4)
+        one_by_one = [homogeneous(forward_kinematics(reference_robot.manipulator, q)) for q in reference_robot.q]
+        np.testing.assert_allclose(together, one_by_one, rtol=0, atol=1e-13 * max(1, np.abs(together).max()))
+
+    def test_there_are_21_robots_of_8_poses(self, reference_robots: list[ReferenceRobot]) -> None:
+        """The facts are all there: 21 tables, 8 joint vectors each, both conventions, turning, sliding and fixed."""
+        assert len(reference_robots) == 21
+        assert {len(robot.q) for robot in reference_robots} == {8}
+        assert {robot.manipulator.convention for robot in reference_robots} == set(Convention)
+        kinds = {row.type for robot in reference_robots for row in robot.manipulator.rows}
+        assert kinds == set(JointType) - {JointType.CONTINUOUS}
+
+
+class TestRowTransform:
+    @given(a=lengths, alpha=angles, d=lengths, theta=angles)
+    def test_standard(self, a: float, alpha: float, d: float, theta: float) -> None:
+        """A standard row is Rz(theta)·Tz(d)·Tx(a)·Rx(alpha)."""
+        expected = turn("z", theta) @ shift(z=d) @ shift(x=a) @ turn("x", alpha)
+        found = homogeneous(dh_transform(STANDARD, a=a, alpha=alpha, d=d, theta=theta))
+        np.testing.assert_allclose(found, expected, rtol=0, atol=ROUNDING)
+
+    @given(a=lengths, alpha=angles, d=lengths, theta=angles)
+    def test_modified(self, a: float, alpha: float, d: float, theta: float) -> None:
+        """A modified row is Rx(alpha)·Tx(a)·Rz(theta)·Tz(d)."""
+        expected = turn("x", alpha) @ shift(x=a) @ turn("z", theta) @ shift(z=d)
+        found = homogeneous(dh_transform(MODIFIED, a=a, alpha=alpha, d=d, theta=theta))
+        np.testing.assert_allclose(found, expected, rtol=0, atol=ROUNDING)
+
+    @BOTH
+    def test_quarter_turns_are_exact(self, convention: Convention) -> None:
+        """Quarter turns of alpha and theta give the numbers −1, 0 and 1, with no noise of 6e-17."""
+        for alpha in range(-4, 5):
+            for theta in range(-4, 5):
+                found = dh_transform(convention, a=0.25, alpha=alpha * math.pi / 2, d=0.5, theta=theta * math.pi / 2)
+                assert set(found.rotation) <= {-1.0, 0.0, 1.0}
+                assert set(map(abs, found.translation)) <= {0.0, 0.25, 0.5}
+
+    @BOTH
+    def test_a_nearly_quarter_turn_is_not_made_one(self, convention: Convention) -> None:
+        """1.5708 is kept as given: nothing but rounding is ever snapped."""
+        found = dh_transform(convention, a=0.0, alpha=1.5708, d=0.0, theta=0.0)
+        assert found.rotation[8] == math.cos(1.5708) != 0.0
+
+    @pytest.mark.parametrize(
+        ("kind", "theta", "d"),
+        [
+            (JointType.REVOLUTE, 0.1 + 0.01 - 0.5, 0.2),
+            (JointType.CONTINUOUS, 0.1 + 0.01 - 0.5, 0.2),
+            (JointType.PRISMATIC, 0.1, 0.2 + 0.01 - 0.5),
+        ],
+    )
+    def test_offset_and_sign_belong_to_the_joint_variable(self, kind: JointType, theta: float, d: float) -> None:
+        """Offset and signed q add to theta of a turning joint and to d of a sliding one."""
+        flipped = row(type=kind, theta=0.1, d=0.2, offset=0.01, sign=-1)
+        assert joint_variables(flipped, 0.5) == pytest.approx((theta, d), abs=1e-16)
+
+    def test_a_fixed_row_ignores_q(self) -> None:
+        """A fixed row is constant."""
+        fixed = row(type=JointType.FIXED, theta=0.1, d=0.2)
+        assert joint_variables(fixed, 0.5) == (0.1, 0.2)
+        assert row_transform(STANDARD, fixed, 0.5) == row_transform(STANDARD, fixed)
+
+
+class TestForwardKinematics:
+    @given(tables_with_q())
+    def test_it_is_the_product_of_base_rows_and_tool(self, case: tuple[Manipulator, list[float]]) -> None:
+        """T(q) = base · A_1 · … · A_N · tool, for any table of either convention and all joint types."""
+        table, q = case
+        np.testing.assert_allclose(
+            homogeneous(forward_kinematics(table, q)),
+            table_matrix(table, q),
+            rtol=0,
+            atol=12 * ROUNDING * max(1, reach(table)),
+        )
+
+    @given(tables_with_q())
+    def test_it_stays_a_rigid_transform(self, case: tuple[Manipulator, list[float]]) -> None:
+        """The rotation stays orthonormal and right-handed."""
+        rotation = np.reshape(forward_kinematics(*case).rotation, (3, 3))
+        np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-14)
+        assert np.linalg.det(rotation) == pytest.approx(1, abs=1e-14)
+
+    @given(tables_with_q())
+    def test_no_pose_is_beyond_the_reach(self, case: tuple[Manipulator, list[float]]) -> None:
+        """tool0 is never further from base_link than the reach, prismatic travel aside."""
+        table, q = case
+        travel = sum(abs(v) for v, r in zip(q, table.moving_rows, strict=True) if r.type is JointType.PRISMATIC)
+        assert math.hypot(*forward_kinematics(table, q).translation) <= (reach(table) + travel) * (1 + 1e-12) + 1e-12
+
+    def test_the_reach_of_a_stretched_arm_is_its_length(self) -> None:
+        """The reach is the sum of base, a, d with a prismatic offset, and tool."""
+        table = arm(
+            row(a=0.5),
+            row(2, type=JointType.PRISMATIC, d=0.1, offset=0.2),
+            base=RigidTransform.from_xyz_rpy((3.0, 4.0, 0.0)),
+            tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 1.0)),
+        )
+        assert reach(table) == pytest.approx(5 + 0.5 + 0.3 + 1)
+
+    @pytest.mark.parametrize("q", [[], [0.0], [0.0] * 3])
+    def test_a_joint_vector_of_another_length_is_refused(self, q: list[float]) -> None:
+        """The joint vector has one entry per moving joint: no more, no fewer."""
+        table = arm(row(), row(2, type=JointType.FIXED), row(3))
+        with pytest.raises(ValueError, match=f"'?arm'? has 2 moving joints, the joint vector has {len(q)}"):
+            forward_kinematics(table, q)
+
+    def test_a_thousand_axes(self) -> None:
+        """The depth of the arithmetic does not grow with the number of axes."""
+        table = arm(*(row(number, a=0.001) for number in range(1000)))
+        assert forward_kinematics(table, [0.0] * 1000).translation[0] == pytest.approx(1.0)
+
+
+class TestManyAtOnce:
+    @BOTH
+    def test_parameters_broadcast(self, convention: Convention) -> None:
+        """Parameters of any shapes that broadcast give matrices of the common shape, each its row's own."""
+        alpha, theta = np.linspace(-3, 3, 4), np.linspace(-3, 3, 5)
+        found = dh_transforms(convention, a=0.3, alpha=alpha[:, None], d=0.1, theta=theta)
+        assert found.shape == (4, 5, 4, 4)
+        for i, j in np.ndindex(4, 5):
+            single = row(a=0.3, alpha=alpha[i], d=0.1, theta=theta[j], type=JointType.FIXED)
+            np.testing.assert_allclose(found[i, j], row_matrix(convention, single, 0), rtol=0, atol=1e-15)
+
+    def test_numbers_give_one_matrix(self) -> None:
+        """Numbers without a shape give a single 4x4 matrix."""
+        found = dh_transforms(STANDARD, a=1.0, alpha=0.0, d=2.0, theta=0.0)
+        np.testing.assert_array_equal(found, shift(1, 0, 2))
+
+    @pytest.mark.parametrize("shape", [(), (3,), (2, 3), (0,)])
+    def test_joint_vectors_of_any_leading_shape(self, shape: tuple[int, ...]) -> None:
+        """Joint vectors of shape (..., n) give poses of shape (..., 4, 4)."""
+        table = arm(row(a=1.0), row(2, type=JointType.PRISMATIC), row(3, type=JointType.FIXED, d=0.5))
+        q = np.random.default_rng(1).uniform(-1, 1, (*shape, 2))
+        found = pose_matrices(table, q)
+        assert found.shape == (*shape, 4, 4)
+        for index in np.ndindex(shape):
+            np.testing.assert_allclose(found[index], table_matrix(table, q[index]), rtol=0, atol=1e-15)
+
+    def test_an_arm_that_cannot_move_has_one_pose(self) -> None:
+        """A table of fixed rows has joint vectors of no entries, and the same pose at each."""
+        table = arm(row(type=JointType.FIXED, a=1.0))
+        np.testing.assert_array_equal(pose_matrices(table, np.empty((2, 0))), [shift(1), shift(1)])
+
+    def test_matrices_are_row_major(self) -> None:
+        """A matrix has the rotation in its upper left, the translation in its last column, 0 0 0 1 below."""
+        rotation = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0)
+        found = as_matrices(RigidTransform(rotation, (10.0, 11.0, 12.0)))
+        assert found.tolist() == [[1, 2, 3, 10], [4, 5, 6, 11], [7, 8, 9, 12], [0, 0, 0, 1]]
+
+
+def chain_robot() -> Robot:
+    """base_link –turns about y– one –slides along x– two –fixed– tool0, and a side branch."""
+    return Robot(
+        name="hand-built",
+        links=tuple(Link(name=name) for name in ("base_link", "one", "side", "two", "tool0")),
+        joints=(
+            Joint(
+                name="turn",
+                type=JointType.CONTINUOUS,
+                parent="base_link",
+                child="one",
+                origin=Origin(xyz=(0.0, 0.0, 1.0)),
+                axis=(0.0, 1.0, 0.0),
+            ),
+            Joint(name="aside", type=JointType.REVOLUTE, parent="one", child="side"),
+            Joint(
+                name="slide",
+                type=JointType.PRISMATIC,
+                parent="one",
+                child="two",
+                origin=Origin(xyz=(0.0, 0.0, 0.5), rpy=(0.0, 0.0, math.pi / 2)),
+                axis=(1.0, 0.0, 0.0),
+            ),
+            Joint(
+                name="two-tool0", type=JointType.FIXED, parent="two", child="tool0", origin=Origin(xyz=(0.1, 0.0, 0.0))
+            ),
+        ),
+    )
+
+
+class TestKinematicChain:
+    def test_it_holds_the_joints_from_root_to_tip(self) -> None:
+        """A chain has the joints on the way from the root to the tip, in order, and no side branch."""
+        chain = KinematicChain.between(chain_robot())
+        assert [joint.name for joint in chain.joints] == ["turn", "slide", "two-tool0"]
+        assert [joint.name for joint in KinematicChain.between(chain_robot(), tip="side").joints] == ["turn", "aside"]
+
+    def test_a_hand_built_robot_moves_as_drawn(self) -> None:
+        """Origins, axes and joint types mean what URDF says they mean."""
+        angle, way = 0.7, 0.2
+        expected = shift(z=1) @ turn("y", angle) @ shift(z=0.5) @ turn("z", math.pi / 2) @ shift(x=way) @ shift(x=0.1)
+        found = KinematicChain.between(chain_robot()).forward_kinematics([angle, way])
+        np.testing.assert_allclose(homogeneous(found), expected, rtol=0, atol=1e-15)
+
+    def test_many_poses_of_a_chain(self) -> None:
+        """A chain takes many joint vectors at once, like a table."""
+        chain = KinematicChain.between(chain_robot())
+        q = np.random.default_rng(2).uniform(-1, 1, (3, 2, 2))
+        found = pose_matrices(chain, q)
+        assert found.shape == (3, 2, 4, 4)
+        for index in np.ndindex(3, 2):
+            single = chain.forward_kinematics(q[index].tolist())
+            np.testing.assert_allclose(found[index], homogeneous(single), rtol=0, atol=1e-15)
+
+    def test_a_table_and_the_robot_drawn_from_it_agree(self) -> None:
+        """A planar arm of two links, as a table and as links and joints, is one arm."""
+        table = arm(row(a=0.5), row(2, a=0.25, sign=-1))
+        joints = (
+            Joint(name="a", type=JointType.REVOLUTE, parent="base_link", child="one"),
+            Joint(
+                name="b",
+                type=JointType.REVOLUTE,
+                parent="one",
+                child="two",
+                origin=Origin(xyz=(0.5, 0.0, 0.0)),
+                axis=(0.0, 0.0, -1.0),
+            ),
+            Joint(name="c", type=JointType.FIXED, parent="two", child="tool0", origin=Origin(xyz=(0.25, 0.0, 0.0))),
+        )
+        chain = KinematicChain.between(Robot(name="planar", links=(), joints=joints))
+        for q in ([0.0, 0.0], [0.4, -1.2], [-3.0, 2.0]):
+            found, truth = chain.forward_kinematics(q), forward_kinematics(table, q)
+            assert position_error(found, truth) < 1e-15
+            assert angle_error(found, truth) < 1e-15
+
+    @pytest.mark.parametrize("tip", ["no_such_link", "island"])
+    def test_where_there_is_no_way_it_says_so(self, tip: str) -> None:
+        """A tip that does not hang from the root is an error that names both."""
+        joints = (*chain_robot().joints, Joint(name="x", type=JointType.FIXED, parent="elsewhere", child="island"))
+        robot = Robot(name="r", links=(), joints=joints)
+        with pytest.raises(ValueError, match=f"no chain from link 'base_link' to link '{tip}'"):
+            KinematicChain.between(robot, tip=tip)
+
+    def test_a_cycle_ends(self) -> None:
+        """Joints in a circle give an error, not an endless search."""
+        joints = tuple(
+            Joint(name=f"{a}{b}", type=JointType.FIXED, parent=a, child=b)
+            for a, b in ("ab", "bc", "ca", ("c", "tool0"))
+        )
+        with pytest.raises(ValueError, match="no chain"):
+            KinematicChain.between(Robot(name="circle", links=(), joints=joints))
+
+    def test_a_joint_vector_of_another_length_is_refused(self) -> None:
+        """The joint vector of a chain has one entry per moving joint of the chain."""
+        with pytest.raises(ValueError, match="the chain has 2 moving joints, the joint vector has 3"):
+            KinematicChain.between(chain_robot()).forward_kinematics([0.0, 0.0, 0.0])
+
+
+class TestAxisRotation:
+    @given(angle=angles)
+    def test_about_the_axes_of_the_frame(self, angle: float) -> None:
+        """Rodrigues' formula about x, y and z is the elementary rotation."""
+        for axis, vector in (("x", (1.0, 0.0, 0.0)), ("y", (0.0, 1.0, 0.0)), ("z", (0.0, 0.0, 1.0))):
+            found = np.reshape(axis_rotation(vector, angle), (3, 3))
+            np.testing.assert_allclose(found, turn(axis, angle)[:3, :3], rtol=0, atol=ROUNDING)
+
+    @given(angle=angles, roll=angles, pitch=angles)
+    def test_about_an_oblique_axis(self, angle: float, roll: float, pitch: float) -> None:
+        """About an axis that a rotation R makes of z, it is R·Rz·Rᵀ."""
+        R = np.reshape(rotation_from_rpy((roll, pitch, 0.0)), (3, 3))
+        x, y, z = R[:, 2].tolist()
+        found = np.reshape(axis_rotation((x, y, z), angle), (3, 3))
+        np.testing.assert_allclose(found, R @ turn("z", angle)[:3, :3] @ R.T, rtol=0, atol=ROUNDING)
+
+
+class TestErrors:
+    @pytest.mark.parametrize("angle", [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 0.5, 1.5, 2.5, 3.0])
+    @pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (-0.6, 0.0, 0.8)])
+    def test_an_angle_is_measured_to_its_last_digits(self, angle: float, axis: tuple[float, float, float]) -> None:
+        """The angle between two frames is right where arccos of the trace loses half the digits."""
+        turned = RigidTransform(axis_rotation(axis, angle), ZERO)
+        assert angle_error(IDENTITY, turned) == pytest.approx(angle, rel=1e-6, abs=1e-16)
+
+    @pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)])
+    @pytest.mark.parametrize("quarter_turns", [0, 1, 2, 3, 4])
+    def test_quarter_turns(self, axis: tuple[float, float, float], quarter_turns: int) -> None:
+        """Quarter and half turns are measured exactly, and none as more than half a turn."""
+        turned = RigidTransform(axis_rotation(axis, quarter_turns * math.pi / 2), ZERO)
+        assert angle_error(IDENTITY, turned) == min(quarter_turns, 4 - quarter_turns) * math.pi / 2
+
+    @given(rigid_transforms, rigid_transforms)
+    def test_errors_are_those_of_the_difference(self, left: RigidTransform, right: RigidTransform) -> None:
+        """Neither error depends on which frame is the first, and a frame has none from itself."""
+        assert position_error(left, right) == position_error(right, left)
+        assert angle_error(left, right) == pytest.approx(angle_error(right, left), abs=1e-13)
+        assert position_error(left, left) == 0
+        assert angle_error(left, left) <= 1e-15
+
+    def test_position_error_is_the_distance(self) -> None:
+        """The position error is the Euclidean distance of the origins."""
+        left, right = RigidTransform.from_xyz_rpy((1.0, 2.0, 3.0)), RigidTransform.from_xyz_rpy((1.0, 5.0, 7.0))
+        assert position_error(left, right) == 5.0

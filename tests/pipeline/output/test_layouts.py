@@ -1,0 +1,155 @@
+from __future__ import annotations
+
+import json
+import tarfile
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.output.layouts import Form, Layout
+from dh2urdf.output.open_store import open_store
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from conftest import Answer
+
+    from dh2urdf.output.store import Store
+
+TABLE = "# convention: standard\nrobot,a,alpha,d\n"
+
+
+@pytest.mark.parametrize(
+    ("layout", "paths"),
+    [
+        (Layout(), ["arm.urdf"] * 3),
+        (Layout(form=Form.FOLDERS, size=10), ["00000/arm.urdf", "00000/arm.urdf", "00001/arm.urdf"]),
+        (Layout(form=Form.FOLDERS, size=1), ["00000/arm.urdf", "00009/arm.urdf", "00010/arm.urdf"]),
+        (Layout(form=Form.SHARDS, size=10), ["000000.tar/arm.urdf", "000000.tar/arm.urdf", "000001.tar/arm.urdf"]),
+    ],
+)
+def test_the_place_goes_by_the_number_of_the_manipulator(layout: Layout, paths: list[str]) -> None:
+    """All in one folder; so many in each folder; so many in each shard: whatever the batches and the workers."""
+    assert [layout.path(index, "arm.urdf") for index in (0, 9, 10)] == paths
+
+
+def sizes() -> Iterator[int]:
+    yield from (1, 1, 2, 4)
+
+
+@pytest.mark.parametrize(
+    ("layout", "expected"),
+    [
+        (Layout(), [1, 1, 2]),
+        (Layout(form=Form.FOLDERS, size=5), [1, 1, 2]),
+        (Layout(form=Form.SHARDS, size=5), [5, 5, 5]),
+    ],
+)
+def test_a_shard_is_a_batch(layout: Layout, expected: list[int]) -> None:
+    """One worker writes a shard, from its beginning to its end; other files go as suits the workers."""
+    assert list(islice(layout.batch_sizes(sizes()), 3)) == expected
+    assert layout.is_whole is (layout.form is Form.SHARDS)
+
+
+def test_the_stems_of_shards_have_no_dot() -> None:
+    """Readers of shards take the files up to the first dot of their names for one sample."""
+    assert Layout(form=Form.SHARDS).stem_of("ur5.v2") == "ur5_v2"
+    assert Layout().stem_of("ur5.v2") == Layout(form=Form.FOLDERS).stem_of("ur5.v2") == "ur5.v2"
+
+
+@pytest.mark.parametrize("form", [Form.FILES, Form.FOLDERS])
+def test_files_of_their_own_are_there_at_once(store: Store, form: Form) -> None:
+    """Each as soon as it is put, with its name in the store."""
+    layout = Layout(form=form, size=2)
+    with layout.place(store, 3) as place:
+        where = place.put(3, "arm.urdf", b"<robot/>")
+        assert where == {"path": {Form.FILES: "arm.urdf", Form.FOLDERS: "00001/arm.urdf"}[form]}
+        assert store.read(where["path"]) == b"<robot/>"
+
+
+def test_a_member_of_a_shard_is_read_at_its_offset(store: Store) -> None:
+    """The manifest says in which shard it is, and where its content begins."""
+    layout = Layout(form=Form.SHARDS, size=2)
+    with layout.place(store, 2) as place:
+        facts = [place.put(2, "a.urdf", b"<robot/>"), place.put(3, "b.urdf", b"<robot name='b'/>")]
+        assert store.size("000001.tar") is None
+    assert [fact["path"] for fact in facts] == ["a.urdf", "b.urdf"]
+    contents = [
+        store.read(fact["shard"], offset=fact["offset"], size=size) for fact, size in zip(facts, (8, 17), strict=True)
+    ]
+    assert contents == [b"<robot/>", b"<robot name='b'/>"]
+
+
+def test_a_shard_that_fails_is_not_there(tmp_path: Path) -> None:
+    """Half of a shard would be taken for a whole one."""
+    store = open_store(tmp_path)
+
+    def fail() -> None:
+        with Layout(form=Form.SHARDS).place(store, 0) as place:
+            place.put(0, "a.urdf", b"<robot/>")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert list(store.names()) == []
+
+
+# --- The real run -----------------------------------------------------------------------------------------------------
+
+
+def run(cli: Callable[..., Answer], folder: Path, *settings: str, out: str = "out") -> list[dict[str, Any]]:
+    """The manifest of a run over five arms, the third of which is refused."""
+    rows = [f"arm.{number},0.{number},0,{'x' if number == 3 else 0}\n" for number in range(1, 6)]
+    (folder / "arms.csv").write_text(TABLE + "".join(rows))
+    (folder / "run.yaml").write_text("inputs: arms.csv\nemitters: [urdf, xacro]\n")
+    words = [word for setting in settings for word in ("--set", setting)]
+    cli("run", "run.yaml", "-o", out, *words, status=1)
+    return [json.loads(line) for line in (folder / out / "manifest.jsonl").open("rb")]
+
+
+def test_a_run_into_shards(cli: Callable[..., Answer], tmp_path: Path, reports: frozenset[str]) -> None:
+    """Tar files of so many manipulators, with the same descriptions as in files of their own, but for their names."""
+    rows = run(cli, tmp_path, "output.layout=shards", "output.size=2")
+    shards = {"000000.tar", "000001.tar", "000002.tar"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {*shards, *reports}
+    found: dict[str, list[str]] = {}
+    for shard in sorted(shards):
+        with tarfile.open(tmp_path / "out" / shard) as archive:
+            found[shard] = archive.getnames()
+    names = [[f"arm_{n}.urdf", f"arm_{n}.urdf.xacro", f"arm_{n}_macro.xacro"] for n in range(1, 6)]
+    assert found == {"000000.tar": names[0] + names[1], "000001.tar": names[3], "000002.tar": names[4]}
+    plain = run(cli, tmp_path, out="plain")
+    for row, other in zip(rows, plain, strict=True):
+        assert row["status"] == other["status"] == ("failed" if row["name"] == "arm.3" else "ok")
+        assert [file["path"].replace("arm_", "arm.", 1) for file in row["files"]] == [
+            file["path"] for file in other["files"]
+        ]
+        for file in row["files"]:
+            with (tmp_path / "out" / file["shard"]).open("rb") as shard:
+                shard.seek(file["offset"])
+                content = shard.read(file["bytes"])
+            if file["stage"] == "urdf":
+                assert content == (tmp_path / "plain" / other["files"][0]["path"]).read_bytes()
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_shards_are_the_same_with_any_number_of_workers(
+    cli: Callable[..., Answer], tmp_path: Path, workers: int
+) -> None:
+    """Byte for byte, on a second run too."""
+    settings = ["output.layout=shards", "output.size=2"]
+    run(cli, tmp_path, *settings, "execution.options.workers=1", out="first")
+    run(cli, tmp_path, *settings, f"execution.options.workers={workers}", out="second")
+    for shard in ("000000.tar", "000001.tar", "000002.tar", "manifest.jsonl"):
+        assert (tmp_path / "first" / shard).read_bytes() == (tmp_path / "second" / shard).read_bytes()
+
+
+def test_a_run_into_folders(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """Folders of so many manipulators each, by their numbers: one that failed leaves its place empty."""
+    rows = run(cli, tmp_path, "output={layout: folders, size: 2}")
+    paths = [file["path"] for row in rows for file in row["files"] if file["stage"] == "urdf"]
+    assert paths == ["00000/arm.1.urdf", "00000/arm.2.urdf", "00001/arm.4.urdf", "00002/arm.5.urdf"]
+    assert all((tmp_path / "out" / path).is_file() for path in paths)
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {"00000", "00001", "00002"}

@@ -1,0 +1,359 @@
+from __future__ import annotations
+
+import errno
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import OutputError
+from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.store import WORKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+TEMPORARY = f"{WORKING}/temporary"
+ANOTHER_RUN = "error: another run is at work in '{}'\n    wait until it ends, or write to another folder"
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> LocalStore:
+    return LocalStore(tmp_path / "out")
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder and what stands in it."""
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@contextmanager
+def another_process(code: str, *words: str | Path) -> Iterator[subprocess.Popen[str]]:
+    """A process that runs a piece of code, killed at the end."""
+    command = [sys.executable, "-c", code, *map(str, words)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+class TestWriting:
+    def test_only_its_own_folder_is_used(self, store: LocalStore, tmp_path: Path) -> None:
+        """Files appear under their names, and all else is in one folder that is gone with the lock."""
+        with store.lock():
+            store.write("a.urdf", b"1")
+            store.write("00001/b.urdf", b"2")
+            with store.scratch() as folder:
+                assert folder.parent == tmp_path / "out" / TEMPORARY
+                assert files(tmp_path / "out") == {"a.urdf": b"1", "00001/b.urdf": b"2", f"{WORKING}/lock": b""}
+        assert files(tmp_path / "out") == {"a.urdf": b"1", "00001/b.urdf": b"2"}
+        assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["00001", "a.urdf"]
+
+    def test_files_are_readable_as_the_user_wants_it(self, store: LocalStore, tmp_path: Path) -> None:
+        """A file has the permissions that the process's umask leaves, like any other new file."""
+        (tmp_path / "usual").write_bytes(b"")
+        store.write("a", b"")
+        with store.scratch() as folder:
+            (folder / "made").write_bytes(b"")
+            store.put("b", folder / "made")
+        for name in "ab":
+            assert (tmp_path / "out" / name).stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+    def test_a_link_is_replaced_not_followed(self, store: LocalStore, tmp_path: Path) -> None:
+        """A link that stands where a file goes is replaced; what it points to stays as it is."""
+        (tmp_path / "precious").write_text("precious")
+        store.write("other", b"")
+        (tmp_path / "out" / "a").symlink_to(tmp_path / "precious")
+        store.write("a", b"new")
+        assert files(tmp_path) == {"precious": b"precious", "out/a": b"new", "out/other": b""}
+
+    def test_a_folder_in_the_way(self, store: LocalStore, tmp_path: Path) -> None:
+        """A folder with the name of a file is an error of one line that names it, and nothing is left."""
+        store.write("a/b", b"")
+        with pytest.raises(OutputError) as caught:
+            store.write("a", b"new")
+        assert str(caught.value) == f"error: cannot write '{tmp_path}/out/a': {os.strerror(errno.EISDIR)}"
+        assert files(tmp_path / "out") == {"a/b": b""}
+
+    def test_a_file_in_the_way(self, store: LocalStore, tmp_path: Path) -> None:
+        """A file where the folder of another should be is an error of one line, above the store or in it."""
+        store.write("a", b"")
+        with pytest.raises(OutputError, match=r"cannot write '.*/out/a'"):
+            store.write("a/b", b"new")
+        with pytest.raises(OutputError, match=r"cannot write '.*/out/a'"):
+            LocalStore(tmp_path / "out" / "a").write("b", b"new")
+        assert files(tmp_path / "out") == {"a": b""}
+
+    def test_a_folder_that_cannot_be(self) -> None:
+        """Where no folder can be made, the line names the folder as the user wrote it."""
+        if not Path("/proc/self").is_dir():
+            pytest.skip("needs a folder in which nobody may write")
+        for doing in (lambda s: s.write("a", b""), lambda s: s.scratch().__enter__(), lambda s: s.lock().__enter__()):
+            with pytest.raises(OutputError) as caught:
+                doing(LocalStore(Path("/proc/dh2urdf")))
+            assert str(caught.value) == f"error: cannot write '/proc/dh2urdf': {os.strerror(errno.ENOENT)}"
+
+    @pytest.mark.parametrize("name", ["x\0", "x\ud800", "x" * 300, "x\0/y"])
+    def test_a_name_that_the_system_refuses(self, store: LocalStore, tmp_path: Path, name: str) -> None:
+        """A name that no file can have is an error of one line."""
+        with pytest.raises(OutputError) as caught:
+            store.write(name, b"x")
+        assert len(str(caught.value).splitlines()) == 1
+        assert files(tmp_path) == {}
+
+    def test_a_folder_that_was_removed_is_made_again(self, store: LocalStore, tmp_path: Path) -> None:
+        """Who tidies up beneath a run does not end it."""
+        store.write("a/b", b"1")
+        for name in ("a", WORKING):
+            assert subprocess.run(["rm", "-r", tmp_path / "out" / name], check=False).returncode == 0  # noqa: S607
+            store.write("a/b", b"2")
+        assert files(tmp_path / "out") == {"a/b": b"2"}
+
+    def test_another_process_calls_the_place_the_same(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """In a worker, a message has the folder as the user wrote it, though the worker's own folder is another."""
+        monkeypatch.chdir(tmp_path)
+        pickled = pickle.dumps(LocalStore(Path("out")))
+        (tmp_path / "elsewhere").mkdir()
+        monkeypatch.chdir(tmp_path / "elsewhere")
+        store = pickle.loads(pickled)  # noqa: S301
+        store.write("a/b", b"")
+        assert files(tmp_path) == {"out/a/b": b""}
+        with pytest.raises(OutputError, match="cannot write 'out/a'"):
+            store.write("a", b"")
+
+    def test_what_is_written_next_is_not_what_a_fork_writes(self, store: LocalStore, tmp_path: Path) -> None:
+        """Workers that were forked from one process write at once and never into each other's temporary files."""
+        store.write("before", b"")
+        workers = []
+        for number in range(3):
+            if (worker := os.fork()) == 0:
+                try:
+                    for file in range(200):
+                        store.write(f"{number}/{file}", b"%d" % number * 5000)
+                    os._exit(0)
+                finally:
+                    os._exit(1)
+            workers.append(worker)
+        assert [os.waitpid(worker, 0)[1] for worker in workers] == [0, 0, 0]
+        found = files(tmp_path / "out")
+        assert found == {"before": b""} | {f"{n}/{file}": b"%d" % n * 5000 for n in range(3) for file in range(200)}
+
+
+class TestAppending:
+    def test_lines_follow_each_other(self, store: LocalStore) -> None:
+        """A line comes after those that were there, and the first one makes the file and its folder."""
+        for line in (b"one\n", b"two\n"):
+            store.append(f"{WORKING}/journal/1", line)
+        assert store.read(f"{WORKING}/journal/1") == b"one\ntwo\n"
+
+    def test_lines_of_many_processes_are_whole(self, store: LocalStore, tmp_path: Path) -> None:
+        """Lines that are written at the same time by several processes stand one after the other."""
+        code = (
+            "import sys; from pathlib import Path; from dh2urdf.output.local_store import LocalStore\n"
+            "for _ in range(200): LocalStore(Path(sys.argv[1])).append('journal', sys.argv[2].encode() * 3000 + b'\\n')"
+        )
+        with another_process(code, store.directory, "a") as one, another_process(code, store.directory, "b") as two:
+            assert (one.wait(60), two.wait(60)) == (0, 0)
+        lines = (tmp_path / "out" / "journal").read_bytes().splitlines()
+        assert sorted(lines) == [b"a" * 3000] * 200 + [b"b" * 3000] * 200
+
+
+class TestFullDisk:
+    CODE = """
+import resource, sys
+from pathlib import Path
+from dh2urdf.errors import OutputError
+from dh2urdf.output.local_store import LocalStore
+resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+store = LocalStore(Path(sys.argv[1]))
+for doing in (lambda: store.write("old", b"x" * 9000), lambda: store.write("new", b"x" * 9000)):
+    try:
+        doing()
+    except OutputError as error:
+        print(error)
+"""
+
+    def test_half_of_a_file_is_not_left(self, store: LocalStore, tmp_path: Path) -> None:
+        """A file that cannot be finished is not there, nor a temporary one; the older one is, and a line says why."""
+        store.write("old", b"old")
+        with another_process(self.CODE, store.directory) as process:
+            lines = process.communicate(timeout=60)[0].splitlines()
+        reason = os.strerror(errno.EFBIG)
+        assert lines == [f"error: cannot write '{tmp_path}/out/{name}': {reason}" for name in ("old", "new")]
+        assert files(tmp_path / "out") == {"old": b"old"}
+
+
+class TestInterrupts:
+    @pytest.mark.parametrize("name", ["old", "new"])
+    def test_an_interrupt_between_any_two_steps(self, store: LocalStore, tmp_path: Path, name: str) -> None:
+        """Whatever step of the writing is interrupted, the old file or the new one is there, whole, and no other."""
+        allowed = [{"old": b"old"}, {"old": b"new"} if name == "old" else {"old": b"old", "new": b"new"}]
+        interrupted = 0
+        for step in range(1, 1000):
+            store.write("old", b"old")
+            store.remove("new")
+            seen = 0
+
+            def stop(_frame: Any, event: str, _argument: Any) -> Any:
+                nonlocal seen
+                if event == "line":
+                    seen += 1
+                    if seen == step:  # noqa: B023 - it is called in this round alone
+                        sys.settrace(None)
+                        raise KeyboardInterrupt
+                return stop
+
+            sys.settrace(stop)
+            try:
+                store.write(name, b"new")
+            except KeyboardInterrupt:
+                interrupted += 1
+            finally:
+                sys.settrace(None)
+            assert files(tmp_path / "out") in allowed, f"interrupted at step {step}"
+            if seen < step:
+                break
+        assert interrupted > 10
+        assert files(tmp_path / "out") == allowed[1]
+
+    WRITER = """
+import sys
+from pathlib import Path
+from dh2urdf.output.local_store import LocalStore
+store = LocalStore(Path(sys.argv[1]))
+with store.lock():
+    for number in range(100_000):
+        store.write(f"{number // 50}/{number % 50}", b"%d." % number * 20_000)
+        store.append("journal", b"%d\\n" % number)
+        with store.scratch() as folder:
+            (folder / "shard").write_bytes(b"%d." % number * 20_000)
+            store.put(f"shard{number}", folder / "shard")
+"""
+
+    @pytest.mark.parametrize("wait", [0.0, 0.003, 0.007, 0.012, 0.02])
+    def test_a_killed_writer_leaves_whole_files(self, store: LocalStore, tmp_path: Path, wait: float) -> None:
+        """After SIGKILL every file is whole; what is left besides goes when the next run begins."""
+        out = tmp_path / "out"
+        with another_process(self.WRITER, out) as process:
+            while not (out / "0" / "7").exists() and process.poll() is None:
+                time.sleep(0.001)
+            time.sleep(wait)
+            os.killpg(process.pid, signal.SIGKILL)
+            assert process.wait() == -signal.SIGKILL
+        assert (out / TEMPORARY).is_dir()
+        with store.lock():
+            found = files(out)
+            assert not any(name.startswith(TEMPORARY) for name in found)
+            assert found.pop(f"{WORKING}/lock") == b""
+            lines = found.pop("journal").split(b"\n")[:-1]
+            assert lines == [b"%d" % number for number in range(len(lines))]
+            assert len(lines) <= len([name for name in found if "/" in name]) <= len(lines) + 1
+            for name, content in found.items():
+                folder, _, file = name.rpartition("/")
+                number = int(folder) * 50 + int(file) if folder else int(name.removeprefix("shard"))
+                assert content == b"%d." % number * 20_000
+        assert not (out / WORKING).exists()
+
+
+class TestLock:
+    HOLDER = """
+import os, sys, time
+from pathlib import Path
+from dh2urdf.output.local_store import LocalStore
+with LocalStore(Path(sys.argv[1])).lock():
+    child = os.fork()
+    if child == 0:
+        time.sleep(60)
+        os._exit(0)
+    print(child, flush=True)
+    time.sleep(60)
+"""
+
+    @contextmanager
+    def locked(self, folder: Path) -> Iterator[tuple[subprocess.Popen[str], int]]:
+        """A process that has the lock of a folder, and the number of a child of it."""
+        with another_process(self.HOLDER, folder) as holder:
+            assert holder.stdout is not None
+            child = int(holder.stdout.readline())
+            try:
+                yield holder, child
+            finally:
+                os.kill(child, signal.SIGKILL)
+
+    def test_a_second_run_is_refused(self, store: LocalStore) -> None:
+        """While a run is at work in a folder, another process gets one line, and nothing of the first is touched."""
+        with self.locked(store.directory) as (holder, _):
+            store.write(f"{TEMPORARY}/of-the-first", b"")
+            with pytest.raises(OutputError) as caught, store.lock():
+                pass
+            assert str(caught.value) == ANOTHER_RUN.format(store)
+            assert files(store.directory) == {f"{TEMPORARY}/of-the-first": b"", f"{WORKING}/lock": b""}
+            assert holder.poll() is None
+
+    def test_a_run_that_was_killed_keeps_nobody_out(self, store: LocalStore) -> None:
+        """The lock ends with the process that has it, though a child of that process lives on; its leftovers go."""
+        with self.locked(store.directory) as (holder, child):
+            store.write(f"{TEMPORARY}/of-the-first", b"")
+            holder.kill()
+            holder.wait()
+            os.kill(child, 0)
+            with store.lock():
+                assert files(store.directory) == {f"{WORKING}/lock": b""}
+
+    def test_two_runs_of_one_process(self, store: LocalStore, tmp_path: Path) -> None:
+        """In one process too a second run is refused, by whatever path it comes, and the first keeps its lock."""
+        (tmp_path / "link").symlink_to(tmp_path / "out")
+        with store.lock():
+            for path in ("out", "link"):
+                with pytest.raises(OutputError, match="another run is at work"), LocalStore(tmp_path / path).lock():
+                    pass
+            code = "import sys; from dh2urdf.output.open_store import open_store\nwith open_store(sys.argv[1]).lock(): pass"
+            refused = subprocess.run(
+                [sys.executable, "-c", code, store.directory], capture_output=True, text=True, check=False
+            )
+            assert ANOTHER_RUN.format(store) in refused.stderr
+
+    def test_one_run_after_another(self, store: LocalStore) -> None:
+        """The lock can be taken again and again, after an error too; what a run keeps for the next one stays."""
+        for number in range(3):
+            with suppress(ZeroDivisionError), store.lock():
+                store.write(f"{WORKING}/journal/{number}", b"")
+                _ = 1 / 0
+        assert sorted(files(store.directory)) == [f"{WORKING}/journal/{number}" for number in range(3)]
+        with store.lock():
+            store.remove_tree(f"{WORKING}/journal")
+        assert files(store.directory) == {}
+        assert list(store.directory.iterdir()) == []
+
+    def test_other_folders_are_free(self, store: LocalStore, tmp_path: Path) -> None:
+        """Runs in different folders do not concern each other."""
+        with store.lock(), LocalStore(tmp_path / "out2").lock(), LocalStore(tmp_path / "out" / "inner").lock():
+            pass
+
+    def test_many_runs_want_one_lock(self, tmp_path: Path) -> None:
+        """Of processes that take and leave a lock in turns, no two have it at once, though its file comes and goes."""
+        code = """
+import os, sys, time
+from pathlib import Path
+from dh2urdf.errors import OutputError
+from dh2urdf.output.local_store import LocalStore
+folder, done = Path(sys.argv[1]), 0
+while done < 300:
+    try:
+        with LocalStore(folder / "out").lock():
+            os.close(os.open(folder / "inside", os.O_CREAT | os.O_EXCL))
+            os.unlink(folder / "inside")
+            done += 1
+    except OutputError as error:
+        assert "another run" in str(error), error
+"""
+        with another_process(code, tmp_path) as one, another_process(code, tmp_path) as two:
+            assert (one.wait(60), two.wait(60)) == (0, 0)

@@ -1,0 +1,250 @@
+from __future__ import annotations
+
+import errno
+import io
+import os
+import subprocess
+import sys
+import tarfile
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.errors import OutputError
+from dh2urdf.output.open_store import open_store
+from dh2urdf.output.shards import Member, ShardWriter, members, shard_stem
+from dh2urdf.output.whole_files import Stems
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf.output.store import Store
+
+SAMPLE = [
+    ("arm_1.urdf", b"<robot/>\n" * 700),
+    ("arm_1.png", bytes(range(256)) * 10),
+    ("arm_2.urdf", b""),
+    ("arm_2.urdf.xacro", b"x" * 512),
+    ("机械臂.urdf", b"<robot name='\xe6'/>"),
+    ("n" * 100 + ".urdf", b"one byte too long for a plain header"),
+    ("n" * 95 + ".urdf", b"the longest that fits"),
+    ("robots/arm_3.urdf", b"\0" * 1025),
+]
+names = st.text(st.characters(codec="utf-8", exclude_characters="/\\\0"), min_size=1, max_size=150).filter(
+    lambda name: name not in (".", "..")
+)
+files = st.lists(st.tuples(names, st.binary(max_size=1500)), max_size=8)
+
+
+def written(store: Store, some: Iterable[tuple[str, bytes]], name: str = "000001.tar") -> list[int]:
+    """Write a shard; where each content begins."""
+    with ShardWriter(store, name) as shard:
+        return [shard.add(file, content) for file, content in some]
+
+
+@pytest.fixture(scope="module")
+def module_store(tmp_path_factory: pytest.TempPathFactory) -> Store:
+    return open_store(tmp_path_factory.mktemp("out"))
+
+
+class TestReaders:
+    def test_tarfile_reads_it(self, store: Store) -> None:
+        """Python's own reader finds the files in their order, at the offsets that were told, without time or owner."""
+        offsets = written(store, SAMPLE)
+        content = store.read("000001.tar")
+        with tarfile.open(fileobj=io.BytesIO(content), mode="r:") as shard:
+            found = shard.getmembers()
+            assert [(member.name, shard.extractfile(member).read()) for member in found] == SAMPLE  # type: ignore[union-attr]
+        assert [member.offset_data for member in found] == offsets
+        facts = {(m.mode, m.mtime, m.uid, m.gid, m.uname, m.gname, m.type) for m in found}
+        assert facts == {(0o644, 0, 0, 0, "", "", tarfile.REGTYPE)}
+
+    def test_gnu_tar_reads_it(self, module_store: Store, tmp_path: Path) -> None:
+        """GNU tar lists and unpacks it without a word of complaint."""
+        written(module_store, SAMPLE)
+        shard = str(Path(str(module_store)) / "000001.tar")
+        environment = {**os.environ, "LC_ALL": "C.UTF-8", "TZ": "UTC", "TAR_OPTIONS": "--quoting-style=literal"}
+        listing = subprocess.run(
+            ["tar", "tvf", shard],  # noqa: S607
+            env=environment,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            check=True,
+        )
+        assert listing.stderr == ""
+        assert [line.split(None, 5)[-1] for line in listing.stdout.splitlines()] == [name for name, _ in SAMPLE]
+        assert {line[:14] for line in listing.stdout.splitlines()} == {"-rw-r--r-- 0/0"}
+        subprocess.run(["tar", "xf", shard], cwd=tmp_path, env=environment, check=True)  # noqa: S607
+        assert {name: (tmp_path / name).read_bytes() for name, _ in SAMPLE} == dict(SAMPLE)
+
+    def test_webdataset_reads_it(self, module_store: Store) -> None:
+        """WebDataset finds one sample for each manipulator, with its files by what follows the first dot."""
+        webdataset = pytest.importorskip("webdataset")
+        arms = {f"arm_{number}": {"urdf": b"<%d/>" % number, "png": os.urandom(600)} for number in range(30)}
+        arms[shard_stem("UR 10e rev. 2.1")] = {"urdf": b"<ur/>", "macro.xacro": b"<xacro/>"}
+        written(module_store, [(f"{key}.{end}", text) for key, own in arms.items() for end, text in own.items()])
+        dataset = webdataset.WebDataset(f"file:{module_store}/000001.tar", shardshuffle=False)
+        found = [{key: value for key, value in sample.items() if key != "__url__"} for sample in dataset]
+        for sample in found:
+            sample.pop("__local_path__", None)
+        assert found == [{"__key__": key, **own} for key, own in arms.items()]
+
+    def test_a_file_can_be_read_by_itself(self, store: Store) -> None:
+        """The offset that the manifest has of a file and its size give its content, from an object store too."""
+        offsets = written(store, SAMPLE)
+        for offset, (_, content) in zip(offsets, SAMPLE, strict=True):
+            assert store.read("000001.tar", offset=offset, size=len(content)) == content
+
+    def test_it_can_be_read_in_one_pass(self, store: Store) -> None:
+        """All files, their offsets and contents, in their order."""
+        offsets = written(store, SAMPLE)
+        with store.open("000001.tar") as stream:
+            found = list(members(stream))
+        assert found == [
+            Member(*file) for file in zip([n for n, _ in SAMPLE], offsets, [c for _, c in SAMPLE], strict=True)
+        ]
+
+
+class TestBytes:
+    @given(files)
+    def test_any_files_are_read_back(self, module_store: Store, some: list[tuple[str, bytes]]) -> None:
+        """Whatever names and contents are, `tarfile` and the reader here find them, and the shard is of whole records."""
+        offsets = written(module_store, some)
+        content = module_store.read("000001.tar")
+        assert len(content) % 10_240 == 0
+        with tarfile.open(fileobj=io.BytesIO(content), mode="r:") as shard:
+            assert [(member.name, member.offset_data, member.size) for member in shard] == [
+                (name, offset, len(text)) for (name, text), offset in zip(some, offsets, strict=True)
+            ]
+        found = list(members(io.BytesIO(content)))
+        assert [(member.name, member.content) for member in found] == some
+        assert [member.offset for member in found] == offsets
+
+    def test_the_bytes_depend_on_names_and_contents_alone(self, store: Store, tmp_path: Path) -> None:
+        """The same files give the same bytes in any store, whoever writes them."""
+        written(store, SAMPLE)
+        umask = os.umask(0o077)
+        try:
+            written(open_store(tmp_path / "other"), SAMPLE, "other.tar")
+        finally:
+            os.umask(umask)
+        assert store.read("000001.tar") == (tmp_path / "other" / "other.tar").read_bytes()
+
+    def test_the_bytes_are_the_same_at_any_time(self, module_store: Store) -> None:
+        """A shard written today has the bytes of one that was written when this test was."""
+        written(module_store, [(name, content) for name, content in SAMPLE if name.isascii() and len(name) <= 100])
+        digest = sha256(module_store.read("000001.tar")).hexdigest()
+        assert digest == "28a25158423024c3ec6c30119cb5d77ba2dcc6a0688497b26fe92f295977e70c"
+
+    def test_an_empty_shard(self, module_store: Store) -> None:
+        """A shard of nothing is a whole archive too."""
+        written(module_store, [])
+        content = module_store.read("000001.tar")
+        assert content == bytes(10_240)
+        assert list(members(io.BytesIO(content))) == []
+
+    def test_a_large_shard(self, module_store: Store) -> None:
+        """A shard that goes to the disk in many pieces is the same as one of a single piece."""
+        many = [(f"arm_{number:05d}.urdf", b"%d " % number * 1500) for number in range(300)]
+        written(module_store, many)
+        with module_store.open("000001.tar") as stream:
+            assert [(member.name, member.content) for member in members(stream)] == many
+
+
+class TestWhole:
+    @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, GeneratorExit])
+    @pytest.mark.parametrize("count", [0, 1, 300])
+    def test_an_error_leaves_the_older_shard(self, store: Store, error: type[BaseException], count: int) -> None:
+        """A shard that is not finished is not there, and an older one of the name is."""
+        written(store, SAMPLE)
+        older = store.read("000001.tar")
+
+        def interrupted(name: str) -> None:
+            with ShardWriter(store, name) as shard:
+                for number in range(count):
+                    shard.add(f"arm_{number}.urdf", bytes(1000))
+                raise error
+
+        for name in ("000001.tar", "000002.tar"):
+            with pytest.raises(error):
+                interrupted(name)
+        with store.lock():
+            assert {name for name in store.names() if not name.endswith("/lock")} == {"000001.tar"}
+        assert store.read("000001.tar") == older
+
+    def test_a_full_disk(self, tmp_path: Path) -> None:
+        """Where the disk is full, one line names the shard, and nothing of it is left."""
+        code = """
+import resource, sys
+from dh2urdf.errors import OutputError
+from dh2urdf.output.shards import ShardWriter
+from dh2urdf.output.open_store import open_store
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), int(sys.argv[2])))
+try:
+    with ShardWriter(open_store(sys.argv[1]), "000001.tar") as shard:
+        for number in range(100):
+            shard.add(f"arm_{number}.urdf", bytes(7000))
+except OutputError as error:
+    print(error)
+"""
+        for limit in (0, 300_000, 718_000):  # at once, on the way, and with the end
+            words = [sys.executable, "-c", code, str(tmp_path / "out"), str(limit)]
+            found = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
+            assert found.stdout == f"error: cannot write '{tmp_path}/out/000001.tar': {os.strerror(errno.EFBIG)}\n"
+            assert found.stderr == ""
+            assert not [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
+
+    @pytest.mark.parametrize("name", ["../x", "/x", "", "a/../b", "\ud800.urdf"])
+    def test_a_name_that_no_file_should_have(self, module_store: Store, name: str) -> None:
+        """What would be unpacked elsewhere is not packed, nor what has no bytes."""
+        with pytest.raises(OutputError):
+            written(module_store, [(name, b"x")])
+
+
+class TestDamage:
+    @given(st.data())
+    def test_a_shard_that_was_cut(self, module_store: Store, data: st.DataObject) -> None:
+        """A shard that ends too soon is an error, after the files that are whole."""
+        some = data.draw(files.filter(bool))
+        written(module_store, some)
+        content = module_store.read("000001.tar")
+        end = max(member.offset + -(-len(member.content) // 512) * 512 for member in members(io.BytesIO(content)))
+        cut = data.draw(st.integers(0, end + 511))
+        found: list[Member] = []
+        with pytest.raises(OutputError, match="from byte"):
+            found.extend(members(io.BytesIO(content[:cut])))
+        assert [(member.name, member.content) for member in found] == some[: len(found)]
+
+    @given(st.data())
+    def test_a_damaged_header(self, module_store: Store, data: st.DataObject) -> None:
+        """A byte that changed in a header is found; `tarfile` takes it for the end."""
+        offset = written(module_store, [("a.urdf", b"1"), ("b.urdf", b"2")])[1]
+        content = bytearray(module_store.read("000001.tar"))
+        place = data.draw(st.integers(offset - 512, offset - 1).filter(lambda at: at % 512 not in (154, 155)))
+        content[place] ^= data.draw(st.integers(1, 255))
+        with pytest.raises(OutputError, match=f"from byte {offset - 512} on"):
+            list(members(io.BytesIO(content)))
+
+    @pytest.mark.parametrize("content", [b"", b"<robot/>", b"\xff" * 512, b"a" * 10_240])
+    def test_what_is_no_shard(self, content: bytes) -> None:
+        """Any other file is an error of one line."""
+        with pytest.raises(OutputError, match="this is no shard, or a damaged one, from byte 0 on"):
+            list(members(io.BytesIO(content)))
+
+
+class TestStems:
+    @given(st.text(st.characters(codec=None), max_size=200))
+    def test_a_stem_has_no_dot(self, name: str) -> None:
+        """Up to the first dot is the whole stem, whatever a manipulator is called."""
+        stem = shard_stem(name)
+        assert f"{stem}.urdf".partition(".")[0] == stem
+        assert shard_stem(stem) == stem
+
+    def test_names_that_differ_in_a_dot(self) -> None:
+        """Manipulators whose names differ in a dot alone keep stems of their own."""
+        stems = Stems(shard_stem)
+        assert [stems.claim(name)[0] for name in ("ur.5", "ur_5", "UR 5", "ur5")] == ["ur_5", "ur_5-2", "UR_5-3", "ur5"]

@@ -1,0 +1,323 @@
+from __future__ import annotations
+
+import errno
+import os
+import unicodedata
+from pathlib import Path
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.errors import OutputError
+from dh2urdf.output.whole_files import (
+    LONGEST_STEM,
+    Stems,
+    put_in_place,
+    reporting_os_errors,
+    safe_stem,
+    staging,
+    write_all,
+    write_files,
+    write_whole,
+)
+from dh2urdf.stages import EmittedFile
+
+LONGEST_SUFFIX = "_macro.xacro"
+any_text = st.text(st.characters(codec=None), max_size=300)
+"""Any text at all, lone surrogates included: a table may come from anywhere."""
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder and what stands in it."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+class TestSafeStem:
+    @given(any_text)
+    def test_any_name_becomes_a_plain_file_name(self, name: str) -> None:
+        """Whatever a manipulator is called, its files have a name that stays in the folder, on every file system."""
+        stem = safe_stem(name)
+        file = stem + LONGEST_SUFFIX
+        assert Path(file).name == file
+        assert len(file.encode()) <= 255
+        assert stem[0] not in ".-"
+        assert stem.isprintable()
+        assert not set(stem) & set("/\\:*?\"<>|$`'&;!~ \0")
+        assert not stem.endswith((".", " "))
+
+    @given(any_text)
+    def test_it_is_settled(self, name: str) -> None:
+        """The stem of a name is always the same, and a stem is its own stem."""
+        stem = safe_stem(name)
+        assert safe_stem(name) == stem
+        assert safe_stem(stem) == stem
+
+    @pytest.mark.parametrize("name", ["ur5", "UR-10e", "arm_1.2", "gen3+gripper", "机械臂", "Ölarm", "007", "1e3"])
+    def test_an_ordinary_name_stays(self, name: str) -> None:
+        """Letters of every script, digits and . - + _ stay as they are."""
+        assert safe_stem(name) == name
+
+    @pytest.mark.parametrize(
+        ("name", "stem"),
+        [
+            ("../../etc/passwd", "etc_passwd"),
+            ("/etc/cron.d/x", "etc_cron.d_x"),
+            ("C:\\Windows\\x", "C__Windows_x"),
+            (".bashrc", "bashrc"),
+            ("-rf", "rf"),
+            ("KUKA LBR iiwa", "KUKA_LBR_iiwa"),
+            ("a\nb\0c", "a_b_c"),
+            ("$(touch x)", "touch_x"),
+            ("", "robot"),
+            ("..", "robot"),
+            ("???", "robot"),
+            ("con", "con_"),
+            ("NUL.tar.gz", "NUL_.tar.gz"),
+            ("com1", "com1_"),
+            ("console", "console"),
+        ],
+    )
+    def test_what_a_file_system_would_act_on(self, name: str, stem: str) -> None:
+        """Paths, hidden files, flags, control characters, shell words and devices become plain names."""
+        assert safe_stem(name) == stem
+
+    def test_two_writings_of_one_letter_are_one_name(self) -> None:
+        """An umlaut written as one character or as two gives one stem: some file systems do not tell them apart."""
+        assert safe_stem(unicodedata.normalize("NFD", "Öl")) == safe_stem(unicodedata.normalize("NFC", "Öl"))
+
+    def test_long_names_stay_apart(self) -> None:
+        """Names that differ only beyond the longest stem get stems that differ."""
+        stems = {safe_stem("x" * 1000 + end) for end in "abc"}
+        assert len(stems) == 3
+        assert {len(stem) for stem in stems} == {LONGEST_STEM}
+
+    def test_a_long_name_is_cut_between_characters(self) -> None:
+        """A name of many bytes per character is cut to whole characters."""
+        stem = safe_stem("機" * 200)
+        assert len(stem.encode()) <= LONGEST_STEM
+        assert stem.startswith("機機機")
+
+
+class TestStems:
+    def test_names_that_differ_keep_their_stems(self) -> None:
+        """Where nothing clashes, every manipulator has the stem of its name, and nobody is told anything."""
+        stems = Stems()
+        assert [stems.claim(name) for name in ("a", "b")] == [("a", None), ("b", None)]
+
+    @pytest.mark.parametrize(
+        ("first", "second"), [("arm", "arm"), ("Arm", "aRM"), ("a b", "a/b"), ("straße", "STRASSE"), ("", "robot")]
+    )
+    def test_names_that_clash_get_stems_of_their_own(self, first: str, second: str) -> None:
+        """Equal stems, also on file systems that ignore case, are told apart, and a notice says by what."""
+        stems = Stems()
+        stem, nothing = stems.claim(first)
+        other, notice = stems.claim(second)
+        assert nothing is None
+        assert other == f"{safe_stem(second)}-2"
+        assert notice is not None
+        assert (notice.severity, notice.robot) == ("notice", second)
+        assert f"its files are named {other!r}" in notice.message
+        assert stem.casefold() != other.casefold()
+
+    def test_a_name_that_looks_like_a_numbered_one(self) -> None:
+        """A manipulator that is really called arm-2 is not overwritten by the second arm."""
+        stems = Stems()
+        given_out = [stems.claim(name)[0] for name in ("arm", "arm-2", "arm", "arm", "ARM-2")]
+        assert given_out == ["arm", "arm-2", "arm-3", "arm-4", "ARM-2-2"]
+
+    def test_stems_may_have_a_rule_of_their_own(self) -> None:
+        """Where stems are made otherwise, as for shards, they are kept apart as well."""
+        stems = Stems(lambda name: safe_stem(name).replace(".", "_"))
+        assert [stems.claim(name)[0] for name in ("a.1", "a_1", "b")] == ["a_1", "a_1-2", "b"]
+
+    @given(st.lists(any_text, max_size=20))
+    def test_no_two_manipulators_share_a_stem(self, names: list[str]) -> None:
+        """Whatever they are called, no two manipulators of a run write the same file, case ignored."""
+        stems = Stems()
+        keys = [stems.claim(name)[0].casefold() for name in names]
+        assert len(set(keys)) == len(keys)
+
+    @given(st.lists(any_text, max_size=5), any_text)
+    def test_every_stem_leaves_room_for_its_suffix(self, names: list[str], name: str) -> None:
+        """A numbered stem is as safe as the stem it comes from."""
+        stems = Stems()
+        for each in [*names, *names, name, name]:
+            stem, _ = stems.claim(each)
+            assert len((stem + LONGEST_SUFFIX).encode()) <= 255
+
+
+class TestStaging:
+    def test_the_folder_is_made_and_the_temporary_one_is_gone(self, tmp_path: Path) -> None:
+        """Staging makes the output folder, and a folder in it that is gone at the end."""
+        out = tmp_path / "a" / "b"
+        with staging(out) as folder:
+            assert folder.parent == out
+            (folder / "half").write_text("written")
+        assert list(out.iterdir()) == []
+
+    @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, GeneratorExit])
+    def test_nothing_is_left_behind_whatever_happens(self, tmp_path: Path, error: type[BaseException]) -> None:
+        """An error, Ctrl-C and a plugin that leaves all take the half-written files along."""
+        (tmp_path / "old.urdf").write_text("old")
+
+        def interrupted() -> None:
+            with staging(tmp_path) as folder:
+                (folder / "old.urdf").write_text("half of the new")
+                raise error
+
+        with pytest.raises(error):
+            interrupted()
+        assert tree(tmp_path) == {"old.urdf": b"old"}
+        assert len(list(tmp_path.iterdir())) == 1
+
+    def test_two_at_once_do_not_meet(self, tmp_path: Path) -> None:
+        """Two workers that write into one output folder stage in folders of their own."""
+        with staging(tmp_path) as one, staging(tmp_path) as two:
+            assert one != two
+
+    def test_a_file_where_the_folder_should_be(self, tmp_path: Path) -> None:
+        """A file in the way is an error of one line that names it and the system's reason."""
+        (tmp_path / "out").write_text("a file")
+        with pytest.raises(OutputError) as caught, staging(tmp_path / "out"):
+            pass
+        assert str(caught.value) == f"error: cannot write '{tmp_path / 'out'}': {os.strerror(errno.EEXIST)}"
+
+    def test_a_file_above_the_folder(self, tmp_path: Path) -> None:
+        """A file in the way further up is an error as well."""
+        (tmp_path / "file").write_text("a file")
+        with pytest.raises(OutputError, match=os.strerror(errno.ENOTDIR)), staging(tmp_path / "file" / "out"):
+            pass
+
+
+class TestWriteFiles:
+    def test_the_bytes_are_written(self, tmp_path: Path) -> None:
+        """Every file of an emitter stands in the folder with its very bytes."""
+        write_files(tmp_path, [EmittedFile(name="a.urdf", content=b"<a/>\n"), EmittedFile(name="b", content=b"\r\n\0")])
+        assert tree(tmp_path) == {"a.urdf": b"<a/>\n", "b": b"\r\n\0"}
+
+    @pytest.mark.parametrize("name", ["", ".", "..", "../x.urdf", "sub/x.urdf", "/tmp/x.urdf", "x/"])  # noqa: S108
+    def test_a_name_that_leaves_the_folder_is_refused(self, tmp_path: Path, name: str) -> None:
+        """An emitter's file has a plain name: nothing is written outside the folder, or to a folder."""
+        inside = tmp_path / "out" / "staging"
+        inside.mkdir(parents=True)
+        with pytest.raises(OutputError, match="is not a plain file name"):
+            write_files(inside, [EmittedFile(name=name, content=b"x")])
+        assert tree(tmp_path) == {}
+
+    @pytest.mark.parametrize("name", ["x\0.urdf", "x\ud800.urdf", "x" * 300])
+    def test_a_name_that_the_system_refuses(self, tmp_path: Path, name: str) -> None:
+        """A name that no file can have is an error of one line."""
+        with pytest.raises(OutputError) as caught:
+            write_files(tmp_path, [EmittedFile(name=name, content=b"x")])
+        assert len(str(caught.value).splitlines()) == 1
+        assert tree(tmp_path) == {}
+
+
+class TestPutInPlace:
+    def test_files_replace_older_ones(self, tmp_path: Path) -> None:
+        """A finished file takes the place of an older one; others stay."""
+        (tmp_path / "a.urdf").write_text("old")
+        (tmp_path / "mine.txt").write_text("not yours")
+        with staging(tmp_path) as folder:
+            write_files(folder, [EmittedFile(name="a.urdf", content=b"new"), EmittedFile(name="b.urdf", content=b"b")])
+            assert tree(tmp_path)["a.urdf"] == b"old"
+            put_in_place(folder, ["a.urdf", "b.urdf"], tmp_path)
+        assert tree(tmp_path) == {"a.urdf": b"new", "b.urdf": b"b", "mine.txt": b"not yours"}
+
+    def test_a_link_is_replaced_not_followed(self, tmp_path: Path) -> None:
+        """A link that stands where a file goes is replaced; what it points to stays as it is."""
+        target = tmp_path / "precious"
+        target.write_text("precious")
+        out = tmp_path / "out"
+        out.mkdir()
+        (out / "a.urdf").symlink_to(target)
+        with staging(out) as folder:
+            write_files(folder, [EmittedFile(name="a.urdf", content=b"new")])
+            put_in_place(folder, ["a.urdf"], out)
+        assert target.read_text() == "precious"
+        assert not (out / "a.urdf").is_symlink()
+
+    def test_a_folder_in_the_way(self, tmp_path: Path) -> None:
+        """A folder with the name of a file is an error of one line that names it."""
+        (tmp_path / "b.urdf").mkdir()
+        with pytest.raises(OutputError) as caught:
+            write_whole(tmp_path / "b.urdf", b"new")
+        assert str(caught.value) == f"error: cannot write '{tmp_path / 'b.urdf'}': {os.strerror(errno.EISDIR)}"
+        assert [path.name for path in tmp_path.iterdir()] == ["b.urdf"]
+
+    def test_a_folder_in_the_way_of_one_file_stops_all(self, tmp_path: Path) -> None:
+        """The files of one manipulator belong together: where one cannot be put in place, no older one is replaced."""
+        (tmp_path / "a.urdf").write_text("old")
+        (tmp_path / "b.xacro").mkdir()
+
+        def place() -> None:
+            with staging(tmp_path) as folder:
+                write_files(folder, [EmittedFile(name=name, content=b"new") for name in ("a.urdf", "b.xacro")])
+                put_in_place(folder, ["a.urdf", "b.xacro"], tmp_path)
+
+        with pytest.raises(OutputError, match=os.strerror(errno.EISDIR)):
+            place()
+        assert tree(tmp_path) == {"a.urdf": b"old"}
+
+
+class TestWriteWhole:
+    def test_it_replaces_and_leaves_nothing_else(self, tmp_path: Path) -> None:
+        """A single file is written whole, its folder made, and nothing else is left in it."""
+        path = tmp_path / "new" / "report.json"
+        for content in (b"one", b"two"):
+            write_whole(path, content)
+            assert tree(tmp_path) == {"new/report.json": content}
+
+    def test_a_full_disk(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A disk that fills up while a file is written leaves the old file, no temporary one, and one line."""
+        path = tmp_path / "report.json"
+        path.write_bytes(b"old")
+
+        def half_written(self: Path, content: bytes) -> int:
+            with self.open("wb") as file:
+                file.write(content[: len(content) // 2])
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(Path, "write_bytes", half_written)
+        with pytest.raises(OutputError) as caught:
+            write_whole(path, b"new content")
+        assert str(caught.value) == f"error: cannot write '{path}': {os.strerror(errno.ENOSPC)}"
+        assert tree(tmp_path) == {"report.json": b"old"}
+        assert len(list(tmp_path.iterdir())) == 1
+
+
+class TestWriteAll:
+    def test_a_system_that_takes_some_at_a_time(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """What one call does not take, the next ones do, and no byte is written twice."""
+        write = os.write
+        monkeypatch.setattr(os, "write", lambda descriptor, content: write(descriptor, content[:7]))
+        with (tmp_path / "file").open("wb", buffering=0) as file:
+            write_all(file.fileno(), bytes(range(250)))
+        assert (tmp_path / "file").read_bytes() == bytes(range(250))
+
+
+class TestReportingOsErrors:
+    @pytest.mark.parametrize("number", [errno.EACCES, errno.ENOSPC, errno.EROFS, errno.ENAMETOOLONG])
+    def test_the_system_s_reason_becomes_one_line(self, number: int) -> None:
+        """Whatever the system refuses is one line with the path and the reason, and the cause is kept."""
+
+        def refused() -> None:
+            with reporting_os_errors(Path("out/a.urdf")):
+                raise OSError(number, os.strerror(number))
+
+        with pytest.raises(OutputError) as caught:
+            refused()
+        assert str(caught.value) == f"error: cannot write 'out/a.urdf': {os.strerror(number)}"
+        assert isinstance(caught.value.__cause__, OSError)
+
+    @pytest.mark.parametrize("path", ["a\0b", "a\ud800b"])
+    def test_a_path_that_no_system_has(self, path: str) -> None:
+        """A path with a null character or a lone surrogate, as a run file may hold one, is one line as well."""
+        with pytest.raises(OutputError) as caught:
+            write_whole(Path(path) / "report.json", b"{}")
+        assert len(str(caught.value).splitlines()) == 1
+
+    def test_another_error_is_not_the_system_s(self) -> None:
+        """An error that is not about a path goes its own way."""
+        with pytest.raises(ZeroDivisionError), reporting_os_errors(Path("out")):
+            _ = 1 / 0

@@ -1,0 +1,106 @@
+"""Who is at work is known, whatever ends the work."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.plugin_system import at_work
+from dh2urdf.plugin_system.at_work import AtWork, at_work_here, importing
+from dh2urdf.plugin_system.child_place import ChildPlace
+from dh2urdf.plugin_system.discovery import Plugin
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+LAB = Plugin(name="lab = lab_lab", distribution="lab 1.0")
+
+
+class TestInThisProcess:
+    def test_the_innermost_is_at_work(self) -> None:
+        """Until it ends; then the one that called it."""
+        assert at_work_here() is None
+        with AtWork("executor 'threads'", LAB):
+            with AtWork("emitter 'usd'", LAB):
+                assert str(at_work_here()) == "emitter 'usd' of lab 1.0"
+            assert str(at_work_here()) == "executor 'threads' of lab 1.0"
+        assert at_work_here() is None
+
+    def test_an_interrupt_names_the_innermost(self) -> None:
+        """Once, as a note that the command line prints; other exceptions stay as they are."""
+        with (
+            pytest.raises(KeyboardInterrupt) as caught,
+            AtWork("executor 'threads'", LAB),
+            AtWork("emitter 'usd'", LAB),
+        ):
+            raise KeyboardInterrupt
+        assert caught.value.__notes__ == ["emitter 'usd' of lab 1.0 was at work"]
+        with pytest.raises(KeyError) as other, AtWork("emitter 'usd'", LAB):
+            raise KeyError
+        assert not hasattr(other.value, "__notes__")
+
+
+class TestAnImport:
+    def test_a_slow_one_is_named(self, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+        """With what leaves it out."""
+        monkeypatch.setattr(at_work, "SLOW_IMPORT", 0.0)
+        with importing(LAB):
+            while not caplog.records:
+                time.sleep(0.01)
+        assert caplog.messages == [
+            "waiting for the import of the plugin 'lab = lab_lab' of lab 1.0; `--without lab` leaves it out"
+        ]
+
+    def test_a_quick_one_is_not(self, caplog: pytest.LogCaptureFixture) -> None:
+        """Nobody waits for it."""
+        with importing(LAB):
+            assert str(at_work_here()) == "the import of the plugin 'lab = lab_lab' of lab 1.0"
+        assert caplog.messages == []
+
+
+class TestInAChild:
+    @pytest.mark.parametrize(
+        ("ending", "who"),
+        [
+            ("os._exit(3)", "emitter 'usd' of lab 1.0"),
+            ("os.kill(os.getpid(), 9)", "emitter 'usd' of lab 1.0"),
+            ("raise SystemExit", ""),
+            ("subprocess.run([sys.executable, '-c', 'import dh2urdf.plugin_system.at_work'])", ""),
+        ],
+    )
+    def test_the_parent_knows(
+        self,
+        tmp_path: Path,
+        install: Callable[..., None],
+        monkeypatch: pytest.MonkeyPatch,
+        ending: str,
+        who: str,
+    ) -> None:
+        """However the child ended; nobody is named where it ended by itself."""
+        install(tmp_path, "lab", "")
+        monkeypatch.syspath_prepend(tmp_path)
+        script = (
+            "import os, subprocess, sys\nfrom dh2urdf.plugin_system.at_work import AtWork\nfrom dh2urdf.plugin_system.discovery import Plugin\n"
+            "with AtWork('executor \\'here\\'', None):\n"
+            f"    with AtWork('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
+        )
+        place = ChildPlace()
+        subprocess.run([sys.executable, "-c", script], check=False, **place.for_child())
+        assert place.who() == who
+        place.close()
+
+    def test_a_name_of_any_length(self) -> None:
+        """It is cut short, and the next one is whole."""
+        place = ChildPlace()
+        script = (
+            "import os\nfrom dh2urdf.plugin_system.at_work import AtWork\nwith AtWork('ä' * 5000, None):\n"
+            "    with AtWork('b', None):\n        pass\n    os._exit(0)\n"
+        )
+        subprocess.run([sys.executable, "-c", script], check=True, **place.for_child())
+        assert place.who().startswith("ää")
+        place.close()

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import pickle
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import BrokenPluginError, EmitterError, StageError
+from dh2urdf.plugin_system import calls as attribution
+from dh2urdf.plugin_system.calls import Call, blaming, broken, depending_on, own_work
+from dh2urdf.plugin_system.catalog import KINDS, load
+from dh2urdf.plugin_system.discovery import Plugin
+from dh2urdf.stages import Emitter, NoOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+# Every function of every record is tried by the commands in tests/test_failing_plugins.py.
+
+STAGE = Emitter(name="usd", summary="s", emit=lambda *_: (), options=NoOptions, suffixes=())
+PLUGIN = Plugin(name="lab = lab.plugin", distribution="lab 1.0")
+CALL = Call(stage=STAGE, options=NoOptions(), plugin=PLUGIN)
+
+
+def fail(error: BaseException) -> None:
+    raise error
+
+
+class TestBlaming:
+    def test_a_fault_is_told_with_its_plugin(self) -> None:
+        """The stage, the plugin, the distribution and the version, what was raised and where."""
+        with pytest.raises(StageError) as caught, blaming(CALL):
+            fail(KeyError("colour"))
+        error = caught.value
+        assert (error.stage, error.plugin, error.distribution) == ("emitter 'usd'", "lab = lab.plugin", "lab 1.0")
+        assert error.reason == "KeyError: 'colour'"
+        assert "in fail" in error.traceback
+
+    def test_a_refusal_is_no_fault(self) -> None:
+        """An error of dh2urdf goes on as it is, whoever asked."""
+        refusal = EmitterError("this arm cannot be written")
+        with pytest.raises(EmitterError) as caught, blaming(CALL):
+            fail(refusal)
+        assert caught.value is refusal
+        with pytest.raises(EmitterError) as caught, depending_on(CALL):
+            fail(refusal)
+        assert caught.value is refusal
+
+    @pytest.mark.parametrize("ask", [blaming, depending_on])
+    def test_an_interrupt_is_no_fault(self, ask: Callable[[Call[Any]], Any]) -> None:
+        """Ctrl-C ends the program, not the stage."""
+        with pytest.raises(KeyboardInterrupt), ask(CALL):
+            fail(KeyboardInterrupt())
+
+    def test_a_stage_from_no_catalog(self) -> None:
+        """It is told without a distribution."""
+        with (
+            pytest.raises(StageError, match=r"^error: emitter 'usd' failed: KeyError"),
+            blaming(Call(stage=STAGE, options=None)),
+        ):
+            fail(KeyError("colour"))
+
+
+class TestDependingOn:
+    def test_a_fault_breaks_the_plugin(self) -> None:
+        """What was asked of which stage of which plugin."""
+        with pytest.raises(BrokenPluginError) as caught, depending_on(CALL, "require"):
+            fail(KeyError("colour"))
+        assert str(caught.value) == (
+            "plugin 'lab = lab.plugin' of lab 1.0 is broken: `require` of the emitter 'usd' failed: KeyError: 'colour'"
+        )
+        assert "in fail" in caught.value.traceback
+
+    def test_what_the_host_raises_within_is_its_own(self) -> None:
+        """Also after a way between processes, on which an exception keeps its notes."""
+        with pytest.raises(KeyError) as caught, depending_on(CALL), own_work():
+            fail(KeyError("colour"))
+        arrived = pickle.loads(pickle.dumps(caught.value))  # noqa: S301 - made here
+        with pytest.raises(KeyError), depending_on(CALL):
+            fail(arrived)
+
+    def test_the_error_alone(self) -> None:
+        """For who lists what is broken and goes on; of a stage from no catalog, too."""
+        assert str(broken(KeyError("x"), CALL)).endswith("is broken: the emitter 'usd' failed: KeyError: 'x'")
+        assert "of an unknown distribution" in str(broken(KeyError("x"), Call(stage=STAGE, options=None)))
+
+
+class TestBetweenProcesses:
+    @pytest.mark.parametrize("kind", KINDS)
+    def test_a_stage_is_found_again_in_its_plugin(self, kind: Any) -> None:
+        """By the names of plugin, distribution and stage: the very same stage of the very same plugin."""
+        for item in load().provided(kind):
+            call = Call(stage=item.stage, options=item.stage.options(), plugin=item.plugin)
+            again = pickle.loads(pickle.dumps(call))  # noqa: S301 - made here
+            assert (again.kind, again.stage, again.options) == (kind, call.stage, call.options)
+            assert (again.plugin.name, again.plugin.distribution) == (item.plugin.name, item.plugin.distribution)
+
+    def test_no_other_plugin_is_imported_for_it(
+        self, tmp_path: Path, install: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """A worker imports what the run uses, however many plugins are installed there."""
+        item = next(iter(load().provided("emitter")))
+        data = pickle.dumps(Call(stage=item.stage, options=item.stage.options(), plugin=item.plugin))
+        install(tmp_path, "stranger", "raise SystemExit('nobody asked')")
+        monkeypatch.syspath_prepend(tmp_path)
+        attribution._catalog.cache_clear()  # as in a new process
+        assert pickle.loads(data).stage is item.stage  # noqa: S301 - made here
+        assert "stranger_lab" not in sys.modules

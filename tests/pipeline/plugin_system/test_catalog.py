@@ -1,0 +1,365 @@
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin, load
+from dh2urdf.stages import Emitter, NoOptions, Reader
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from subprocess import CompletedProcess
+
+
+def reader(name: str, *suffixes: str) -> Reader[Any]:
+    return Reader(
+        name=name, summary="reads", read=lambda _path, _options: iter(()), options=NoOptions, suffixes=suffixes
+    )
+
+
+def emitter(name: str, *suffixes: str) -> Emitter[Any]:
+    return Emitter(name=name, summary="writes", emit=lambda *_: (), options=NoOptions, suffixes=suffixes)
+
+
+def plugin(distribution: str, **hooks: Callable[[], Any]) -> Plugin:
+    """A plugin whose module has these hooks, as an entry point of a distribution would give it."""
+    module = ModuleType(distribution)
+    for name, hook in hooks.items():
+        hook.__name__ = name
+        setattr(module, name, hookimpl(hook))
+    return Plugin(name=f"{distribution} = {distribution}", distribution=f"{distribution} 1.0", module=module)
+
+
+def readers(distribution: str, *stages: Reader[Any]) -> Plugin:
+    return plugin(distribution, dh2urdf_readers=lambda: stages)
+
+
+def names(catalog: Catalog, kind: Any) -> list[str]:
+    return [item.stage.name for item in catalog.provided(kind)]
+
+
+GOOD = readers("good", reader("table", ".tab"))
+
+
+def failing() -> Iterable[Any]:
+    raise RuntimeError("the moon is in the wrong phase")
+
+
+def half_way() -> Iterable[Any]:
+    yield reader("half")
+    raise KeyError("gone")
+
+
+def with_a_parameter(_color: str) -> Iterable[Any]:
+    return ()
+
+
+def leaving() -> Iterable[Any]:
+    raise SystemExit("this plugin thinks that it is a program")
+
+
+class TestWhatIsProvided:
+    def test_stages_are_listed_by_kind_and_name(self) -> None:
+        """Every plugin's stages stand in the catalog, by name, each with the distribution that provides it."""
+        catalog = Catalog([readers("b", reader("z"), reader("y")), readers("a", reader("x"))])
+        provided = [(item.stage.name, item.plugin.distribution) for item in catalog.provided("reader")]
+        assert provided == [("x", "a 1.0"), ("y", "b 1.0"), ("z", "b 1.0")]
+        assert names(catalog, "emitter") == []
+
+    def test_a_stage_is_found_by_kind_and_name(self) -> None:
+        """A reader and an emitter may have one name; the kind tells them apart."""
+        both = plugin("both", dh2urdf_readers=lambda: [reader("urdf")], dh2urdf_emitters=lambda: [emitter("urdf")])
+        catalog = Catalog([both])
+        assert isinstance(catalog.get("reader", "urdf"), Reader)
+        assert isinstance(catalog.get("emitter", "urdf"), Emitter)
+
+    def test_hooks_may_be_generators(self) -> None:
+        """A hook gives any iterable."""
+
+        def stages() -> Iterable[Any]:
+            yield reader("one")
+            yield reader("two")
+
+        assert names(Catalog([plugin("p", dh2urdf_readers=stages)]), "reader") == ["one", "two"]
+
+    def test_a_hook_is_called_once_and_only_when_its_kind_is_asked_for(self) -> None:
+        """A run that needs no simulator does not even ask for one."""
+        calls: list[str] = []
+
+        def counted(kind: str) -> Callable[[], Any]:
+            return lambda: calls.append(kind) or ()
+
+        catalog = Catalog([plugin("p", dh2urdf_readers=counted("reader"), dh2urdf_loaders=counted("loader"))])
+        assert calls == []
+        for _ in range(3):
+            catalog.provided("reader")
+        assert calls == ["reader"]
+
+    def test_catalogs_share_nothing(self) -> None:
+        """Plugins are handed in: two catalogs know nothing of each other."""
+        assert names(Catalog([GOOD]), "reader") == ["table"]
+        assert names(Catalog([]), "reader") == []
+        assert names(Catalog([GOOD]), "reader") == ["table"]
+
+
+class TestBrokenPlugins:
+    @pytest.mark.parametrize(
+        ("hooks", "reason"),
+        [
+            ({"dh2urdf_readerz": lambda: ()}, "PluginValidationError: unknown hook 'dh2urdf_readerz'"),
+            ({"dh2urdf_readers": with_a_parameter}, "_color"),
+            ({}, "TypeError: it has no hook of dh2urdf"),
+        ],
+        ids=["unknown hook", "wrong signature", "no hook"],
+    )
+    def test_at_registration(self, hooks: dict[str, Any], reason: str) -> None:
+        """A hook that does not exist or has parameters breaks its plugin, and so does having none; others work."""
+        catalog = Catalog([plugin("bad", **hooks), GOOD])
+        assert names(catalog, "reader") == ["table"]
+        (broken,) = catalog.broken
+        assert broken.distribution == "bad 1.0"
+        assert reason in broken.reason
+        assert "Traceback" in broken.traceback
+
+    @pytest.mark.parametrize(
+        ("hook", "reason"),
+        [
+            (failing, "RuntimeError: the moon is in the wrong phase"),
+            (half_way, "KeyError: 'gone'"),
+            (leaving, "SystemExit: this plugin thinks that it is a program"),
+            (lambda: [emitter("urdf")], "TypeError: the hook dh2urdf_readers gave Emitter"),
+            (lambda: ["table"], "TypeError: the hook dh2urdf_readers gave str 'table', not a dh2urdf.stages.Reader"),
+            (lambda: None, "TypeError: the hook dh2urdf_readers gave None, not a list of dh2urdf.stages.Reader"),
+        ],
+        ids=["raises", "raises half way", "leaves", "a record of another kind", "no record", "nothing"],
+    )
+    def test_when_its_hook_is_called(self, hook: Callable[[], Any], reason: str) -> None:
+        """A plugin whose hook fails, or gives what is no record of its kind, provides nothing; others do."""
+        catalog = Catalog([plugin("bad", dh2urdf_readers=hook), GOOD])
+        assert catalog.broken == ()
+        assert names(catalog, "reader") == ["table"]
+        (broken,) = catalog.broken
+        assert broken.plugin == "bad = bad"
+        assert reason in broken.reason
+
+    def test_one_bad_hook_does_not_take_the_others_of_its_plugin_along(self) -> None:
+        """A plugin whose readers fail still provides its emitters."""
+        catalog = Catalog([plugin("half", dh2urdf_readers=failing, dh2urdf_emitters=lambda: [emitter("dot")])])
+        assert names(catalog, "reader") == []
+        assert names(catalog, "emitter") == ["dot"]
+
+    def test_one_module_under_two_entry_points(self) -> None:
+        """A module that is registered twice provides its stages once; the second entry point is named as broken."""
+        again = Plugin(name="again = good", distribution=GOOD.distribution, module=GOOD.module)
+        catalog = Catalog([GOOD, again])
+        assert names(catalog, "reader") == ["table"]
+        assert [broken.plugin for broken in catalog.broken] == ["again = good"]
+
+    def test_a_stage_that_a_broken_plugin_may_provide(self) -> None:
+        """An unknown stage is blamed on the broken plugin that may provide it, with its reason: the run needs it."""
+        catalog = Catalog([plugin("bad", dh2urdf_readers=failing), GOOD])
+        with pytest.raises(BrokenPluginError) as caught:
+            catalog.get("reader", "tabel")
+        assert caught.value.exit_status == 3
+        assert "plugin 'bad = bad' of bad 1.0 is broken: RuntimeError" in str(caught.value)
+        assert "no other plugin provides the reader 'tabel'" in str(caught.value)
+        assert "did you mean 'table'?" in str(caught.value)
+
+    def test_a_suffix_that_a_broken_plugin_may_take(self) -> None:
+        """A file that no reader takes is blamed on the broken plugin that may take it."""
+        catalog = Catalog([plugin("bad", dh2urdf_readers=failing), GOOD])
+        with pytest.raises(BrokenPluginError) as caught:
+            catalog.reader_for(Path("arm.toml"))
+        assert "RuntimeError: the moon is in the wrong phase; no other plugin takes the file 'arm.toml'" in str(
+            caught.value
+        )
+        assert "a file name that ends in .tab" in str(caught.value)
+
+    def test_a_stage_that_works_does_not_care(self) -> None:
+        """A broken plugin stops nothing that does not need it."""
+        catalog = Catalog([plugin("bad", dh2urdf_readers=failing), GOOD])
+        assert catalog.get("reader", "table").name == "table"
+        assert catalog.reader_for(Path("arm.tab")).name == "table"
+
+
+class TestNames:
+    def test_two_plugins_with_one_name(self) -> None:
+        """A name that two distributions claim is an error that names both, when the name is asked for."""
+        catalog = Catalog([readers("one", reader("table")), readers("two", reader("table"), reader("other"))])
+        assert catalog.get("reader", "other").name == "other"
+        with pytest.raises(StageConflictError) as caught:
+            catalog.get("reader", "table")
+        assert caught.value.exit_status == 3
+        assert caught.value.distributions == ("one 1.0", "two 1.0")
+        assert "reader 'table' is claimed by one 1.0 and by two 1.0" in str(caught.value)
+
+    def test_an_unknown_name(self) -> None:
+        """An unknown stage says what is installed and what was probably meant."""
+        catalog = Catalog([readers("p", reader("csv"), reader("yaml"))])
+        with pytest.raises(UnknownStageError) as caught:
+            catalog.get("reader", "yml")
+        assert caught.value.exit_status == 2
+        assert str(caught.value).splitlines() == [
+            "error: no reader is named 'yml'",
+            "    accepted: csv, yaml",
+            "    did you mean 'yaml'?",
+        ]
+        assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)  # noqa: S301 - made here
+
+    def test_a_name_that_is_near_nothing(self) -> None:
+        """Where nothing is near, it says how to see what is installed."""
+        with pytest.raises(UnknownStageError, match=r"`dh2urdf plugins` lists what is installed"):
+            Catalog([GOOD]).get("reader", "xlsx")
+
+    def test_a_kind_of_which_nothing_is_installed(self) -> None:
+        """Where no stage of the kind is installed, it says so."""
+        with pytest.raises(UnknownStageError, match="nothing: no loader is installed"):
+            Catalog([GOOD]).get("loader", "pybullet")
+
+
+class TestSuffixes:
+    CATALOG = Catalog(
+        [
+            readers("r", reader("csv", ".csv", ".tsv"), reader("yaml", ".yaml")),
+            plugin("e", dh2urdf_emitters=lambda: [emitter("urdf", ".urdf", ".xml"), emitter("xacro", ".urdf.xacro")]),
+            plugin("f", dh2urdf_emitters=lambda: [emitter("plain", ".xacro")]),
+        ]
+    )
+
+    @pytest.mark.parametrize(
+        ("file", "stage"), [("a.csv", "csv"), ("A.TSV", "csv"), ("x/a.b.yaml", "yaml"), (".hidden.csv", "csv")]
+    )
+    def test_a_reader_is_chosen_by_suffix(self, file: str, stage: str) -> None:
+        """The suffix chooses the reader; capitals do not matter."""
+        assert self.CATALOG.reader_for(Path(file)).name == stage
+
+    @pytest.mark.parametrize(
+        ("file", "stage"), [("a.urdf", "urdf"), ("a.urdf.xacro", "xacro"), ("a.xacro", "plain"), ("a.XML", "urdf")]
+    )
+    def test_the_longest_suffix_wins(self, file: str, stage: str) -> None:
+        """Of several suffixes that a name has, the longest chooses the emitter."""
+        assert self.CATALOG.emitter_for(Path(file)).name == stage
+
+    @pytest.mark.parametrize("file", ["a.xls", "csv", ".csv", "a.csv.txt", "a"])
+    def test_an_unknown_suffix(self, file: str) -> None:
+        """A suffix that no reader takes is an error with all that are taken, and another way to choose."""
+        with pytest.raises(InputError) as caught:
+            self.CATALOG.reader_for(Path("folder") / file)
+        message = str(caught.value)
+        assert f"no reader is known for the file '{file}'" in message
+        assert "ends in .csv, .tsv, .yaml" in message
+        assert "`stage: NAME`" in message
+
+    @pytest.mark.parametrize("file", ["a.xls", "A.XLS", "a.ods", "a.xlsb", "a.numbers"])
+    def test_a_spreadsheet_that_no_reader_takes(self, file: str) -> None:
+        """The error says in which formats the sheet can be saved."""
+        with pytest.raises(InputError, match=r"save the sheet as \.xlsx, or as CSV"):
+            self.CATALOG.reader_for(Path(file))
+
+    def test_a_suffix_that_two_readers_take(self) -> None:
+        """Two readers of one suffix are an error that names both with their distributions, and says how to choose."""
+        catalog = Catalog([readers("one", reader("mine", ".csv")), readers("two", reader("yours", ".csv"))])
+        with pytest.raises(InputError) as caught:
+            catalog.reader_for(Path("arm.csv"))
+        message = str(caught.value)
+        assert "'mine' of one 1.0" in message
+        assert "'yours' of two 1.0" in message
+        assert "`stage: NAME`" in message
+
+    def test_a_suffix_of_a_name_that_two_plugins_claim(self) -> None:
+        """A suffix cannot choose between two readers of one name: the name itself is the conflict."""
+        catalog = Catalog([readers("one", reader("csv", ".csv")), readers("two", reader("csv", ".csv"))])
+        with pytest.raises(StageConflictError, match=r"reader 'csv' is claimed by one 1\.0 and by two"):
+            catalog.reader_for(Path("arm.csv"))
+
+
+class TestEntryPoints:
+    def test_the_built_in_stages_are_installed(self) -> None:
+        """The built-in stages come through the entry points, like everybody's, and none is broken."""
+        catalog = load()
+        found = {kind: names(catalog, kind) for kind in KINDS}
+        assert {"csv", "yaml"} <= set(found["reader"])
+        assert "alpha-swap" in found["transform"]
+        assert {"urdf", "xacro"} <= set(found["emitter"])
+        assert "pybullet" in found["loader"]
+        assert "local" in found["executor"]
+        assert catalog.broken == ()
+
+    @pytest.mark.parametrize("kind", KINDS)
+    def test_every_built_in_stage_says_what_it_is(self, kind: Any) -> None:
+        """Every installed stage is a record of its kind with a name for run files and a summary of one line."""
+        for item in load().provided(kind):
+            assert isinstance(item.stage, RECORDS[kind])
+            assert item.stage.name == item.stage.name.lower().replace(" ", "-")
+            assert item.stage.summary
+            assert "\n" not in item.stage.summary
+
+
+BROKEN = {
+    "at_import": "raise OSError('the licence server does not answer')",
+    "at_import_too": "import no_such_package_of_ours",
+    "at_exit": "import sys; sys.exit('give me arguments')",
+    "at_registration": "from dh2urdf.hookspecs import hookimpl\n@hookimpl\ndef dh2urdf_writers(): return ()",
+    "at_call": "from dh2urdf.hookspecs import hookimpl\n@hookimpl\ndef dh2urdf_emitters(): return 1 / 0",
+    "no_syntax": "def def",
+}
+REASONS = {
+    "at_import": "OSError: the licence server does not answer",
+    "at_import_too": "ModuleNotFoundError: No module named 'no_such_package_of_ours'",
+    "at_exit": "SystemExit: give me arguments",
+    "at_registration": "PluginValidationError: unknown hook 'dh2urdf_writers'",
+    "at_call": "ZeroDivisionError: division by zero",
+    "no_syntax": "SyntaxError: ",
+}
+TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
+
+
+@pytest.fixture
+def broken_plugins(tmp_path: Path, install: Callable[..., None]) -> Path:
+    folder = tmp_path / "site"
+    for distribution, source in BROKEN.items():
+        install(folder, distribution, source)
+    return folder
+
+
+class TestInstalledPluginsThatAreBroken:
+    def test_they_are_listed_with_their_reasons(
+        self, dh2urdf: Callable[..., CompletedProcess[str]], broken_plugins: Path
+    ) -> None:
+        """`dh2urdf plugins` lists every broken plugin with its distribution and reason, and ends well."""
+        listed = json.loads(dh2urdf("plugins", "--json", path=[broken_plugins]).stdout)
+        found = {entry["distribution"]: entry["reason"] for entry in listed["broken"]}
+        assert set(found) == {f"{distribution} 1.0" for distribution in BROKEN}
+        for distribution, reason in REASONS.items():
+            assert reason in found[f"{distribution} 1.0"]
+        assert {"csv", "urdf"} <= {stage["name"] for stage in listed["stages"]}
+        printed = dh2urdf("plugins", path=[broken_plugins]).stdout
+        assert "lab = at_import_lab of at_import 1.0: OSError: the licence server does not answer" in printed
+
+    def test_a_run_that_needs_none_of_them_works(
+        self, dh2urdf: Callable[..., CompletedProcess[str]], broken_plugins: Path, tmp_path: Path
+    ) -> None:
+        """Six broken plugins stop nothing: a run of built-in stages works."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [urdf]\noutput: {directory: out}\n")
+        dh2urdf("run", "run.yaml", path=[broken_plugins])
+        assert (tmp_path / "out" / "arm.urdf").is_file()
+
+    def test_a_run_that_needs_one_says_which_and_why(
+        self, dh2urdf: Callable[..., CompletedProcess[str]], tmp_path: Path, install: Callable[..., None]
+    ) -> None:
+        """A run that needs what only a broken plugin can provide ends with status 3, the plugin and its reason."""
+        install(tmp_path / "site", "lab_formats", BROKEN["at_import"])
+        (tmp_path / "arm.csv").write_text(TABLE)
+        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [usd]\noutput: {directory: out}\n")
+        failed = dh2urdf("run", "run.yaml", path=[tmp_path / "site"], status=3)
+        assert "lab_formats 1.0 is broken: OSError: the licence server does not answer" in failed.stderr
+        assert "no other plugin provides the emitter 'usd'" in failed.stderr
+        assert not (tmp_path / "out").exists()

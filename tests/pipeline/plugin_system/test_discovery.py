@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import ConfigError, IncompatiblePluginError
+from dh2urdf.hookspecs import INTERFACE_VERSION
+from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from subprocess import CompletedProcess
+
+    Command = Callable[..., CompletedProcess[str]]
+
+READER = """
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.stages import NoOptions, Reader
+
+@hookimpl
+def dh2urdf_readers():
+    yield Reader(name="lab-table", summary="s", read=lambda *_: iter(()), options=NoOptions, suffixes=(".lab",))
+"""
+NEVER = "from pathlib import Path\nPath('imported').touch()\nfrom dh2urdf.hookspecs import hookimpl_of_the_future\n"
+TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder for further distributions, which this process sees, too."""
+    folder = tmp_path / "site"
+    folder.mkdir()
+    monkeypatch.syspath_prepend(folder)
+    return folder
+
+
+@pytest.fixture
+def future(site: Path, install: Callable[..., None]) -> Path:
+    """A plugin that is made for interface 2 is installed; an import of it leaves a file."""
+    install(site, "lab-formats", NEVER, group="dh2urdf.v2")
+    return site
+
+
+class TestVersionsOfTheInterface:
+    def test_a_plugin_of_another_major_version_is_incompatible(self, future: Path) -> None:
+        """The group of the entry point says for which version it is made, and nothing of it is imported."""
+        assert future
+        found = installed()
+        (error,) = found.incompatible
+        assert (error.plugin, error.distribution) == ("lab = lab_formats_lab", "lab-formats 1.0")
+        assert "made for version 2 of the plugin interface" in error.reason
+        assert f"has {INTERFACE_VERSION}" in error.reason
+        assert "lab-formats" not in {plugin.distribution_name for plugin in found.plugins}
+
+    def test_it_is_listed_with_the_reason(self, dh2urdf: Command, future: Path, tmp_path: Path) -> None:
+        """As `incompatible`, not as broken; for people and for scripts; other stages work."""
+        listed = json.loads(dh2urdf("plugins", "--json", path=[future]).stdout)
+        assert listed["broken"] == []
+        (entry,) = listed["incompatible"]
+        assert entry["distribution"] == "lab-formats 1.0"
+        assert (
+            "incompatible: lab = lab_formats_lab of lab-formats 1.0: it is made for version 2"
+            in dh2urdf("plugins", path=[future]).stdout
+        )
+        (tmp_path / "arm.csv").write_text(TABLE)
+        dh2urdf("convert", "arm.csv", "-o", "arm.urdf", path=[future])
+        assert not (tmp_path / "imported").exists()
+
+    def test_a_run_that_may_need_it_says_so(self, dh2urdf: Command, future: Path, tmp_path: Path) -> None:
+        """A stage that nobody else has may be its: status 3, with the plugin, the reason, and what is missing."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [usd]\noutput: {directory: out}\n")
+        failed = dh2urdf("run", "run.yaml", path=[future], status=3).stderr
+        assert "plugin 'lab = lab_formats_lab' of lab-formats 1.0 is not loaded: it is made for version 2" in failed
+        assert "no other plugin provides the emitter 'usd'" in failed
+        assert not (tmp_path / "imported").exists()
+
+    def test_without_it_the_name_is_unknown(self, dh2urdf: Command, future: Path, tmp_path: Path) -> None:
+        """Who leaves the plugin out is told what is installed."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        words = ("--without", "lab-formats", "convert", "arm.csv", "--to", "usd")
+        assert "no emitter is named 'usd'" in dh2urdf(*words, path=[future], status=2).stderr
+
+    def test_a_distribution_for_two_versions(self, site: Path, install: Callable[..., None]) -> None:
+        """One that has an entry point for this version, too, is no trouble."""
+        install(site, "both", READER, plugin="old")
+        install(site, "both", NEVER, plugin="new", group="dh2urdf.v2")
+        found = installed()
+        assert found.incompatible == ()
+        assert [plugin.entry for plugin in found.plugins if plugin.is_of("both")] == ["old"]
+
+    @pytest.mark.parametrize("group", ["dh2urdf.testing", "dh2urdf_v2", "dh2urdf.v", "other.dh2urdf"])
+    def test_other_groups_are_none_of_its_business(self, site: Path, install: Callable[..., None], group: str) -> None:
+        """Only `dh2urdf` and `dh2urdf.v` with a number are of plugins."""
+        install(site, "lab", READER, group=group)
+        assert not any(plugin.is_of("lab") for plugin in installed().plugins)
+        assert installed().incompatible == ()
+
+    def test_the_same_version_by_its_number(self, site: Path, install: Callable[..., None]) -> None:
+        """`dh2urdf.v1` is `dh2urdf`."""
+        install(site, "lab", READER, group="dh2urdf.v1")
+        assert any(plugin.is_of("lab") for plugin in installed().plugins)
+
+
+class TestLeavingOut:
+    @pytest.mark.parametrize("name", ["lab-tools", "Lab_Tools", "first", "first = lab_tools_first"])
+    def test_by_any_of_its_names(self, site: Path, install: Callable[..., None], name: str) -> None:
+        """By the distribution's name, spelled as pip allows, all of its plugins; by the plugin's, that one."""
+        install(site, "lab-tools", READER, plugin="first")
+        install(site, "lab-tools", READER, plugin="second")
+        install(site, "other", READER)
+        found = installed([name])
+        left_out = ["first"] if "first" in name else ["first", "second"]
+        assert [plugin.entry for plugin in found.left_out] == left_out
+        assert {"first", "second"} - set(left_out) <= {plugin.entry for plugin in found.plugins}
+        assert any(plugin.is_of("other") for plugin in found.plugins)
+
+    def test_a_name_that_nobody_has(self, site: Path, install: Callable[..., None]) -> None:
+        """It is an error that lists what is there and what was probably meant; all such names are told at once."""
+        install(site, "lab-tools", READER, plugin="first")
+        with pytest.raises(ConfigError) as caught:
+            installed(["lab-tool", "zzz"])
+        assert [problem.found for problem in caught.value.problems] == ["lab-tool", "zzz"]
+        message = str(caught.value)
+        assert (
+            "command line: error: field '--without': no plugin and no distribution of one is named 'lab-tool'"
+            in message
+        )
+        assert "lab-tools (plugin first)" in message
+        assert "dh2urdf (plugin builtin)" in message
+        assert "did you mean 'lab-tools'?" in message
+
+    def test_an_incompatible_one(self, future: Path) -> None:
+        """What is left out is not reported as incompatible."""
+        assert future
+        assert installed(["lab-formats"]).incompatible == ()
+        assert [plugin.entry for plugin in installed(["lab-formats"]).left_out] == ["lab"]
+
+
+class TestPlugin:
+    def test_names(self) -> None:
+        """The entry point has a name, the distribution has one, with and without its version."""
+        plugin = Plugin(name="lab = lab.plugin", distribution="lab-tools 1.0", module=None)
+        assert (plugin.entry, plugin.distribution_name, plugin.distribution) == ("lab", "lab-tools", "lab-tools 1.0")
+        assert Plugin(name="x", distribution=None).distribution_name == "an unknown distribution"
+
+    @pytest.mark.parametrize(("other", "same"), [("Lab.Tools", True), ("lab__tools", True), ("labtools", False)])
+    def test_names_of_distributions_are_compared_as_pip_does(self, other: str, *, same: bool) -> None:
+        """Case, and runs of dots, dashes and underscores, make no difference."""
+        assert same_name("lab-tools", other) is same
+
+
+def test_an_incompatible_plugin_is_an_error_of_its_own() -> None:
+    """Who catches broken plugins catches these, too, with the same exit status."""
+    assert IncompatiblePluginError("p", "d 1", "r").exit_status == 3

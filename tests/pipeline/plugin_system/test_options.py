@@ -1,0 +1,307 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pytest
+from annotated_types import Gt
+from hypothesis import given, strategies as st
+
+from dh2urdf.documents.document import load_yaml
+from dh2urdf.errors import BrokenPluginError, ConfigError, TableError
+from dh2urdf.plugin_system.options import COMMAND_LINE, describe_options, make_options, word_node
+from dh2urdf.source import Mark, Problem
+
+
+class Colour(StrEnum):
+    ORANGE = "orange"
+    GREY = "grey"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Body:
+    radius: float = 0.04
+    shape: Literal["box", "cylinder"] = "box"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    frames: Literal["aligned", "dh"] = field(default="aligned", metadata={"help": "which frames links have"})
+    workers: Literal["auto"] | int = "auto"
+    prefix: str | None = None
+    picture: bool = False
+    gravity: float = 9.81
+    size: tuple[int, int] = (640, 480)
+    joints: tuple[str, ...] = ()
+    colour: Colour = Colour.GREY
+    log: Path | None = None
+    body: Body = Body()
+    bodies: tuple[Body, ...] = ()
+    base: str | dict[str, Any] | list[Any] | None = None
+    height: Annotated[float, Gt(0)] = 1.0
+
+    def __post_init__(self) -> None:
+        if self.gravity < 0:
+            raise ValueError("gravity points down: give a number from 0 on")
+        if self.prefix == "bad":
+            raise TableError(Problem(message="the prefix is bad", accepted="a good one"))
+        if self.prefix == "worse":
+            raise TableError(Problem(message="the prefix is bad", field="prefix"))
+        if self.prefix == "crash":
+            raise KeyError("oops")
+
+
+@dataclass(frozen=True)
+class Needy:
+    port: int
+
+
+def of(text: str) -> Options:
+    return make_options(Options, load_yaml(text, "run.yaml"), where="loader 'x'")
+
+
+def refusal(text: str) -> str:
+    with pytest.raises(ConfigError) as caught:
+        of(text)
+    return str(caught.value)
+
+
+def test_without_options_the_type_itself_is_made() -> None:
+    """No options, none written down and an empty mapping are the defaults."""
+    assert make_options(Options, where="x") == make_options(Options, {}, where="x") == of("{}") == Options()
+
+
+def test_plain_words_do_not_import_pydantic() -> None:
+    """Defaults, words and truth values are taken without the import that costs most."""
+    code = (
+        "import sys; from dh2urdf.plugin_system.options import make_options; from dh2urdf_plugins.emitters.xacro import XacroOptions;"
+        "from dh2urdf_plugins.emitters.urdf import UrdfOptions;"
+        "make_options(XacroOptions, {'single_file': 'true'}, where='x');"
+        "make_options(UrdfOptions, {'profile': 'portable'}, where='x');"
+        "sys.exit('pydantic' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_every_kind_of_option_is_read() -> None:
+    """Numbers, lists, enumerations, paths and options within options become what their types say."""
+    found = of(
+        "{frames: dh, workers: 3, prefix: a_, picture: true, gravity: 2, size: [1, 2], joints: [a, b], colour: orange, "
+        "log: x/y, body: {radius: 1}, bodies: [{shape: cylinder}], base: {xyz: [0, 0, pi]}, height: 2}"
+    )
+    assert found == Options(
+        frames="dh",
+        workers=3,
+        prefix="a_",
+        picture=True,
+        gravity=2.0,
+        size=(1, 2),
+        joints=("a", "b"),
+        colour=Colour.ORANGE,
+        log=Path("x/y"),
+        body=Body(radius=1.0),
+        bodies=(Body(shape="cylinder"),),
+        base={"xyz": [0, 0, "pi"]},
+        height=2.0,
+    )
+    assert type(found.gravity) is float
+
+
+def test_where_a_text_is_wanted_a_number_is_its_text() -> None:
+    """Names that look like numbers or truth values keep what was written."""
+    assert of("{prefix: 007, joints: [1, 2e3, true, 0x1F, .inf]}") == Options(
+        prefix="007", joints=("1", "2e3", "true", "0x1F", ".inf")
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "field", "found", "accepted"),
+    [
+        ("gravity: true", "1:10", "gravity", "the truth value true", "a number"),
+        ("gravity: '1'", "1:10", "gravity", "the text '1'", "a number"),
+        ("gravity: .nan", "1:10", "gravity", "the number .nan", "a number"),
+        ("gravity: 1" + "0" * 350, "1:10", "gravity", "the number 1000", "a number"),
+        ("gravity:", "1:9", "gravity", "an empty value", "a number"),
+        ("picture: yes", "1:10", "picture", "the text 'yes'", "true or false"),
+        ("picture: 1", "1:10", "picture", "the number 1", "true or false"),
+        ("workers: 2.5", "1:10", "workers", "the number 2.5", "auto or a whole number"),
+        ("workers: all", "1:10", "workers", "the text 'all'", "auto or a whole number"),
+        ("workers: true", "1:10", "workers", "the truth value true", "auto or a whole number"),
+        ("colour: blue", "1:9", "colour", "the text 'blue'", "orange or grey"),
+        ("prefix: []", "1:9", "prefix", "an empty list", "a text"),
+        ("size: [1]", "1:7", "size", "a list of 1", "a list of 2, each a whole number"),
+        ("size: [1, 2, 3]", "1:7", "size", "a list of 3", "a list of 2, each a whole number"),
+        ("size: [1, x]", "1:11", "size.1", "the text 'x'", "a list of 2, each a whole number"),
+        ("joints: a", "1:9", "joints", "the text 'a'", "a list, each entry a text"),
+        ("body: {radius: x}", "1:16", "body.radius", "the text 'x'", "a number"),
+        ("body: 3", "1:7", "body", "the number 3", "a mapping of radius, shape"),
+        ("bodies: [{}, {radius: x}]", "1:23", "bodies.1.radius", "the text 'x'", "a mapping of radius, shape"),
+        ("height: 0", "1:9", "height", "the number 0", "a number, greater than 0"),
+    ],
+)
+def test_a_wrong_value_is_told_with_place_and_what_is_accepted(
+    text: str, place: str, field: str, found: str, accepted: str
+) -> None:
+    """The message names file, line, column, option, what was found and what is accepted, in words."""
+    message = refusal(text)
+    assert message.startswith(f"run.yaml:{place}: error: field '{field}': the loader 'x' cannot take {found}")
+    assert accepted in message.partition("accepted: ")[2]
+
+
+def test_a_word_that_is_nearly_right_gets_a_suggestion() -> None:
+    """A misspelt choice is answered with the right one."""
+    assert refusal("frames: algined") == (
+        "run.yaml:1:9: error: field 'frames': the loader 'x' cannot take the text 'algined' here\n"
+        "    accepted: aligned or dh\n"
+        "    did you mean 'aligned'?"
+    )
+
+
+def test_unknown_options_are_told_wherever_they_stand() -> None:
+    """A misspelt key is an error at the key, in options within options too."""
+    message = refusal("frmaes: dh\nbody: {radus: 1}\nbodies: [{}, {y: 2}]\n")
+    assert (
+        "run.yaml:1:1: error: field 'frmaes': the loader 'x' has no such option\n    accepted: frames, workers"
+        in message
+    )
+    assert "did you mean 'frames'?" in message
+    assert "run.yaml:2:8: error: field 'body.radus'" in message
+    assert "run.yaml:3:15: error: field 'bodies.1.y'" in message
+
+
+def test_everything_that_is_wrong_is_said_at_once_in_file_order() -> None:
+    """Unknown keys and wrong values of one stage come together, by line."""
+    with pytest.raises(ConfigError) as caught:
+        of("gravity: x\nfoo: 1\nsize: 3\nbar: 2\npicture: no\n")
+    assert [problem.mark.line for problem in caught.value.problems if problem.mark] == [1, 2, 3, 4, 5]
+
+
+def test_what_the_type_itself_refuses_is_told_at_the_option() -> None:
+    """The text of a ValueError from the options type is the message, at the option that it names."""
+    message = "run.yaml:2:10: error: field 'gravity': the loader 'x': gravity points down: give a number from 0 on"
+    assert refusal("prefix: a\ngravity: -1") == message
+
+
+def test_problems_of_the_type_itself_are_kept() -> None:
+    """An input error from the options type keeps its problem and gets a place."""
+    assert refusal("prefix: bad") == "run.yaml:1:1: error: the prefix is bad\n    accepted: a good one"
+
+
+def test_a_problem_of_the_type_itself_that_names_an_option_is_told_there() -> None:
+    """The options type knows no places; its field says which option it means."""
+    assert refusal("prefix: worse") == "run.yaml:1:9: error: field 'prefix': the prefix is bad"
+
+
+@pytest.mark.parametrize("more", ["", ", gravity: 1"])
+def test_a_crash_of_the_type_blames_the_plugin(more: str) -> None:
+    """Any other exception is the plugin's fault, and told as such, with its traceback kept."""
+    with pytest.raises(BrokenPluginError, match="Options of the loader 'x' does not work: KeyError: 'oops'") as caught:
+        of("{prefix: crash" + more + "}")
+    assert "__post_init__" in caught.value.traceback
+
+
+def test_a_type_that_pydantic_cannot_check_blames_the_plugin() -> None:
+    """An annotation that cannot be resolved is a fault of the plugin, not of the user."""
+
+    @dataclass(frozen=True)
+    class Unresolvable:
+        x: Missing = 0  # type: ignore[name-defined] # noqa: F821 - that is the point
+
+    assert make_options(Unresolvable, where="x") == Unresolvable()
+    with pytest.raises(BrokenPluginError, match=r"Unresolvable of the x does not work: .*not fully defined"):
+        make_options(Unresolvable, {"x": "1"}, where="x")
+    assert describe_options(Unresolvable) == [("x", "Missing", "0", "")]
+
+
+def test_a_missing_option_is_told() -> None:
+    """An option without a default must be given."""
+    with pytest.raises(
+        ConfigError, match="field 'port': the reader 'y' needs this option\n    accepted: a whole number"
+    ):
+        make_options(Needy, where="reader 'y'", mark=Mark(file="run.yaml", line=3))
+
+
+def test_options_that_are_no_mapping_are_refused() -> None:
+    """A list in place of the options is told."""
+    assert refusal("[1]").startswith("run.yaml:1:1: error: the options of the loader 'x' must be a mapping")
+
+
+# --- The command line -------------------------------------------------------------------------------------------------
+
+
+def test_words_of_the_command_line_go_through_the_same_door() -> None:
+    """A word is read as YAML: numbers, lists and mappings can be given."""
+    words = {"gravity": "1e-3", "size": "[1, 2]", "picture": "true", "prefix": "@x", "base": "{xyz: [0, 0, pi/2]}"}
+    assert make_options(Options, words, where="x") == Options(
+        gravity=0.001, size=(1, 2), picture=True, prefix="@x", base={"xyz": [0, 0, "pi/2"]}
+    )
+
+
+def test_a_wrong_word_is_told_without_line_and_column() -> None:
+    """The command line has no lines."""
+    with pytest.raises(ConfigError) as caught:
+        make_options(Options, {"size": "[1, x]", "nope": "1"}, where="loader 'x'")
+    assert [str(problem.mark) for problem in caught.value.problems] == ["command line"] * 2
+
+
+@given(st.text())
+def test_any_word_is_a_value(word: str) -> None:
+    """What is no YAML is taken as the text it is; nothing is raised."""
+    node = word_node(word)
+    assert node.mark == COMMAND_LINE
+    node.plain()
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [
+        ("3", 3),
+        ("", ""),
+        ("a: b: c", "a: b: c"),
+        ("!x", "!x"),
+        ("[1", "[1"),
+        ("[1, {a: b}]", [1, {"a": "b"}]),
+        ("~", None),
+    ],
+)
+def test_words_are_read_as_yaml(word: str, value: object) -> None:
+    """Scalars, lists and mappings are values; what is none of them is a text."""
+    assert word_node(word).plain() == value
+
+
+def test_a_mapping_keeps_its_word_where_a_text_is_wanted() -> None:
+    """An option that is a text with an inner form gets the word as it was typed."""
+
+    @dataclass(frozen=True)
+    class Tool:
+        tool: str | None = None
+
+    assert make_options(Tool, {"tool": "{xyz: [0,0,1]}"}, where="x") == Tool(tool="{xyz: [0,0,1]}")
+
+
+# --- Descriptions -----------------------------------------------------------------------------------------------------
+
+
+def test_options_are_described_in_words() -> None:
+    """Name, type, default and help of every option, as a listing shows them."""
+    described = {name: (kind, default, text) for name, kind, default, text in describe_options(Options)}
+    assert described == {
+        "frames": ("aligned or dh", "aligned", "which frames links have"),
+        "workers": ("auto or a whole number", "auto", ""),
+        "prefix": ("a text", "none", ""),
+        "picture": ("true or false", "false", ""),
+        "gravity": ("a number", "9.81", ""),
+        "size": ("a list of 2, each a whole number", "[640, 480]", ""),
+        "joints": ("a list, each entry a text", "[]", ""),
+        "colour": ("orange or grey", "grey", ""),
+        "log": ("a path", "none", ""),
+        "body": ("a mapping of radius, shape", '{"radius": 0.04, "shape": "box"}', ""),
+        "bodies": ("a list, each entry a mapping of radius, shape", "[]", ""),
+        "base": ("a text, a mapping or a list", "none", ""),
+        "height": ("a number", "1", ""),
+    }
+    assert describe_options(Needy) == [("port", "a whole number", "required", "")]

@@ -1,0 +1,280 @@
+from __future__ import annotations
+
+import contextlib
+import math
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.quantities.quantity import Dimension, QuantityError, Unit, evaluate, find_unit
+
+ANGLE, LENGTH = Dimension.ANGLE, Dimension.LENGTH
+DEGREES, MILLIMETRES = find_unit("deg", ANGLE), find_unit("mm", LENGTH)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "unit", "value"),
+    [
+        ("0.3", LENGTH, None, 0.3),
+        (" .3 ", LENGTH, None, 0.3),
+        ("3.", LENGTH, None, 3.0),
+        ("+3e-1", LENGTH, None, 0.3),
+        ("109.15", LENGTH, MILLIMETRES, 0.10915),
+        ("-425 mm", LENGTH, None, -0.425),
+        ("1e3mm", LENGTH, None, 1.0),
+        ("0.10915 m", LENGTH, MILLIMETRES, 0.10915),
+        ("8.23 cm", LENGTH, None, 0.0823),
+        ("90", ANGLE, DEGREES, math.pi / 2),
+        ("90°", ANGLE, None, math.pi / 2),
+        ("-90 deg", ANGLE, None, -math.pi / 2),
+        ("pi/2", ANGLE, None, math.pi / 2),
+        ("−π/2", ANGLE, None, -math.pi / 2),  # U+2212
+        ("–π/2", ANGLE, None, -math.pi / 2),  # U+2013: what PDF copies make of a minus
+        ("np.pi/2", ANGLE, None, math.pi / 2),
+        ("-M_PI/2", ANGLE, None, -math.pi / 2),
+        ("PI()/2", ANGLE, None, math.pi / 2),
+        ("2*pi", ANGLE, None, 2 * math.pi),
+        ("2 × π", ANGLE, None, 2 * math.pi),
+        ("pi/2 rad", ANGLE, DEGREES, math.pi / 2),
+        ("2*45 deg", ANGLE, None, math.pi / 2),
+        ("atan2(1, 1)", ANGLE, DEGREES, math.pi / 4),
+        ("np.deg2rad(90)", ANGLE, None, math.pi / 2),
+        ("sqrt(2)/10", LENGTH, None, math.sqrt(2) / 10),
+        ("0.3*sin(pi)", LENGTH, None, 0.0),
+        ("0.1 + 0.02", LENGTH, None, 0.1 + 0.02),
+        ("100 mm + 2 cm", LENGTH, None, 0.1 + 0.02),
+        ("0.1 - -0.02", LENGTH, None, 0.1 + 0.02),
+        ("(1 - 0.5)*(2 + 2)", LENGTH, None, 2.0),
+        ("(425 mm)/(1000 mm)", Dimension.NUMBER, None, 0.425),
+        ("180 deg/s", Dimension.TURN_RATE, None, math.pi),
+        ("250 mm/s", Dimension.SPEED, None, 0.25),
+        ("3.7 kg", Dimension.MASS, None, 3.7),
+        ("150 Nm", Dimension.EFFORT, None, 150.0),
+        ("1.57079632679489661923132169163975144209858", ANGLE, None, math.pi / 2),
+    ],
+)
+def test_a_quantity_means_its_value_in_si_units(
+    text: str, dimension: Dimension, unit: Unit | None, value: float
+) -> None:
+    """Numbers, units and expressions as tables have them."""
+    assert evaluate(text, dimension, unit).value == value
+
+
+def test_a_comma_may_be_the_decimal_point_where_the_table_says_so() -> None:
+    """European spreadsheets write 0,425."""
+    assert evaluate("-0,425", LENGTH, decimal_comma=True).value == -0.425
+    assert evaluate("1,5 + 0,5", LENGTH, decimal_comma=True).value == 2.0
+    with pytest.raises(QuantityError) as caught:
+        evaluate("0,425", LENGTH)
+    assert caught.value.suggestion == "write a decimal point, and no separators of thousands: 0.425, 1234.5"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "row", "value", "sign"),
+    [
+        ("q2", "q", 2, 0.0, 1),
+        ("q", "q", None, 0.0, 1),
+        ("θ2", "theta", 2, 0.0, 1),
+        ("θ₂", "theta", 2, 0.0, 1),
+        ("theta_2", "theta", 2, 0.0, 1),
+        (r"\theta_{2}", "theta", 2, 0.0, 1),
+        ("theta_i", "theta", None, 0.0, 1),
+        ("theta2*", "theta", 2, 0.0, 1),
+        ("theta2* + pi/2", "theta", 2, math.pi / 2, 1),
+        ("q2 + pi/2", "q", 2, math.pi / 2, 1),
+        ("q2 + 90°", "q", 2, math.pi / 2, 1),
+        ("-q2", "q", 2, 0.0, -1),
+        ("pi/2 - q2", "q", 2, math.pi / 2, -1),
+        ("theta2*+pi/2", "theta", 2, math.pi / 2, 1),
+        ("theta2* - 90°", "theta", 2, -math.pi / 2, 1),
+        ("q2 * -1", "q", 2, 0.0, -1),
+        ("q2*(-1)", "q", 2, 0.0, -1),
+        ("-1*q2", "q", 2, 0.0, -1),
+    ],
+)
+def test_a_symbol_is_the_joint_variable(text: str, kind: str, row: int | None, value: float, sign: int) -> None:
+    """What is added to it is the offset, a minus before it is the sign."""
+    quantity = evaluate(text, ANGLE)
+    assert quantity.variable is not None
+    assert (quantity.variable.kind, quantity.variable.row, quantity.value, quantity.sign) == (kind, row, value, sign)
+
+
+DATES = (
+    *("3-4", "3–4", "10-12", "1/2/3", "12/31/24", "1.2.2024", "31.12.24", "1.2.", "2024-01", "2024-01-03 12:30:00"),
+    *("Jan 3", "3-Jan", "03-Apr", "Apr-03", "3. Mai", "Mrz 24", "5-janv.", "12:30", "1:30 PM"),
+)
+STARS = ("q1*-1", "q1 *-1", "q1* -1", "q1* - 1", "q1*+1", "q*-1.0", "-q1*-1", "pi/2+q1*-1", "(q1*-1)", "q1*-3", "θ1∗-1")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "there is nothing"),
+        ("-", "something is missing at its end"),
+        ("5 -", "something is missing at its end"),
+        ("abc", "'abc' is no number, unit, constant or function that is known"),
+        ("true", "'true' is no number"),
+        ("0. 425", "no sign stands between '0.' and '425'"),
+        ("1 234", "no sign stands between '1' and '234'"),
+        ("1.2.3", "no sign stands between '1.2' and '.3'"),
+        ("2pi", "no sign stands between '2' and 'pi'"),
+        ("--0.5", "two signs follow each other"),
+        ("０．４２５", "'０' does not belong there"),
+        ("٣", "'٣' does not belong there"),
+        ("½", "'½' is no number"),
+        ("1_000", "'_000' is no unit"),
+        ("0x10", "'x10' is no unit"),
+        ("nan", "'nan' is no number"),
+        ("-inf", "'inf' is no number"),
+        ("1e400", "beyond the largest number"),
+        ("1e308*10", "beyond the largest number"),
+        ("1/0", "divides by zero"),
+        ("7 % 0", "'%' does not belong there"),
+        ("9**9**9", "'\\*' does not belong there"),
+        ("2^9", "'\\^' does not belong there"),
+        ("1<<9", "'<' does not belong there"),
+        ("sqrt(-1)", "sqrt has no value there"),
+        ("tan(pi/2)", "tan has no value there"),
+        ("asin(2)", "asin has no value there"),
+        ("sqrt(1, 2)", "sqrt takes one argument"),
+        ("sqrt(0.1 m)", "taken of a quantity with a unit"),
+        ("sqrt(q1)", "taken of a joint variable"),
+        ("sin", "'sin' is no number"),
+        ("pi.real", "'pi.real' is no number"),
+        ("(1).real", "'.' does not belong there"),
+        ("__import__('os').system('x')", "'__import__' is no function"),
+        ("factorial(9)", "'factorial' is no function"),
+        ("(1", "a bracket is not closed"),
+        ("1)", "'\\)' does not belong there"),
+        ("12 el", "'el' is no unit"),
+        ("0.1 m + 20", "one part of the sum has a unit"),
+        ("2 m * 2 m", "follows a quantity that has a unit already"),
+        ("2*q1", "takes q1 times 2"),
+        ("q1*q1", "multiplies joint variables"),
+        ("q1 - q1", "names a joint variable twice"),
+        ("1/q1", "divides by a joint variable"),
+        ("q1 m", "takes no unit"),
+        ("90 deg", "is an angle, and a length is needed"),
+        ("atan2(0, 0)", "atan2 has no value there"),
+        ("2020-01-02", "it is a date"),
+        ("1/2/2021", "it is a date"),
+        ("01-02-21", "it is a date"),
+        *((text, "it is a date") for text in DATES),
+        *((text, "is negative to a spreadsheet") for text in ("(425)", "( 1.5 )", "(425 mm)", "(425) mm", "(1e3)")),
+        *((text, "where the star marks a joint variable") for text in STARS),
+        ("5-", "something is missing at its end"),
+        ("+-170", "two signs follow each other"),
+        ("±170", "'±' does not belong there"),
+        ("1½", "'½' is no unit"),
+        ("1 1/2", "no sign stands between '1' and '1'"),
+        ("5²", "'²' is no unit"),
+        ("10⁻³", "'⁻' does not belong there"),
+        ("1'234.5", "''' does not belong there"),
+        ("1\u202f234", "no sign stands between '1' and '234'"),
+        ("50 %", "'%' does not belong there"),
+        ("$425", "'\\$' does not belong there"),
+        ("90°30'", "no sign stands between '°' and '30'"),
+        ("radians(60 deg)", "taken of a quantity with a unit"),
+        ("radians(pi/2)", "taken of a multiple of π"),
+        ("tan(45)", "more than a full turn in rad"),
+    ],
+)
+def test_what_is_no_quantity_is_refused_with_its_reason(text: str, reason: str) -> None:
+    """Attacks, slips of the pen and forms of other languages: never half read, never evaluated."""
+    with pytest.raises(QuantityError, match=reason):
+        evaluate(text, LENGTH)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("3 - 4", -1.0),
+        ("1 / 2 / 4", 0.125),
+        ("1/2", 0.5),
+        ("100-50", 50.0),
+        ("-(425)", -425.0),
+        ("(0.0)", 0.0),
+        ("(1+2)", 3.0),
+        ("1E+03", 1000.0),
+    ],
+)
+def test_what_has_one_meaning_is_read(text: str, value: float) -> None:
+    """Beside dates, negative numbers of accountants and the like."""
+    assert evaluate(text, LENGTH).value == value
+
+
+@pytest.mark.parametrize("function", ["sin", "cos", "tan", "np.cos"])
+@pytest.mark.parametrize("argument", ["60", "1", "-30", "90 - 45", "2*30", "0.5"])
+def test_a_bare_angle_of_a_function_is_refused_beside_degrees(function: str, argument: str) -> None:
+    """It is degrees to one person, and radians to the function."""
+    for unit in (None, MILLIMETRES):
+        with pytest.raises(QuantityError, match="which has no unit, and angles are declared in degrees"):
+            evaluate(f"100*{function}({argument})", LENGTH, unit, angle=DEGREES)
+    with pytest.raises(QuantityError, match="has no unit"):
+        evaluate(f"{function}({argument})", ANGLE, DEGREES)
+
+
+@pytest.mark.parametrize(
+    "text", ["cos(0)", "cos(60 deg)", "sin(pi/6)", "cos(radians(60))", "cos(acos(0.5))", "cos(1 rad)"]
+)
+def test_an_angle_that_says_its_unit_is_the_same_beside_degrees(text: str) -> None:
+    """A unit, π, a function that returns an angle, or 0."""
+    assert evaluate(text, LENGTH, angle=DEGREES) == evaluate(text, LENGTH)
+
+
+def test_a_bare_angle_of_a_function_is_in_rad_where_nothing_else_is_said() -> None:
+    """Up to a full turn; more is read where radians are declared."""
+    assert evaluate("cos(6.28)", LENGTH).value == pytest.approx(math.cos(6.28), abs=1e-15)
+    assert evaluate("cos(60)", LENGTH, angle=find_unit("rad", ANGLE)).value == pytest.approx(math.cos(60), abs=1e-15)
+    with pytest.raises(QuantityError, match="more than a full turn in rad"):
+        evaluate("cos(60)", LENGTH)
+
+
+def test_pi_in_a_column_of_degrees_is_refused() -> None:
+    """π/2 degrees is surely not meant, and π/2 rad is not declared."""
+    with pytest.raises(QuantityError, match="multiple of π") as caught:
+        evaluate("pi/2", ANGLE, DEGREES)
+    assert caught.value.suggestion == "write the angle in degrees, or name its unit: 'pi/2 rad'"
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(" * 10_000, "-" * 999 + "1", "sqrt(" * 200, "1+" * 499 + "1x", "9" * 1001, "((1)+" * 199, "q" * 999],
+)
+def test_an_expression_cannot_cost_more_than_its_bounds(text: str) -> None:
+    """Length and nesting are bounded, so that there is no recursion to exhaust."""
+    with pytest.raises(QuantityError):
+        evaluate(text, LENGTH)
+
+
+def test_a_thousand_characters_of_sums_are_read() -> None:
+    """A person does not meet the bounds."""
+    assert evaluate("+".join(["1"] * 500), LENGTH).value == 500
+    assert evaluate("(" * 30 + "1" + ")" * 30, LENGTH).value == 1
+
+
+numbers = st.one_of(st.integers(0, 1000).map(str), st.floats(0.001, 1000).map(repr))
+expressions = st.recursive(
+    numbers,
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from("+-*"), inner).map(lambda parts: f"({parts[0]} {parts[1]} {parts[2]})"),
+        st.tuples(inner, numbers).map(lambda parts: f"{parts[0]} / {parts[1]}" if float(parts[1]) else parts[0]),
+        inner.map(lambda text: f"(-{text})" if text[0] != "-" else text),
+    ),
+    max_leaves=8,
+)
+
+
+@given(expressions)
+def test_arithmetic_is_that_of_python(text: str) -> None:
+    """The grammar gives precedence and grouping their usual meaning."""
+    assert evaluate(text, LENGTH).value == eval(text)  # noqa: S307 - arithmetic that the strategy wrote
+
+
+@given(st.text(max_size=40) | st.text("0123456789.,+-*/()eE piqdmrad°θπ", max_size=40))
+def test_any_text_is_a_quantity_or_an_error(text: str) -> None:
+    """No other exception, whatever is typed; and what is read is finite."""
+    for dimension in (LENGTH, ANGLE):
+        for comma in (False, True):
+            with contextlib.suppress(QuantityError):
+                assert math.isfinite(evaluate(text, dimension, decimal_comma=comma).value)

@@ -1,0 +1,328 @@
+from __future__ import annotations
+
+import math
+import re
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.quantities.quantity import evaluate
+from dh2urdf.quantities.units import UNITS, Decimal, Dimension, QuantityError, find_unit
+
+LENGTHS = {"m": 0, "cm": -2, "mm": -3, "µm": -6}
+INCH, POUND, GRAVITY = Fraction("0.0254"), Fraction("0.45359237"), Fraction("9.80665")
+"""By definition, in m, kg and m/s²."""
+EXACT = {
+    Dimension.LENGTH: {
+        "m": "1",
+        "metres": "1",
+        "cm": "0.01",
+        "mm": "0.001",
+        "MM": "0.001",
+        "µm": "1e-6",
+        "nm": "1e-9",
+        "in": INCH,
+        "inch": INCH,
+        "Inches": INCH,
+        "ft": 12 * INCH,
+        "feet": 12 * INCH,
+        "mil": INCH / 1000,
+    },
+    Dimension.SPEED: {
+        "m/s": "1",
+        "mm/s": "0.001",
+        "mm/sec": "0.001",
+        "m/min": "1/60",
+        "mm/min": "1/60000",
+        "in/s": INCH,
+        "in/min": INCH / 60,
+        "ft/s": 12 * INCH,
+        "ft/min": INCH / 5,
+        "mm per second": "0.001",
+        "mm·s⁻¹": "0.001",
+        "cm/s": "0.01",
+        "cm/min": "1/6000",
+        "µm/s": "1e-6",
+        "um/min": "1/60000000",
+    },
+    Dimension.ANGLE: {"rad": "1", "radians": "1"},
+    Dimension.TURN_RATE: {"rad/s": "1", "rad/min": "1/60"},
+    Dimension.MASS: {
+        "kg": "1",
+        "g": "0.001",
+        "grams": "0.001",
+        "t": "1000",
+        "lb": POUND,
+        "lbs": POUND,
+        "oz": POUND / 16,
+        "slug": POUND * GRAVITY / (12 * INCH),
+    },
+    Dimension.FORCE: {
+        "N": "1",
+        "kN": "1000",
+        "mN": "0.001",
+        "lbf": POUND * GRAVITY,
+        "lb": POUND * GRAVITY,
+        "kgf": GRAVITY,
+        "kp": GRAVITY,
+        "ozf": POUND / 16 * GRAVITY,
+        "oz": POUND / 16 * GRAVITY,
+    },
+    Dimension.TORQUE: {
+        "Nm": "1",
+        "nm": "1",
+        "N·m": "1",
+        "N-m": "1",
+        "N m": "1",
+        "N*m": "1",
+        "kNm": "1000",
+        "mNm": "0.001",
+        "N·mm": "0.001",
+        "Nmm": "0.001",
+        "N·cm": "0.01",
+        "kgf·cm": GRAVITY / 100,
+        "kg·cm": GRAVITY / 100,
+        "kgf·m": GRAVITY,
+        "lb·in": POUND * GRAVITY * INCH,
+        "in-lb": POUND * GRAVITY * INCH,
+        "lbf·ft": POUND * GRAVITY * 12 * INCH,
+        "ft-lb": POUND * GRAVITY * 12 * INCH,
+        "oz·in": POUND / 16 * GRAVITY * INCH,
+    },
+    Dimension.INERTIA: {
+        "kg·m²": "1",
+        "kg m^2": "1",
+        "kgm2": "1",
+        "kg·cm²": "1e-4",
+        "kg·mm²": "1e-6",
+        "g·cm²": "1e-7",
+        "g·mm²": "1e-9",
+        "g·m²": "0.001",
+        "t·mm²": "0.001",
+        "lb·in²": POUND * INCH**2,
+        "lb-in^2": POUND * INCH**2,
+        "lb·ft²": POUND * 144 * INCH**2,
+        "oz·in²": POUND / 16 * INCH**2,
+        "slug·ft²": POUND * GRAVITY * 12 * INCH,
+    },
+    Dimension.DAMPING: {"N·m·s/rad": "1", "Nms": "1", "N·mm·s/rad": "0.001"},
+    Dimension.LINEAR_DAMPING: {"N·s/m": "1", "N·s/mm": "1000"},
+    Dimension.DENSITY: {"kg/m³": "1", "g/cm³": "1000", "kg/dm^3": "1000", "g/mm³": "1e6", "lb/in³": POUND / INCH**3},
+}
+"""What one of each unit is in SI units, by the definitions of the units."""
+QUARTERS = {
+    Dimension.ANGLE: {"deg": 90, "°": 90, "degrees": 90, "rev": Fraction(1, 4), "turns": Fraction(1, 4)},
+    Dimension.TURN_RATE: {
+        "deg/s": 90,
+        "°/s": 90,
+        "deg/sec": 90,
+        "°/min": 5400,
+        "rev/s": Fraction(1, 4),
+        "rps": Fraction(1, 4),
+        **dict.fromkeys(("rpm", "1/min", "U/min", "rev/min", "r/min", "min⁻¹", "min^-1", "turns/min"), 15),
+    },
+}
+"""How many of each a quarter turn has, or a quarter turn per second."""
+
+
+@pytest.mark.parametrize(
+    ("word", "dimension", "symbol"),
+    [
+        ("MM", Dimension.LENGTH, "mm"),
+        ("millimetres", Dimension.LENGTH, "mm"),
+        ("um", Dimension.LENGTH, "µm"),
+        ("\N{GREEK SMALL LETTER MU}m", Dimension.LENGTH, "µm"),
+        ("°", Dimension.ANGLE, "deg"),
+        ("º", Dimension.ANGLE, "deg"),
+        ("Degrees", Dimension.ANGLE, "deg"),
+        ("°/s", Dimension.TURN_RATE, "deg/s"),
+        ("rad/sec", Dimension.TURN_RATE, "rad/s"),
+        ("mm / s", Dimension.SPEED, "mm/s"),
+        ("N m", Dimension.EFFORT, "Nm"),
+        ("kg m^2", Dimension.INERTIA, "kg·m²"),
+        ("kg·m²", Dimension.INERTIA, "kg·m²"),
+    ],
+)
+def test_a_unit_is_known_by_its_usual_words(word: str, dimension: Dimension, symbol: str) -> None:
+    """Case, spaces and signs of multiplication do not matter."""
+    assert find_unit(word, dimension).symbol == symbol
+
+
+def words_of(table: dict[Dimension, dict[str, Any]]) -> list[Any]:
+    return [
+        pytest.param(word, dimension, amount, id=f"{word} as {dimension}")
+        for dimension, words in table.items()
+        for word, amount in words.items()
+    ]
+
+
+NUMBERS = [
+    "1",
+    "3",
+    "-0.1",
+    "12.7",
+    "109.15",
+    "0.3333333333333333",
+    "1e3",
+    "-2.5e-7",
+    "123456789.987654321",
+    ".5",
+    "7.",
+]
+
+
+@pytest.mark.parametrize(("word", "dimension", "factor"), words_of(EXACT))
+def test_a_number_of_a_unit_is_the_double_nearest_to_its_value(
+    word: str, dimension: Dimension, factor: Fraction | str
+) -> None:
+    """As exact fractions have it: declared for the number, and as its own unit where it is no name of several words."""
+    unit = find_unit(word, dimension)
+    for number in NUMBERS:
+        exact = float(Fraction(number) * Fraction(factor))
+        assert evaluate(number, dimension, unit).value == exact
+        if not re.search("per|⁻", word):
+            said = evaluate(f"{number} {word}", dimension)
+            assert (said.value, said.has_unit) == (exact, True)
+
+
+@pytest.mark.parametrize(("word", "dimension", "parts"), words_of(QUARTERS))
+def test_a_part_of_a_turn_is_right_to_the_last_digits(word: str, dimension: Dimension, parts: Fraction) -> None:
+    """Whole quarter turns are the multiples of the double π/2; all else is right to two roundings."""
+    unit = find_unit(word, dimension)
+    quarter = Fraction("1.5707963267948966192313216916397514420985846996875529")
+    for number in NUMBERS:
+        found = evaluate(number, dimension, unit).value
+        exact = Fraction(number) / parts * quarter
+        assert abs(Fraction(found) - exact) <= 2 * Fraction(math.ulp(found))
+    for turns in range(-8, 9):
+        number = Fraction(turns) * parts
+        assert evaluate(str(float(number)), dimension, unit).value == turns * (math.pi / 2)
+
+
+def test_no_unit_goes_without_its_definition_here() -> None:
+    """Every unit that has a word is in one of the two tables, and no two are called alike."""
+    tried = {find_unit(word, each).symbol for table in (EXACT, QUARTERS) for each in table for word in table[each]}
+    assert {unit.symbol for unit in UNITS.values()} <= tried
+    assert len({unit.symbol for unit in UNITS.values()}) == len(set(UNITS.values()))
+
+
+@pytest.mark.parametrize(
+    ("word", "dimension"),
+    [
+        ("furlong", Dimension.LENGTH),
+        ("gon", Dimension.ANGLE),
+        ("stone", Dimension.MASS),
+        ("deg/s²", Dimension.TURN_RATE),
+    ],
+)
+def test_an_unknown_unit_is_named_with_those_that_are_known(word: str, dimension: Dimension) -> None:
+    """Nothing is converted by a factor that nobody asked for."""
+    with pytest.raises(QuantityError, match=f"'{word}' is no unit of {dimension.plain} that is known"):
+        find_unit(word, dimension)
+
+
+@pytest.mark.parametrize(
+    ("word", "dimension", "unit"),
+    [
+        ("lb", Dimension.MASS, "lb"),
+        ("lb", Dimension.FORCE, "lbf"),
+        ("nm", Dimension.LENGTH, "nm"),
+        ("nm", Dimension.TORQUE, "Nm"),
+        ("NM", Dimension.TORQUE, "Nm"),
+        ("Nm", Dimension.EFFORT, "Nm"),
+        ("kN", Dimension.EFFORT, "kN"),
+    ],
+)
+def test_a_word_with_two_meanings_is_decided_by_what_is_measured(word: str, dimension: Dimension, unit: str) -> None:
+    """A pound is a mass or a force; nm is a nanometre, or a newton metre without its capitals."""
+    assert find_unit(word, dimension).symbol == unit
+    assert evaluate(f"2 {word}", dimension).has_unit
+
+
+@pytest.mark.parametrize(
+    ("word", "dimension", "said"),
+    [
+        ("Nm", Dimension.LENGTH, "'Nm' is a unit of torque, and one of length is needed"),
+        ("N", Dimension.TORQUE, "'N' is a unit of force, and one of torque is needed"),
+        ("Nm", Dimension.FORCE, "'Nm' is a unit of torque, and one of force is needed"),
+        ("kg", Dimension.FORCE, "'kg' is a unit of mass, and one of force is needed"),
+        ("MNm", Dimension.TORQUE, "'MNm' may be MNm or mNm, a thousandth"),
+        ("MN", Dimension.FORCE, "'MN' may be MN or mN, a thousandth"),
+        ("N·s/m", Dimension.DAMPING, "is a unit of linear damping"),
+    ],
+)
+def test_a_word_that_may_be_another_unit_is_refused(word: str, dimension: Dimension, said: str) -> None:
+    """As the unit declared for a number, and behind it."""
+    with pytest.raises(QuantityError, match=re.escape(said)):
+        find_unit(word, dimension)
+    with pytest.raises(QuantityError):
+        evaluate(f"2 {word}", dimension)
+
+
+@pytest.mark.parametrize("text", ["1 m m", "1 c m", "1 c m/s", "1 d e g", "1 m m/s", "1 mm mm", "2 N m m"])
+def test_letters_with_spaces_between_them_are_no_unit(text: str) -> None:
+    """Only units of several words have spaces: `N m`, `kg m^2`."""
+    for dimension in (Dimension.LENGTH, Dimension.SPEED, Dimension.ANGLE, Dimension.TORQUE):
+        with pytest.raises(QuantityError):
+            evaluate(text, dimension)
+
+
+@pytest.mark.parametrize("text", ["1e308 t", "-1e308 slug", "1e999999999999999999 in"])
+def test_a_number_beyond_all_doubles_is_refused(text: str) -> None:
+    """At once, however large its exponent is."""
+    with pytest.raises(QuantityError, match="beyond the largest number"):
+        evaluate(text, Dimension.LENGTH if text.endswith("in") else Dimension.MASS)
+    with pytest.raises(QuantityError, match="below the smallest number"):
+        evaluate("1e-999999999999999999 in", Dimension.LENGTH)
+    assert evaluate("4e-320 in", Dimension.LENGTH).value == float(Fraction("4e-320") * INCH)
+
+
+@pytest.mark.parametrize(
+    ("word", "dimension", "advice"),
+    [
+        ("gon", Dimension.ANGLE, "1 gon is 0.9 deg"),
+        ("″", Dimension.LENGTH, "write in, ft or deg"),
+        ("'", Dimension.ANGLE, "write in, ft or deg"),
+        ("1/s", Dimension.TURN_RATE, "whichever it is"),
+        ("Hz", Dimension.TURN_RATE, "whichever it is"),
+        ("ton", Dimension.MASS, "write t for 1000 kg"),
+        ("deg/s²", Dimension.TURN_RATE, "no field for accelerations"),
+        ("mm/s^2", Dimension.SPEED, "no field for accelerations"),
+        ("rad/s/s", Dimension.TURN_RATE, "no field for accelerations"),
+        ("Grad", Dimension.ANGLE, "write deg for degrees"),
+        ("π rad", Dimension.ANGLE, r"0\.5\*pi"),
+    ],
+)
+def test_a_unit_of_other_people_comes_with_advice(word: str, dimension: Dimension, advice: str) -> None:
+    """The nearest known word would mislead: `Grad` is a degree in German, and no rad."""
+    with pytest.raises(QuantityError) as refused:
+        find_unit(word, dimension)
+    assert re.search(advice, refused.value.suggestion or "")
+
+
+def test_a_unit_of_something_else_is_refused() -> None:
+    """An angle has no millimetres."""
+    with pytest.raises(QuantityError, match="'mm' is a unit of length, and one of angle is needed"):
+        find_unit("mm", Dimension.ANGLE)
+
+
+@given(st.decimals(-10_000, 10_000, places=4), st.sampled_from(sorted(LENGTHS)))
+def test_a_power_of_ten_is_applied_to_the_text(number: object, word: str) -> None:
+    """109.15 mm is the double that is nearest to 0.10915: no second rounding."""
+    digits = f"{number:f}"
+    unit = find_unit(word, Dimension.LENGTH)
+    assert unit.si(float(digits), Decimal(digits, 0)) == float(f"{digits}e{LENGTHS[word]}")
+
+
+@given(st.integers(-40, 40))
+def test_multiples_of_90_degrees_are_quarter_turns_to_the_last_bit(turns: int) -> None:
+    """The file can say 0 and 1 where the table said 90."""
+    assert find_unit("deg", Dimension.ANGLE).si(90.0 * turns) == turns * (math.pi / 2)
+
+
+@given(st.floats(-1000, 1000))
+def test_degrees_are_right_to_rounding(degrees: float) -> None:
+    """Whatever the angle, the conversion costs no more than rounding."""
+    assert find_unit("deg", Dimension.ANGLE).si(degrees) == pytest.approx(math.radians(degrees), rel=1e-15, abs=1e-300)

@@ -1,0 +1,227 @@
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.cells.cell import ArmCall, CellCall
+from dh2urdf.robot import Origin
+from dh2urdf.run_file.config import RunConfig, load_config
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def config(folder: Path, cells: str, *settings: str) -> RunConfig:
+    (folder / "a.csv").touch()
+    (folder / "run.yaml").write_text(f"inputs: a.csv\ncells:\n{cells}\n")
+    return load_config(folder / "run.yaml", settings)
+
+
+def problem(folder: Path, arms: str) -> str:
+    """What is wrong with a cell of these arms, which stand in the fourth line of the run file."""
+    found = config(folder, f"- name: pair\n  arms: [{arms}]").problems
+    assert len(found) == 1, [str(each) for each in found]
+    return str(found[0]).removeprefix(f"{folder}/")
+
+
+def test_a_cell_is_read(tmp_path: Path) -> None:
+    """Placements may be expressions with units; prefix, parent and placement have defaults."""
+    text = """
+  - name: pair
+    arms:
+      - {name: left, of: ur5, prefix: l-, parent: world, xyz: [1/2, -50 mm, 0.3], rpy: [90 deg, 0, -pi]}
+      - {name: right, of: ur5}
+      - {name: camera, of: pan tilt, prefix: "", parent: left/tool0}
+"""
+    read = config(tmp_path, text)
+    assert read.problems == ()
+    assert read.cells == (
+        CellCall(
+            name="pair",
+            arms=(
+                ArmCall(
+                    name="left",
+                    of="ur5",
+                    prefix="l-",
+                    placement=Origin(xyz=(0.5, -0.05, 0.3), rpy=(math.pi / 2, 0.0, -math.pi)),
+                ),
+                ArmCall(name="right", of="ur5", prefix="right_"),
+                ArmCall(name="camera", of="pan tilt", prefix="", parent="left", link="tool0"),
+            ),
+        ),
+    )
+    mark = read.cells[0].arms[2].parent_mark
+    assert mark is not None
+    assert (mark.line, mark.column) == (8, 58)
+
+
+def test_arms_stand_after_what_holds_them(tmp_path: Path) -> None:
+    """The order in the file does not matter, and is kept otherwise."""
+    text = """
+  - name: pile
+    arms:
+      - {name: c, of: x, parent: b/tool0}
+      - {name: d, of: x, parent: world}
+      - {name: b, of: x, parent: a/tool0}
+      - {name: a, of: x}
+"""
+    (cell,) = config(tmp_path, text).cells
+    assert [arm.name for arm in cell.arms] == ["d", "a", "b", "c"]
+
+
+def test_one_cell_needs_no_list_and_settings_reach_it(tmp_path: Path) -> None:
+    """As in every section: a mapping stands for a list of one, and `--set` changes a value by its indices."""
+    text = "  name: one\n  arms: [{name: a, of: x}]"
+    (cell,) = config(tmp_path, text, "cells.0.arms.0.xyz=[0, 0, 1 cm]").cells
+    assert cell.arms[0].placement.xyz == (0.0, 0.0, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("arms", "message"),
+    [
+        (
+            "{name: a, of: x, parent: b/tool0}, {name: b, of: x, parent: a/tool0}",
+            (
+                "run.yaml:4:35: error: field 'cells.0.arms': these arms hold each other in a circle: 'a' on 'b/tool0' and "
+                "'b' on 'a/tool0'\n    accepted: a parent for each, so that every way leads to the world"
+            ),
+        ),
+        (
+            "{name: a, of: x, parent: a/tool0}",
+            (
+                "run.yaml:4:35: error: field 'cells.0.arms': these arms hold each other in a circle: 'a' on 'a/tool0'\n"
+                "    accepted: a parent for each, so that every way leads to the world"
+            ),
+        ),
+        (
+            "{name: left, of: x}, {name: hand, of: x, parent: lefd/tool0}",
+            (
+                "run.yaml:4:59: error: field 'cells.0.arms': the cell has no arm 'lefd' that could hold 'hand'\n"
+                "    accepted: world, left/LINK\n    did you mean 'left'?"
+            ),
+        ),
+        (
+            "{name: left, of: x}, {name: hand, of: x, parent: left}",
+            (
+                "run.yaml:4:59: error: field 'cells.0.arms.1.parent': 'left' is no parent\n"
+                "    accepted: world, or a link of another arm of the cell, such as left/tool0\n"
+                "    an arm's tool is 'left/tool0'"
+            ),
+        ),
+        (
+            "{name: left, of: x, parent: wolrd}",
+            (
+                "run.yaml:4:38: error: field 'cells.0.arms.0.parent': 'wolrd' is no parent\n"
+                "    accepted: world, or a link of another arm of the cell, such as left/tool0\n    did you mean 'world'?"
+            ),
+        ),
+        (
+            "{name: a, of: x, prefix: p}, {name: b, of: x, prefix: p}",
+            (
+                "run.yaml:4:39: error: field 'cells.0.arms': two arms of this cell have the prefix 'p'\n"
+                "    accepted: a prefix of its own for each\n    the first stands at run.yaml:4:10"
+            ),
+        ),
+        (
+            "{name: a, of: x, prefix: p}, {name: a, of: x}",
+            (
+                "run.yaml:4:39: error: field 'cells.0.arms': two arms of this cell have the name 'a'\n"
+                "    accepted: a name of its own for each\n    the first stands at run.yaml:4:10"
+            ),
+        ),
+        (
+            "{name: world, of: x}",
+            (
+                "run.yaml:4:17: error: field 'cells.0.arms.0.name': an arm cannot be named 'world': parents are written as "
+                "world or ARM/LINK\n    accepted: another name"
+            ),
+        ),
+        (
+            "{name: a}",
+            (
+                "run.yaml:4:10: error: field 'cells.0.arms.0.of': this arm has no 'of'\n"
+                "    accepted: `of: NAME`, the name of a manipulator of this run"
+            ),
+        ),
+        (
+            "{name: a, of: x, parrent: world}",
+            (
+                "run.yaml:4:27: error: field 'cells.0.arms.0.parrent': a run file has no 'parrent' here\n"
+                "    accepted: name, of, prefix, parent, xyz, rpy\n    did you mean 'parent'?"
+            ),
+        ),
+        (
+            "{name: a, of: x, xyz: [0, 1]}",
+            (
+                "run.yaml:4:32: error: field 'cells.0.arms.0.xyz': this cannot be a list of 2\n"
+                "    accepted: a list of three numbers"
+            ),
+        ),
+        (
+            "{name: a, of: x, rpy: [0, 0, 90]}",
+            (
+                "run.yaml:4:39: error: field 'cells.0.arms.0.rpy': '90' is more than a full turn in rad\n"
+                "    accepted: at most 2π rad where no unit is named\n    if these are degrees, say so: '90 deg'"
+            ),
+        ),
+        (
+            "{name: a, of: x, xyz: [0, q1, 0]}",
+            "run.yaml:4:36: error: field 'cells.0.arms.0.xyz': 'q1' names a joint variable, and nothing moves here",
+        ),
+        (
+            "{name: a, of: x, xyz: [0, true, 0]}",
+            (
+                "run.yaml:4:36: error: field 'cells.0.arms.0.xyz': the truth value true stands where a number is needed\n"
+                "    accepted: a number"
+            ),
+        ),
+        (
+            "{name: a, of: x, prefix: [l]}",
+            (
+                "run.yaml:4:35: error: field 'cells.0.arms.0.prefix': this cannot be a list of 1\n"
+                '    accepted: a text, also ""'
+            ),
+        ),
+        (
+            "",
+            (
+                "run.yaml:4:9: error: field 'cells.0.arms': this cell has no arms\n"
+                "    accepted: a list such as [{name: left, of: ur5}, {name: right, of: ur5, xyz: [0, -0.5, 0]}]"
+            ),
+        ),
+    ],
+)
+def test_a_faulty_cell_is_an_error_at_its_place(tmp_path: Path, arms: str, message: str) -> None:
+    """Line and column, what was found, what is accepted, and what was probably meant."""
+    assert problem(tmp_path, arms).replace(f"{tmp_path}/", "") == message
+
+
+def test_units_of_another_kind_are_refused(tmp_path: Path) -> None:
+    """A position in degrees and an angle in metres are none."""
+    found = config(tmp_path, "- {name: p, arms: [{name: a, of: x, xyz: [1 deg, 0, 0], rpy: [0, 1 m, 0]}]}").problems
+    assert [(each.field, each.found) for each in found] == [
+        ("cells.0.arms.0.xyz", "1 deg"),
+        ("cells.0.arms.0.rpy", "1 m"),
+    ]
+
+
+def test_all_faults_are_said_at_once(tmp_path: Path) -> None:
+    """One of every cell and arm, together with those of other sections."""
+    text = "- {arms: [{name: a, of: x}]}\n- {name: p, arms: [{of: x}, {name: b}]}\n- 7\nproof: {poses: 0}"
+    found = config(tmp_path, text).problems
+    assert [each.field for each in found] == [
+        *("cells.0.name", "cells.1.arms.0.name", "cells.1.arms.1.of", "cells.2.arms", "proof.poses")
+    ]
+
+
+def test_two_cells_of_one_name_are_refused(tmp_path: Path) -> None:
+    """The second is told where the first stands."""
+    text = "- {name: p, arms: [{name: a, of: x}]}\n- {name: p, arms: [{name: a, of: x}]}"
+    (found,) = config(tmp_path, text).problems
+    assert found.message == "two cells are named 'p'"
+    assert found.mark is not None
+    assert found.mark.line == 4
+    assert found.suggestion is not None
+    assert found.suggestion.endswith("run.yaml:3:3")

@@ -1,0 +1,379 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.errors import ConfigError
+from dh2urdf.run_file.config import RunConfig, StageCall, load_config
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with tables, and the working directory above it."""
+    (tmp_path / "work" / "tables").mkdir(parents=True)
+    for name in ("b.csv", "a.csv", "ur5.csv", "odd[1].csv"):
+        (tmp_path / "work" / "tables" / name).write_text("a,alpha,d\n")
+    (tmp_path / "here.csv").write_text("a,alpha,d\n")
+    monkeypatch.chdir(tmp_path)
+    return Path("work")
+
+
+def config(folder: Path, text: str, *settings: str) -> RunConfig:
+    path = folder / "run.yaml"
+    path.write_text(text)
+    return load_config(path, settings)
+
+
+def problems(folder: Path, text: str, *settings: str) -> list[str]:
+    return [str(problem) for problem in config(folder, text, *settings).problems]
+
+
+TABLE = "inputs: tables/a.csv\n"
+
+
+def test_defaults(folder: Path) -> None:
+    """A run file needs its inputs only; the output goes into `build/<stem>` beside it."""
+    found = config(folder, TABLE)
+    assert found.problems == ()
+    assert [given.paths for given in found.inputs] == [(folder / "tables" / "a.csv",)]
+    assert found.transform.stage == "alpha-swap"
+    assert [call.stage for call in found.emitters] == ["urdf"]
+    assert found.loaders == ()
+    assert found.execution.stage == "local"
+    assert found.output == folder / "build" / "run"
+    assert found.poses == 32
+
+
+def test_empty_sections_are_defaults(folder: Path) -> None:
+    """A section whose lines are all commented out is as if it were absent."""
+    text = TABLE + "transform:\nemitters:\nloaders:\noutput:\nexecution:\nproof:\n"
+    assert config(folder, text).problems == ()
+    assert [call.stage for call in config(folder, text).emitters] == ["urdf"]
+
+
+def test_every_section_is_read(folder: Path) -> None:
+    """The long form of the run file, with marks at the stages."""
+    found = config(
+        folder,
+        "inputs:\n"
+        "  - {path: tables/ur5.csv, stage: csv, options: {convention: standard}}\n"
+        "transform: {stage: alpha-swap, options: {variant: exact}}\n"
+        "emitters:\n"
+        "  - {stage: urdf, options: {profile: portable}}\n"
+        "  - {stage: xacro}\n"
+        "loaders:\n"
+        "  - {stage: pybullet, options: {poses: 25}}\n"
+        "output: {directory: ../out}\n"
+        "execution: {stage: local, options: {workers: auto}}\n"
+        "proof: {poses: 8}\n",
+    )
+    assert found.problems == ()
+    (read,) = found.inputs
+    assert (read.stage, str(read.mark)) == ("csv", "work/run.yaml:2:35")
+    assert read.options is not None
+    assert read.options.plain() == {"convention": "standard"}
+    assert read.read_by("csv") == StageCall(stage="csv", options=read.options, mark=read.mark)
+    assert [(call.stage, str(call.mark)) for call in (found.transform, *found.emitters, *found.loaders)] == [
+        ("alpha-swap", "work/run.yaml:3:20"),
+        ("urdf", "work/run.yaml:5:13"),
+        ("xacro", "work/run.yaml:6:13"),
+        ("pybullet", "work/run.yaml:8:13"),
+    ]
+    assert found.execution.options is not None
+    assert found.execution.options.plain() == {"workers": "auto"}
+    assert found.output == Path("out")
+    assert found.poses == 8
+
+
+def test_names_alone_stand_for_stages_and_paths(folder: Path) -> None:
+    """A name in place of a mapping, and one entry in place of a list, mean the same as the long form."""
+    found = config(
+        folder, "inputs: [tables/a.csv]\ntransform: alpha-swap\nemitters: xacro\nloaders: {stage: pybullet}\n"
+    )
+    assert found.problems == ()
+    assert [call.stage for call in (*found.emitters, *found.loaders)] == ["xacro", "pybullet"]
+
+
+@pytest.mark.parametrize("path", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.name)
+def test_the_example_run_files_are_well_formed(path: Path) -> None:
+    """Every run file of the project has nothing to complain of, and finds its tables."""
+    found = load_config(path)
+    assert [str(problem) for problem in found.problems] == []
+    assert all(given.paths for given in found.inputs)
+
+
+# --- Paths ------------------------------------------------------------------------------------------------------------
+
+
+def test_patterns_give_files_in_the_order_of_their_names(folder: Path) -> None:
+    """A pattern stands for files, sorted; folders that match are left out."""
+    (folder / "tables" / "c.csv").mkdir()
+    (read,) = config(folder, "inputs: tables/?.csv\n").inputs
+    assert read.paths == (folder / "tables" / "a.csv", folder / "tables" / "b.csv")
+    (read,) = config(folder, "inputs: '**/ur*.csv'\n").inputs
+    assert read.paths == (folder / "tables" / "ur5.csv",)
+
+
+def test_a_pattern_does_not_go_in_circles(folder: Path) -> None:
+    """`**` follows no links: one that leads back to a folder above would be searched for ever."""
+    (folder / "tables" / "back").symlink_to(folder.absolute())
+    (read,) = config(folder, "inputs: '**/ur*.csv'\n").inputs
+    assert read.paths == (folder / "tables" / "ur5.csv",)
+
+
+def test_a_pattern_finds_no_hidden_files(folder: Path) -> None:
+    """A star stands for no name that begins with a point, as in a shell."""
+    (folder / "tables" / ".a.csv").write_text("a,alpha,d\n")
+    (read,) = config(folder, "inputs: 'tables/*a.csv'\n").inputs
+    assert read.paths == (folder / "tables" / "a.csv",)
+
+
+def test_a_folder_that_cannot_be_searched_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the system says of a folder of running processes, word for word."""
+
+    def gone(*_: object) -> None:
+        raise OSError(22, "Invalid argument", "/proc/1/net")
+
+    monkeypatch.setattr("os.scandir", gone)
+    (message,) = problems(folder, "inputs: '/**'\n")
+    assert "'/**': '/proc/1/net' cannot be searched: Invalid argument" in message
+
+
+def test_a_pattern_has_a_bound(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pattern that matches half a disk is told, not followed."""
+    monkeypatch.setattr("dh2urdf.output.file_patterns.MAX_FILES", 1)
+    (message,) = problems(folder, "inputs: 'tables/?.csv'\n")
+    assert "more than 1 files match 'tables/?.csv'" in message
+
+
+@pytest.mark.parametrize("text", ["~/ur5", "$HOME/ur5", "${HOME}/ur5", "~nobody/ur5"])
+def test_a_run_file_is_no_shell(folder: Path, text: str) -> None:
+    """A folder that is literally called ~ or $HOME is not what anybody means."""
+    (message,) = problems(folder, f"inputs: tables/a.csv\noutput: {{directory: '{text}'}}\n")
+    assert f"nothing takes the place of {text.partition('/')[0]!r} in a path of a run file" in message
+
+
+@pytest.mark.parametrize("text", ["../~/ur5", "tables/ur5~", "a$"])
+def test_other_signs_of_a_shell_are_signs_of_a_name(folder: Path, text: str) -> None:
+    """A name may hold ~ and $ where a shell would leave them alone too."""
+    assert config(folder, f"inputs: tables/a.csv\noutput: {{directory: '{text}'}}\n").problems == ()
+
+
+def test_the_poses_of_a_proof_have_a_bound(folder: Path) -> None:
+    """A number with ten zeros would be a proof without end."""
+    (message,) = problems(folder, "inputs: tables/a.csv\nproof: {poses: 10000000000}\n")
+    assert "accepted: a whole number from 1 to 1000000" in message
+
+
+def test_a_name_with_brackets_is_a_name_where_such_a_file_is(folder: Path) -> None:
+    """An existing file is meant as it is named, whatever a pattern would make of its name."""
+    (read,) = config(folder, "inputs: 'tables/odd[1].csv'\n").inputs
+    assert read.paths == (folder / "tables" / "odd[1].csv",)
+
+
+def test_a_pattern_without_a_match_is_an_error(folder: Path) -> None:
+    """A pattern that matches nothing is told with the folder that was searched."""
+    (message,) = problems(folder, "inputs: 'tables/*.xls'\n")
+    assert message.startswith(
+        "work/run.yaml:1:9: error: field 'inputs.0.path': no file matches 'tables/*.xls' in the folder"
+    )
+
+
+def test_paths_are_relative_to_the_file_that_says_them(folder: Path) -> None:
+    """The run file's paths start at its folder, those of the command line at the working directory."""
+    found = config(folder, TABLE + "output: {directory: out}\n")
+    assert found.output == folder / "out"
+    found = config(folder, TABLE, "output.directory=out", "inputs=here.csv")
+    assert found.output == Path("out")
+    assert found.inputs[0].paths == (Path("here.csv"),)
+
+
+def test_absolute_paths_stay(folder: Path) -> None:
+    """An absolute path is taken as it is, in a pattern too."""
+    tables = folder.absolute() / "tables"
+    assert config(folder, f"inputs: {tables}/a.csv\n").inputs[0].paths == (tables / "a.csv",)
+    assert config(folder, f"inputs: {tables}/?.csv\n").inputs[0].paths == (tables / "a.csv", tables / "b.csv")
+
+
+def test_two_dots_are_resolved_unless_a_link_stands_before_them(folder: Path) -> None:
+    """`work/../out` reads as `out`; behind a link, the two dots mean where the link leads."""
+    assert config(folder, TABLE + "output: {directory: ../out}\n").output == Path("out")
+    (folder / "far" / "away").mkdir(parents=True)
+    (folder / "link").symlink_to("far/away")
+    assert config(folder, TABLE + "output: {directory: link/../out}\n").output == folder / "link" / ".." / "out"
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("tables/ur55.csv", "'work/tables/ur55.csv': there is no such file\n    did you mean 'ur5.csv'?"),
+        ("tables", "'work/tables': this is a folder, not a file"),
+        ("nowhere/a.csv", "'work/nowhere/a.csv': there is no folder 'work/nowhere'"),
+        ('"a\\0b"', "a path cannot hold the character U+0000"),
+        ("''", "this cannot be the text ''"),
+        ("[a]", "no file matches"),
+    ],
+)
+def test_a_path_that_cannot_be_read_is_told_at_its_place(folder: Path, path: str, message: str) -> None:
+    """Missing files, folders and impossible names are problems of the run file, with their place in it."""
+    text = f"inputs:\n  - path: {path}\n" if path != "[a]" else "inputs:\n  - path: '[a]'\n"
+    (found,) = problems(folder, text)
+    assert found.startswith("work/run.yaml:2:11: error: field 'inputs.0.path': ")
+    assert message in found
+
+
+# --- Settings ---------------------------------------------------------------------------------------------------------
+
+
+def test_settings_change_the_run_file(folder: Path) -> None:
+    """A setting is put where its key leads, through lists, names alone, defaults and sections that are not there."""
+    found = config(
+        folder,
+        TABLE + "emitters: [urdf, {stage: xacro}]\nloaders: pybullet\n",
+        "emitters.1.options.single_file=true",
+        "emitters.0.options.profile=pybullet",
+        "loaders.0.options.size=[1, 2]",
+        "transform.options.variant=paper",
+        "execution.options.workers=2",
+        "proof.poses=5",
+        "inputs.0.options.base={xyz: [0, 0, 1]}",
+    )
+    assert found.problems == ()
+    stages = (*found.emitters, *found.loaders, found.transform, found.execution)
+    options = [call.options for call in stages] + [given.options for given in found.inputs]
+    assert [node.plain() for node in options if node] == [
+        {"profile": "pybullet"},
+        {"single_file": True},
+        {"size": [1, 2]},
+        {"variant": "paper"},
+        {"workers": 2},
+        {"base": {"xyz": [0, 0, 1]}},
+    ]
+    assert found.poses == 5
+
+
+def test_a_whole_section_can_be_set(folder: Path) -> None:
+    """A list or a name in place of a section is taken as the file would take it; later settings see it."""
+    found = config(
+        folder, TABLE + "loaders: [pybullet]\n", "emitters=[xacro, urdf]", "loaders=[]", "emitters.1.stage=dot"
+    )
+    assert [call.stage for call in (*found.emitters, *found.loaders)] == ["xacro", "dot"]
+
+
+def test_a_setting_does_not_leak_through_an_alias(folder: Path) -> None:
+    """What two stages share by an alias is changed for the one that the setting names."""
+    text = TABLE + "emitters: [{stage: a, options: &o {x: 1}}, {stage: b, options: *o}]\n"
+    found = config(folder, text, "emitters.1.options.x=2")
+    assert [call.options.plain() for call in found.emitters if call.options] == [{"x": 1}, {"x": 2}]
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("transfrom.options.x=1", "'transfrom', which is no section of a run file"),
+        ("transfrom.options.x=1", "did you mean 'transform'?"),
+        ("x", "--set 'x' has no value"),
+        ("=1", "begins with ''"),
+        ("emitters.1.stage=x", "names the entry '1' of a list that has 1"),
+        ("emitters.first.stage=x", "names the entry 'first' of a list"),
+        ("loaders.0.stage=x", "a whole list can be given as [a, b]"),
+        ("emitters.0.stage.x=1", "looks for 'x' in the text 'urdf'"),
+        ("transform.variant=paper", "the options of a stage stand under `options:`"),
+        ("output.dirctory=x", "did you mean 'directory'?"),
+        (".".join("transform" for _ in range(99)) + "=1", "a key of 99 names"),
+        ("output={directory: [", "this is not valid YAML"),
+        ("output=a: b: c", "this is not valid YAML: mapping values are not allowed"),
+        ("output.directory=[x", """'KEY="TEXT"'"""),
+        ("output.directory='x", "this is not valid YAML"),
+    ],
+)
+def test_a_setting_that_leads_nowhere_is_told(folder: Path, setting: str, message: str) -> None:
+    """A wrong key or index of --set is an error that says what there is."""
+    (found,) = problems(folder, TABLE, setting)
+    assert found.startswith("command line: error: ")
+    assert message in found
+
+
+@pytest.mark.parametrize("word", ["*.csv", "@x", "50%", "C:\\\\arms\\\\out", '"[x"'])
+def test_a_setting_that_is_a_text_needs_no_quotes(folder: Path, word: str) -> None:
+    """A pattern is no YAML, and what is meant all the same; a text that begins like a list stands in quotes."""
+    found = config(folder, TABLE, f"output.directory={word}")
+    assert not found.problems
+    assert Path(found.output).name == Path(word.strip('"')).name
+
+
+@given(setting=st.text() | st.from_regex(r"\A(inputs|emitters|output|proof)(\.[a-z0]+){0,3}=[\[\]{}a-z: ]*\Z"))
+def test_any_setting_is_taken_or_refused(tmp_path_factory: pytest.TempPathFactory, setting: str) -> None:
+    """Whatever stands behind --set gives a run file or problems."""
+    path = tmp_path_factory.getbasetemp() / "any.yaml"
+    path.write_text("inputs: any.yaml\nemitters: [urdf]\n")
+    assert isinstance(load_config(path, [setting]), RunConfig)
+
+
+# --- What is wrong ----------------------------------------------------------------------------------------------------
+
+
+def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
+    """Unknown keys, missing files, wrong values and empty lists come together, each with its place."""
+    text = (
+        "inputs:\n  - {path: tables/nope.csv}\n  - {pth: x}\n"
+        "transfrom: alpha-swap\n"
+        "emitters:\n  - {stage: urdf, profile: portable}\n  - {options: {}}\n  - 3\n  - [x]\n"
+        "output: [build]\n"
+        "proof: {poses: 0}\n"
+    )
+    lines = {problem.mark.line for problem in config(folder, text).problems if problem.mark}
+    assert lines == {2, 3, 4, 6, 7, 9, 10, 11}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("transform: {stage: x}\n", "field 'inputs': there is nothing to read"),
+        ("inputs: []\n", "field 'inputs': there is nothing to read"),
+        ("inputs: [{}]\n", "field 'inputs.0': this input has no path"),
+        ("inputs: [{stage: csv}]\n", "field 'inputs.0': this input has no path"),
+        ("inputs: [3]\n", "'work/3': there is no such file"),
+        ("inputs: [[a]]\n", "field 'inputs.0': this cannot be a list of 1"),
+        (TABLE + "emitters: []\n", "field 'emitters': the list is empty, and something must be written"),
+        (TABLE + "emitters: [urdf, xacro, urdf]\n", "the stage 'urdf' stands twice"),
+        (TABLE + "emitters: [~]\n", "field 'emitters.0': this cannot be an empty value"),
+        (TABLE + "loaders: [{options: {}}]\n", "field 'loaders.0': it is not said which stage is meant"),
+        (TABLE + "loaders: [{stage: [x]}]\n", "field 'loaders.0.stage': this cannot be a list of 1"),
+        (TABLE + "transform: {options: [x]}\n", "field 'transform.options': options cannot be a list of 1"),
+        (TABLE + "transform: [x]\n", "field 'transform': this cannot be a list of 1"),
+        (TABLE + "emitters: [{stage: urdf, profile: x}]\n", "the options of a stage stand under `options:`"),
+        (TABLE + "output: {directory: [x]}\n", "field 'output.directory': this cannot be a list of 1"),
+        (
+            TABLE + "output: [x]\n",
+            "field 'output': this cannot be a list of 1\n    accepted: a mapping of directory, layout",
+        ),
+        (TABLE + "proof: {poses: true}\n", "field 'proof.poses': poses cannot be the truth value true"),
+        (TABLE + "proof: {poses: 1.5}\n", "field 'proof.poses': poses cannot be the number 1.5"),
+        (TABLE + "emitter: urdf\n", "did you mean 'emitters'?"),
+        (TABLE + "variatons: []\n", "did you mean 'variations'?"),
+    ],
+)
+def test_a_mistake_has_one_message_with_a_place(folder: Path, text: str, message: str) -> None:
+    """Each mistake gives one problem, with file, line and column."""
+    (found,) = problems(folder, text)
+    assert found.startswith("work/run.yaml:")
+    assert message in found
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "[1]", "3", "~"])
+def test_what_is_no_mapping_is_no_run_file(folder: Path, text: str) -> None:
+    """A table, a list or an empty file in place of a run file cannot be used at all."""
+    with pytest.raises(ConfigError, match=r"empty|a run file must be a mapping"):
+        config(folder, text)
+
+
+def test_a_run_file_that_is_not_there(folder: Path) -> None:
+    """A slip in the run file's own name is answered with its neighbours."""
+    config(folder, TABLE)
+    with pytest.raises(ConfigError, match=r"did you mean 'run\.yaml'\?"):
+        load_config(folder / "run.yml")

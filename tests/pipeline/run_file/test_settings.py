@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.conversion.one_manipulator import Sample
+from dh2urdf.output.layouts import DEFAULT_SIZE, Form, Layout
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from dh2urdf.run_file.config import RunConfig
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "a.csv").write_text("a,alpha,d\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def config(folder: Path, text: str, *settings: str) -> RunConfig:
+    (folder / "run.yaml").write_text(f"inputs: a.csv\n{text}\n")
+    return load_config((folder / "run.yaml").relative_to(folder), settings)
+
+
+def test_defaults(folder: Path) -> None:
+    """One folder; all files proved; what is slow for a thousand and a sample of the rest; five minutes for each."""
+    found = config(folder, "")
+    assert found.layout == Layout(form=Form.FILES, size=DEFAULT_SIZE)
+    assert found.proved == Sample(first=0, every=1)
+    assert found.sample == DEFAULT_SAMPLE == Sample(first=1000, every=50)
+    assert found.time_limit == DEFAULT_TIME_LIMIT == 300.0
+
+
+@pytest.mark.parametrize(
+    "text", ["output:\nproof:\nsample:\nexecution:", "output: {layout: , size: }\nsample: {first: }"]
+)
+def test_empty_settings_are_defaults(folder: Path, text: str) -> None:
+    """A setting whose value is commented out is as if it were absent."""
+    found, plain = config(folder, text), config(folder, "")
+    assert found.problems == ()
+    assert (found.layout, found.proved, found.sample, found.time_limit) == (
+        *(plain.layout, plain.proved, plain.sample, plain.time_limit),
+    )
+
+
+def test_every_setting_is_read(folder: Path) -> None:
+    """From the file, and from the command line in its place."""
+    text = (
+        "output: {directory: out, layout: shards, size: 500}\n"
+        "proof: {poses: 8, first: 10, every: 3}\n"
+        "sample: {first: 0, every: 1000}\n"
+        "execution: {stage: local, time_limit: 0.5}"
+    )
+    found = config(folder, text)
+    assert found.problems == ()
+    assert found.layout == Layout(form=Form.SHARDS, size=500)
+    assert (found.proved, found.sample) == (Sample(first=10, every=3), Sample(first=0, every=1000))
+    assert (found.time_limit, found.poses) == (0.5, 8)
+    changed = config(
+        folder, text, "output.layout=folders", "sample.every=7", "execution.time_limit=60", "proof.first=0"
+    )
+    assert changed.problems == ()
+    assert changed.layout == Layout(form=Form.FOLDERS, size=500)
+    assert (changed.sample.every, changed.time_limit, changed.proved.first) == (7, 60.0, 0)
+
+
+@pytest.mark.parametrize("address", ["s3://bucket/some/prefix", "memory://out", "file:///tmp/out"])
+def test_an_address_is_no_path(folder: Path, address: str) -> None:
+    """It is kept as it is written, wherever the run file lies; alone or with a layout."""
+    assert config(folder, f"output: {address}").output == address
+    assert config(folder, f"output: {{directory: '{address}', layout: folders}}").output == address
+
+
+def test_a_text_alone_is_the_directory(folder: Path) -> None:
+    """As a name alone is a stage."""
+    found = config(folder, "output: build/arms")
+    assert found.problems == ()
+    assert str(found.output) == "build/arms"
+    assert found.layout == Layout()
+
+
+WHOLE = "accepted: a whole number from"
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "message"),
+    [
+        (
+            "output: {layout: shard}",
+            "2:18",
+            (
+                "field 'output.layout': the layout cannot be the text 'shard'\n"
+                "    accepted: files, folders, shards\n    did you mean 'shards'?"
+            ),
+        ),
+        ("output: {layout: 3}", "2:18", "field 'output.layout': the layout cannot be the number 3"),
+        ("output: {layout: [files]}", "2:18", "field 'output.layout': the layout cannot be a list of 1"),
+        (
+            "output: {size: 100}",
+            "2:16",
+            (
+                "field 'output.size': all files go into one folder, which has no size\n"
+                "    accepted: a size with layout: folders or layout: shards"
+            ),
+        ),
+        (
+            "output: {layout: folders, size: 0}",
+            "2:33",
+            f"field 'output.size': size cannot be the number 0\n    {WHOLE} 1 to 10000",
+        ),
+        ("output: {layout: shards, size: 10001}", "2:32", f"size cannot be the number 10001\n    {WHOLE} 1 to 10000"),
+        ("output: {layout: shards, size: true}", "2:32", "size cannot be the truth value true"),
+        ("output: {layuot: shards}", "2:10", "did you mean 'layout'?"),
+        ("sample: {first: -1}", "2:17", f"field 'sample.first': first cannot be the number -1\n    {WHOLE} 0 to "),
+        ("sample: {every: 0}", "2:17", f"field 'sample.every': every cannot be the number 0\n    {WHOLE} 1 to "),
+        ("sample: {every: 2.5}", "2:17", "field 'sample.every': every cannot be the number 2.5"),
+        ("sample: {evry: 2}", "2:10", "did you mean 'every'?"),
+        ("proof: {first: all}", "2:16", "field 'proof.first': first cannot be the text 'all'"),
+        (
+            "execution: {time_limit: 0}",
+            "2:25",
+            (
+                "field 'execution.time_limit': the time limit cannot be the number 0\n"
+                "    accepted: seconds that one manipulator may take, a number greater than 0"
+            ),
+        ),
+        ("execution: {time_limit: -5}", "2:25", "the time limit cannot be the number -5"),
+        ("execution: {time_limit: .inf}", "2:25", "the time limit cannot be the number .inf"),
+        ("execution: {time_limit: .nan}", "2:25", "the time limit cannot be the number .nan"),
+        ("execution: {time_limit: 5 min}", "2:25", "the time limit cannot be the text '5 min'"),
+        ("execution: {time_limit: true}", "2:25", "the time limit cannot be the truth value true"),
+        ("execution: {timelimit: 5}", "2:13", "did you mean 'time_limit'?"),
+    ],
+)
+def test_a_wrong_setting_has_one_message_with_its_place(folder: Path, text: str, place: str, message: str) -> None:
+    """The value as it stands, what is accepted, and what was probably meant."""
+    (problem,) = config(folder, text).problems
+    assert str(problem).startswith(f"run.yaml:{place}: error: ")
+    assert message in str(problem)

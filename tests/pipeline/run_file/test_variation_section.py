@@ -1,0 +1,204 @@
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import MissingDependencyError
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.quantities.units import Dimension
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.variations.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
+from dh2urdf.variations.sampling import Sampling
+
+if TYPE_CHECKING:
+    from dh2urdf.variations.variation import VariationCall
+
+
+RULE = "{joints: 1, field: a, scale: [1, 2]}"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d\n0.4,pi/2,0\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def read(text: str) -> tuple[tuple[VariationCall, ...], list[str]]:
+    Path("run.yaml").write_text(f"inputs: arm.csv\nvariations: {text.replace('RULE', RULE)}\n")
+    config = load_config(Path("run.yaml"))
+    return config.variations, [str(problem) for problem in config.problems]
+
+
+def law(field: str, text: str) -> Law:
+    joints = "" if field == "axes" else "joints: all, "
+    (call,), problems = read(f"{{of: arm, count: 5, vary: [{{{joints}field: {field}, {text}}}]}}")
+    assert problems == []
+    return call.vary[0].law
+
+
+@pytest.mark.usefixtures("folder")
+class TestRight:
+    def test_everything_is_read(self) -> None:
+        """Names, count, seed, sampling and rules, with their places."""
+        (call,), problems = read(
+            "\n  - {name: many, of: arm, count: 10000, seed: 7, sampling: sobol,\n"
+            "     vary: [{joints: [2, elbow], field: a, scale: [0.8, 1.2]}, {joints: all, field: mass, uniform: [1, 5]}]}"
+        )
+        assert problems == []
+        assert (call.name, call.of, call.count, call.seed) == ("many", "arm", 10000, 7)
+        assert call.sampling is Sampling.SOBOL
+        assert [(rule.field, rule.joints, rule.law) for rule in call.vary] == [
+            ("a", (2, "elbow"), Scale(low=0.8, high=1.2)),
+            ("mass", None, Uniform(low=1.0, high=5.0)),
+        ]
+        assert (str(call.mark), str(call.of_mark)) == ("run.yaml:3:5", "run.yaml:3:22")
+        assert [str(mark) for mark in call.vary[0].joint_marks] == ["run.yaml:4:23", "run.yaml:4:26"]
+
+    def test_the_short_form_has_defaults(self) -> None:
+        """One variation, one rule and one joint need no lists; a grid needs no count."""
+        (call,), problems = read("{of: arm, vary: {joints: 1, field: a, grid: [0.1, 0.2]}}")
+        assert problems == []
+        assert (call.name, call.count, call.seed, call.sampling) == ("arm", None, 0, Sampling.RANDOM)
+        assert call.vary[0].joints == (1,)
+
+    @pytest.mark.parametrize(
+        ("field", "text", "expected"),
+        [
+            ("a", "choices: [0.3, 400 mm, sqrt(2)/10]", Choices(values=(0.3, 0.4, math.sqrt(2) / 10))),
+            ("alpha", "choices: [pi/2, -90 deg]", Choices(values=(math.pi / 2, -math.pi / 2))),
+            ("type", "choices: [revolute, prismatic]", Choices(values=("revolute", "prismatic"))),
+            ("axes", "grid: [4, 5, 6]", Grid(values=(4, 5, 6))),
+            ("d", "grid: {from: 0, to: 300 mm, points: 4}", Grid(values=(0.0, 0.3 / 3, 0.3 * 2 / 3, 0.3))),
+            ("radius", "uniform: [10 mm, 5 cm]", Uniform(low=0.01, high=0.05)),
+            ("effort", "log-uniform: [1, 100 Nm]", LogUniform(low=1.0, high=100.0)),
+            ("d", "normal: {deviation: 1 mm, bounds: [0, 0.1]}", Normal(mean=None, deviation=0.001, low=0.0, high=0.1)),
+            (
+                "mass",
+                "normal: {mean: 3, deviation: 1, bounds: [1, 5]}",
+                Normal(mean=3.0, deviation=1.0, low=1.0, high=5.0),
+            ),
+            ("damping", "uniform: [0, 2 Nms]", Uniform(low=0.0, high=2.0)),
+            ("friction", "uniform: [0, 2 Nm]", Uniform(low=0.0, high=2.0)),
+            ("armature", "choices: [0, 0.1, 3 kg]", Choices(values=(0.0, 0.1, 3.0))),
+            ("theta", "offset: [-1 deg, 1 deg]", Offset(low=-math.pi / 180, high=math.pi / 180)),
+            ("velocity", "scale: [1/2, 2]", Scale(low=0.5, high=2.0)),
+            ("lower", "uniform: [-100 mm, -0.05]", Uniform(low=-0.1, high=-0.05)),
+            ("upper", "uniform: [90 deg, 720 deg]", Uniform(low=math.pi / 2, high=4 * math.pi)),
+        ],
+    )
+    def test_every_law_is_read_in_si_units(self, field: str, text: str, expected: Law) -> None:
+        """Numbers may be expressions and have units."""
+        assert law(field, text) == expected
+
+    def test_units_are_remembered(self) -> None:
+        """Whether bounds are angles or lengths is known from their units, and from nothing where there are none."""
+        for text, units in (("[-1, 1]", ()), ("[-1 deg, 1]", (Dimension.ANGLE,)), ("[-1 mm, 1]", (Dimension.LENGTH,))):
+            (call,), _ = read(f"{{of: arm, count: 5, vary: {{joints: 1, field: lower, uniform: {text}}}}}")
+            assert call.vary[0].units == units
+
+    def test_settings_reach_it(self) -> None:
+        """`--set` changes a count for once."""
+        read("{of: arm, count: 1000, vary: {joints: 1, field: a, scale: [1, 2]}}")
+        config = load_config(Path("run.yaml"), ["variations.0.count=5"])
+        assert config.problems == ()
+        assert config.variations[0].count == 5
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{count: 5, vary: [RULE]}", "field 'variations.0.of': it is not said what is varied"),
+        ("{of: arm, count: 5}", "field 'variations.0.vary': nothing varies"),
+        ("arm", "field 'variations.0.vary': nothing varies"),
+        ("{of: arm, count: 5, vary: []}", "nothing varies"),
+        ("{of: arm, vary: [RULE]}", "it is not said how many variants there are"),
+        ("{of: arm, count: 0, vary: [RULE]}", "accepted: a whole number from 1 to 1000000000"),
+        ("{of: arm, count: 1.5, vary: [RULE]}", "field 'variations.0.count': this cannot be the number 1.5"),
+        ("{of: arm, count: true, vary: [RULE]}", "this cannot be the truth value true"),
+        ("{of: arm, count: 5, seed: -1, vary: [RULE]}", "field 'variations.0.seed': this cannot be the number -1"),
+        ("{of: arm, count: 5, sampling: soboll, vary: [RULE]}", "did you mean 'sobol'?"),
+        ("{of: arm, cuont: 5, count: 5, vary: [RULE]}", "did you mean 'count'?"),
+        ("[{of: arm, count: 5, vary: RULE}, {of: arm, count: 5, vary: RULE}]", "two variations are named 'arm'"),
+        ("[{of: arm, count: 5, vary: RULE}, {name: ARM, of: b, count: 5, vary: RULE}]", "`name: NAME`"),
+    ],
+)  # fmt: skip
+def test_a_variation_that_is_wrong(text: str, message: str) -> None:
+    """Has one problem, with its place."""
+    calls, (problem,) = read(text)
+    assert len(calls) < 2
+    assert problem.startswith("run.yaml:2:")
+    assert message in problem
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize(
+    ("rule", "message"),
+    [
+        ("x", "this cannot be the text 'x'"),
+        ("{joints: 1, field: a}", "it is not said how it varies"),
+        ("{joints: 1, field: a, scale: [1, 2], offset: [0, 1]}", "it varies in 2 ways at once"),
+        ("{joints: 1, field: a, unifrom: [1, 2], scale: [1, 2]}", "did you mean 'uniform'?"),
+        ("{joints: 1, field: a, log_uniform: [1, 2], scale: [1, 2]}", "did you mean 'log-uniform'?"),
+        ("{joints: 1, scale: [1, 2]}", "it is not said which field varies"),
+        ("{joints: 1, field: alhpa, scale: [1, 2]}", "did you mean 'alpha'?"),
+        ("{field: a, scale: [1, 2]}", "it is not said whose field varies"),
+        ("{joints: [], field: a, scale: [1, 2]}", "no joint is named"),
+        ("{joints: [true], field: a, scale: [1, 2]}", "the truth value true is no joint"),
+        ("{joints: [1, 0], field: a, scale: [1, 2]}", "the number 0 is no joint"),
+        ("{joints: 1, field: axes, choices: [4]}", "the number of axes is the whole arm's"),
+        ("{field: axes, choices: [0]}", "the number 0 is no number of axes"),
+        ("{field: axes, uniform: [4, 6]}", "axes cannot vary by uniform"),
+        ("{joints: 1, field: type, grid: {from: 1, to: 2, points: 3}}", "type has no values in between"),
+        ("{joints: 1, field: type, choices: [revolut]}", "did you mean 'revolute'?"),
+        ("{joints: 1, field: a, choices: []}", "this cannot be an empty list"),
+        ("{joints: 1, field: a, choices: 3}", "accepted: a list of values"),
+        ("{joints: 1, field: a, choices: [x y]}", "field 'variations.0.vary.0.choices'"),
+        ("{joints: 1, field: a, choices: [90 deg]}", "'90 deg' is an angle, and a length is needed"),
+        ("{joints: 1, field: theta, choices: [q1]}", "'q1' names a joint variable"),
+        ("{joints: 1, field: a, choices: [[1]]}", "a list of 1 stands where a number is needed"),
+        ("{joints: 1, field: a, grid: {from: 1, points: 3}}", "this grid has no to"),
+        ("{joints: 1, field: a, grid: {from: 1, to: 2, points: 1}}", "the number of points cannot be the number 1"),
+        ("{joints: 1, field: a, uniform: [1]}", "accepted: a range: [LOW, HIGH]"),
+        ("{joints: 1, field: a, uniform: [2, 1]}", "the range goes down from 2 to 1"),
+        ("{joints: 1, field: mass, uniform: [0, 1]}", "mass must be greater than 0"),
+        ("{joints: 1, field: effort, choices: [1, -1]}", "effort must be greater than 0"),
+        ("{joints: 1, field: a, log-uniform: [0, 1]}", "orders of magnitude begin above 0"),
+        ("{joints: 1, field: a, normal: [1, 2]}", "accepted: a mapping of mean, deviation, bounds"),
+        ("{joints: 1, field: a, normal: {mean: 1, deviation: 1}}", "this normal distribution has no bounds"),
+        ("{joints: 1, field: a, normal: {deviation: 0, bounds: [1, 2]}}", "a standard deviation is greater than 0"),
+        ("{joints: 1, field: a, normal: {mean: 0, deviation: 1, bounds: [8, 9]}}", "the bounds leave hardly anything"),
+        ("{joints: 1, field: alpha, uniform: [-90, 1]}", "if these are degrees, say so: '-90 deg'"),
+        ("{joints: 1, field: upper, choices: [180]}", "'180' is more than 10 turns in rad"),
+        ("{joints: 1, field: a, scale: [1 mm, 2 mm]}", "'1 mm' is a length, and a bare number is needed"),
+    ],
+)
+def test_a_rule_that_is_wrong(rule: str, message: str) -> None:
+    """Has a problem with its place in the file, and what is accepted or was meant."""
+    _, problems = read(f"{{of: arm, count: 5, vary: [{rule}]}}")
+    assert all(problem.startswith("run.yaml:2:") for problem in problems)
+    assert message in problems[0]
+
+
+@pytest.mark.usefixtures("folder")
+def test_all_problems_are_said_at_once() -> None:
+    """Of every variation and every rule."""
+    _, problems = read(
+        "[{of: arm, count: -1, vary: [{joints: 1, field: b, scale: [1, 2]}, {joints: 1, field: a}]}, {vary: RULE}]"
+    )
+    assert len(problems) == 5
+
+
+@pytest.mark.usefixtures("folder")
+def test_scipy_is_asked_for_before_anything_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it is not installed, the run names the extra."""
+    read("{of: arm, count: 5, sampling: sobol, vary: RULE}")
+    monkeypatch.setitem(sys.modules, "scipy.stats", None)
+    with pytest.raises(MissingDependencyError, match=r"dh2urdf\[sampling\]"):
+        make_plan(load_config(Path("run.yaml")), load())

@@ -1,0 +1,563 @@
+from __future__ import annotations
+
+import json
+import pickle
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.conversion.one_manipulator import Call, Sample
+from dh2urdf.conversion.outcome import ManifestRow, to_text
+from dh2urdf.errors import ConfigError, MissingDependencyError, OutputError, TableError, TransformError
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.plugin_system.catalog import KINDS, Catalog, Plugin, load
+from dh2urdf.report.verdicts import coverage_line
+from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.running.run import execute
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
+from dh2urdf.tasks.batch import Expected, batches
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from dh2urdf.running import run as runs
+    from dh2urdf.tasks.batch_report import BatchReport
+
+# The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
+# names, a line each, and what a name begins with says what becomes of it.
+
+BODY = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
+LIMITS = Limits(lower=-1.0, upper=1.0, velocity=1.0, effort=1.0)
+
+
+def read(path: Path, _options: NoOptions) -> Iterator[Manipulator | Rejected]:
+    for number, name in enumerate(path.read_text().splitlines(), start=1):
+        mark = Mark(file=str(path), line=number)
+        if name == "crash":
+            raise ZeroDivisionError("no such number")
+        if name.startswith("bad"):
+            yield Rejected(name=name, problems=(Problem(message=f"{name} is bad"),), mark=mark)
+        else:
+            notices = (Problem(message="read with care", severity="notice"),) if name.startswith("odd") else ()
+            row = DHRow(joint="turn", link="one", a=0.5, alpha=0.0, d=0.0)
+            yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,), mark=mark, notices=notices)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawOptions:
+    length: float = field(default=0.5, metadata={"help": "length of the link [m]"})
+    keeps: bool = field(default=True, metadata={"help": "whether it claims to keep the kinematics"})
+
+
+def draw(manipulator: Manipulator, options: DrawOptions) -> Robot:
+    if manipulator.name.startswith("stiff"):
+        raise TransformError(Problem(message="it does not bend", joint="turn"))
+    joints = (
+        Joint(name="base", type=JointType.FIXED, parent="base_link", child="base_link_inertia"),
+        Joint(name="turn", type=JointType.REVOLUTE, parent="base_link_inertia", child="one", limits=LIMITS),
+        Joint(
+            name="one-tool0",
+            type=JointType.FIXED,
+            parent="one",
+            child="tool0",
+            origin=Origin(xyz=(options.length, 0.0, 0.0)),
+        ),
+    )
+    links = (
+        Link(name="base_link"),
+        Link(name="base_link_inertia", inertial=BODY),
+        Link(name="one", inertial=BODY),
+        Link(name="tool0", inertial=Inertial(mass=0.0)),
+    )
+    notices = (Problem(message="drawn with care", severity="notice"),) if manipulator.name.startswith("odd") else ()
+    return Robot(name=manipulator.name, links=links, joints=joints, notices=notices)
+
+
+def emit(robot: Robot, stem: str, _options: NoOptions) -> list[EmittedFile]:
+    return [EmittedFile(name=f"{stem}.pickle", content=pickle.dumps(replace(robot, notices=())))]
+
+
+def read_back(path: Path) -> Robot:
+    return pickle.loads(path.read_bytes())  # type: ignore[no-any-return]  # noqa: S301 - made here
+
+
+LOADER = """
+from dh2urdf.errors import LoaderError
+from dh2urdf.stages import LoadReport
+
+def load_light(request, options):
+    return LoadReport(simulator="ink", version="1")
+
+def load(request, options):
+    print("loading", request.path.name)
+    if request.robot.name.startswith("heavy"):
+        raise LoaderError("too heavy to hold")
+    if request.picture:
+        request.picture.write_text("an arm")
+    return LoadReport(
+        simulator="paper", version="1", position_error=request.expected["tool0"][0][3], poses=len(request.poses),
+        picture=request.picture and request.picture.name,
+    )
+"""
+"""A simulator, which works in a child process: a module of its own."""
+
+
+class Lab:
+    """A folder with a table and a run file, and a catalog of the stages above."""
+
+    def __init__(self, folder: Path, loaders: tuple[Loader[Any], ...]) -> None:
+        self.folder = folder
+        self.output = folder / "out"
+        module = ModuleType("lab")
+        for kind, stages in {
+            "readers": [Reader(name="list", summary="names", read=read, options=NoOptions, suffixes=(".list",))],
+            "transforms": [
+                Transform(
+                    name="draw",
+                    summary="draws",
+                    transform=draw,
+                    options=DrawOptions,
+                    keeps_kinematics=lambda o: o.keeps,
+                )
+            ],
+            "emitters": [
+                Emitter(
+                    name="pickle",
+                    summary="pickles",
+                    emit=emit,
+                    options=NoOptions,
+                    suffixes=(".pickle",),
+                    read_back=read_back,
+                    costly_proof=True,
+                )
+            ],
+            "loaders": loaders,
+            "executors": [
+                Executor(name="here", summary="here", options=NoOptions, map=lambda work, tasks, _: map(work, tasks))
+            ],
+        }.items():
+            setattr(module, f"dh2urdf_{kind}", hookimpl(self.hook(kind, stages)))
+        self.catalog = Catalog([Plugin(name="lab", distribution="lab 1.0", module=module)])
+
+    @staticmethod
+    def hook(kind: str, stages: Any) -> Callable[[], Any]:
+        def provide() -> Any:
+            return stages
+
+        provide.__name__ = f"dh2urdf_{kind}"
+        return provide
+
+    def plan(self, config: str, **tables: str) -> runs.Plan:
+        for name, text in tables.items():
+            (self.folder / f"{name}.list").write_text(text)
+        (self.folder / "run.yaml").write_text(
+            config + "\ntransform: draw\nemitters: pickle\nexecution: here\noutput: {directory: out}\n"
+            "report: {html: false}\n"
+        )
+        return make_plan(load_config(self.folder / "run.yaml"), self.catalog)
+
+    def run(self, names: str, more: str = "", **how: Any) -> list[ManifestRow]:
+        """The rows of a run over a table of names."""
+        return rows(self.plan(f"inputs: names.list\n{more}", names=names.replace(" ", "\n")), **how)
+
+    def written(self) -> set[str]:
+        """The files of its manipulators."""
+        return {path.name for path in self.output.iterdir()} - REPORTS if self.output.exists() else set()
+
+
+REPORTS = {"manifest.jsonl", "manifest.parquet", "report.json", "index.json", "timing.json"}
+
+
+def rows(plan: runs.Plan, **how: Any) -> list[ManifestRow]:
+    """The rows of a run, which are in its manifest and, of a short one, in its report."""
+    _, report = execute(plan, **how)
+    if not how.get("dry_run"):
+        with plan.store.open("manifest.jsonl") as manifest:
+            assert [json.loads(line) for line in manifest] == json.loads(to_text(report["manipulators"]))
+    return json.loads(to_text(report["manipulators"]))  # type: ignore[no-any-return]
+
+
+@pytest.fixture
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Lab:
+    (tmp_path / "paper_simulator.py").write_text(LOADER)
+    monkeypatch.syspath_prepend(tmp_path)
+    import paper_simulator  # type: ignore[import-not-found]
+
+    def missing(_options: NoOptions) -> None:
+        raise MissingDependencyError("loader 'absent'", "absent", "lab[absent]")
+
+    def no_time(_options: NoOptions) -> float:
+        raise ZeroDivisionError("no time")
+
+    loaders = [
+        Loader(
+            name=name,
+            summary="loads",
+            load=paper_simulator.load_light if name == "ink" else paper_simulator.load,
+            options=NoOptions,
+            formats=formats,
+            poses=lambda _: 3,
+            picture=lambda _: True,
+            require=require,
+            time_limit=no_time if name == "timeless" else lambda _: 120.0,
+        )
+        for name, formats, require in (
+            ("paper", ("pickle",), lambda _: None),
+            ("cardboard", ("sdf", "pickle"), lambda _: None),
+            ("glass", ("sdf",), lambda _: None),
+            ("absent", ("pickle",), missing),
+            ("ink", ("pickle",), lambda _: None),
+            ("timeless", ("pickle",), lambda _: None),
+        )
+    ]
+    return Lab(tmp_path, tuple(loaders))
+
+
+def messages(problems: Any) -> list[str]:
+    return [problem["message"] for problem in problems]
+
+
+class TestPlan:
+    def test_stages_and_options_are_resolved(self, lab: Lab) -> None:
+        """A plan holds the records of the stages, the readers by the files' suffixes, and the options as their types."""
+        plan = lab.plan("inputs: [a.list, {path: b.list, stage: list}]\nloaders: paper", a="x", b="y")
+        assert [(path.name, reader.stage.name) for path, reader in plan.inputs] == [
+            ("a.list", "list"),
+            ("b.list", "list"),
+        ]
+        assert plan.recipe.transform.stage.transform is draw
+        assert plan.recipe.transform.options == DrawOptions()
+        assert [call.stage.name for call in plan.recipe.loaders] == ["paper"]
+        assert plan.executor.stage.name == "here"
+        assert str(plan.store) == str(lab.output)
+
+    @pytest.mark.parametrize(
+        "inputs",
+        [
+            "[a.list, '*.list']",
+            "[a.list, ./a.list]",
+            "['*.list', a.list]",
+            "['?.list', '*.list']",
+            "[link.list, a.list]",
+        ],
+    )
+    def test_a_file_that_is_named_twice_is_made_once(self, lab: Lab, tmp_path: Path, inputs: str) -> None:
+        """By a pattern and its path, two spellings, or a link; with a notice."""
+        if "link" in inputs:
+            (tmp_path / "link.list").symlink_to("a.list")
+        made = rows(lab.plan(f"inputs: {inputs}", a="arm"))
+        (arm,) = made
+        (notice,) = arm["notices"]
+        assert "is an input twice, and is read once" in notice["message"]
+
+    def test_a_file_that_is_named_twice_in_two_ways_is_refused(self, tmp_path: Path) -> None:
+        """Which of the two readings was meant is not known."""
+        (tmp_path / "a.csv").write_text("a,alpha,d\n1,0,0\n")
+        run = tmp_path / "run.yaml"
+        run.write_text("inputs: [{path: a.csv, options: {convention: standard}}, '*.csv']\n")
+        with pytest.raises(ConfigError, match="is an input twice, with other options or another reader"):
+            make_plan(load_config(run), load())
+
+    def test_all_that_is_wrong_is_said_at_once(self, lab: Lab) -> None:
+        """Unknown stages, wrong options, a file that nobody reads and a loader without a file come together, by line."""
+        (lab.folder / "a.txt").touch()
+        (lab.folder / "run.yaml").write_text(
+            "inputs: [a.txt]\n"
+            "transform: {stage: draw, options: {length: long, width: 2}}\n"
+            "emitters: [pickel]\n"
+            "loaders: [glass]\n"
+            "execution: there\n"
+        )
+        with pytest.raises(ConfigError) as caught:
+            make_plan(load_config(lab.folder / "run.yaml"), lab.catalog)
+        found = [(problem.mark.line, str(problem)) for problem in caught.value.problems if problem.mark]
+        assert [line for line, _ in found] == [1, 2, 2, 3, 4, 5]
+        for (_, message), words in zip(
+            found,
+            ("the file 'a.txt'", "'long'", "width", "no emitter is named 'pickel'", "'glass' has no file", "'there'"),
+            strict=True,
+        ):
+            assert words in message
+        assert "did you mean 'pickle'?" in str(caught.value)
+
+    def test_a_missing_package_is_known_before_anything_is_read(self, lab: Lab) -> None:
+        """A loader that is not installed ends the run before it begins."""
+        with pytest.raises(MissingDependencyError, match=r"loader 'absent' needs absent: pip install 'lab\[absent\]'"):
+            lab.run("arm", "loaders: [paper, absent]")
+        assert lab.written() == set()
+
+
+class TestExecute:
+    def test_outcomes_come_in_the_order_of_the_inputs(self, lab: Lab) -> None:
+        """One outcome per manipulator, with its source, and its files in the output folder."""
+        plan = lab.plan("inputs: [a.list, b.list]", a="two\none", b="three")
+        outcomes = rows(plan)
+        assert [(outcome["name"], outcome["status"]) for outcome in outcomes] == [
+            ("two", "ok"),
+            ("one", "ok"),
+            ("three", "ok"),
+        ]
+        assert [Path(outcome["source"]).name for outcome in outcomes] == ["a.list", "a.list", "b.list"]
+        assert lab.written() == {"two.pickle", "one.pickle", "three.pickle"}
+        assert outcomes[0]["proof"]["pickle"]["position_error"] < 1e-15
+        timing = json.loads((lab.output / "timing.json").read_bytes())
+        assert [set(entry) for entry in timing["manipulators"]] == [{"name", "transform", "emit"}] * 3
+
+    def test_a_bad_manipulator_fails_alone(self, lab: Lab) -> None:
+        """What cannot be read, and what the transform refuses, fail with their reasons and places; others are written."""
+        outcomes = lab.run("arm bad1 stiff leg")
+        assert [outcome["status"] for outcome in outcomes] == ["ok", "failed", "failed", "ok"]
+        told = [
+            (row["kind"], *map(row["errors"][0].get, ("file", "line", "joint", "message"))) for row in outcomes[1:3]
+        ]
+        source = str(lab.folder / "names.list")
+        assert told == [
+            ("table", source, 2, None, "bad1 is bad"),
+            ("transform", source, 3, "turn", "it does not bend"),
+        ]
+        assert lab.written() == {"arm.pickle", "leg.pickle"}
+
+    def test_nothing_readable_is_one_error(self, lab: Lab) -> None:
+        """Where no manipulator can be read, the run is an error with all problems, and nobody is told twice."""
+        noted: list[BatchReport] = []
+        with pytest.raises(TableError) as caught:
+            lab.run("bad1 bad2", note=lambda report, _: noted.append(report))
+        assert [problem.message for problem in caught.value.problems] == ["bad1 is bad", "bad2 is bad"]
+        assert noted == []
+        assert lab.written() == set()
+
+    def test_every_batch_is_noted_in_order(self, lab: Lab) -> None:
+        """Also those that failed before the first that could be read; and how many there will be, by the lines read."""
+        noted: list[tuple[BatchReport, int | None]] = []
+        lab.run("bad1 bad2 arm bad3", note=lambda *told: noted.append(told))
+        told = [problem.message for report, _ in noted for problem in report.problems]
+        assert told == ["bad1 is bad", "bad2 is bad", "bad3 is bad"]
+        assert sum(report.count for report, _ in noted) == 4
+        assert [report.first for report, _ in noted] == sorted(report.first for report, _ in noted)
+        assert noted[-1][1] in {3, 4}
+
+    def test_an_empty_input_is_an_error_of_its_own(self, lab: Lab) -> None:
+        """A table without a manipulator does not pass in silence, and does not stop the others."""
+        empty, arm = rows(lab.plan("inputs: [empty.list, arm.list]", empty="", arm="arm"))
+        assert (empty["name"], empty["status"]) == ("empty", "failed")
+        assert messages(empty["errors"]) == ["there is no manipulator in it"]
+        assert empty["errors"][0]["file"] == str(lab.folder / "empty.list")
+        assert arm["status"] == "ok"
+
+    def test_a_reader_that_breaks_ends_its_own_input(self, lab: Lab) -> None:
+        """Manipulators before the crash and other inputs are written; the crash is told with file, stage, traceback."""
+        noted: list[BatchReport] = []
+        plan = lab.plan("inputs: [a.list, b.list]", a="arm\ncrash\nleg", b="hand")
+        first, crash, last = rows(plan, note=lambda report, _: noted.append(report))
+        assert (first["name"], last["name"]) == ("arm", "hand")
+        assert crash["status"] == "failed"
+        (problem,) = crash["errors"]
+        assert problem["message"].startswith("reader 'list' of lab 1.0 failed: ZeroDivisionError: no such number")
+        assert problem["file"] == str(lab.folder / "a.list")
+        tracebacks = [text for report in noted for text in report.tracebacks]
+        assert ['raise ZeroDivisionError("no such number")' in text for text in tracebacks] == [True]
+
+    def test_notices_of_reader_and_transform_are_kept(self, lab: Lab) -> None:
+        """What reader and transform want a person to know, in this order."""
+        (outcome,) = lab.run("odd")
+        assert messages(outcome["notices"]) == ["read with care", "drawn with care"]
+
+    def test_a_file_that_is_another_arm_fails(self, lab: Lab) -> None:
+        """A transform that says it keeps the kinematics, and does not, fails in the proof; nothing is written."""
+        plan = lab.plan("inputs: arm.list", arm="arm")
+        longer = replace(plan.recipe.transform, options=DrawOptions(length=0.6))
+        (outcome,) = rows(replace(plan, recipe=replace(plan.recipe, transform=longer)))
+        assert outcome["status"] == "failed"
+        assert "is not the arm of the table: tool0 is off by 0.1 m" in outcome["errors"][0]["message"]
+        assert lab.written() == set()
+
+    def test_a_difference_that_was_announced_fails_nothing(self, lab: Lab) -> None:
+        """A transform that does not keep the kinematics is reported with its error."""
+        plan = lab.plan("inputs: arm.list", arm="arm")
+        other = replace(plan.recipe.transform, options=DrawOptions(length=0.6, keeps=False))
+        (outcome,) = rows(replace(plan, recipe=replace(plan.recipe, transform=other)))
+        assert (outcome["status"], outcome["keeps_kinematics"]) == ("ok", False)
+        assert outcome["proof"]["pickle"]["position_error"] == pytest.approx(0.1)
+
+    def test_a_dry_run_writes_nothing_and_finds_what_a_run_finds(self, lab: Lab) -> None:
+        """Everything is read and transformed; what fails fails, what would be written is skipped."""
+        outcomes = lab.run("odd stiff bad1", dry_run=True)
+        assert [outcome["status"] for outcome in outcomes] == ["skipped", "failed", "failed"]
+        assert messages(outcomes[0]["notices"]) == ["read with care", "drawn with care"]
+        assert lab.written() == set()
+
+    def test_a_folder_that_cannot_be_written_to_ends_the_run(self, lab: Lab) -> None:
+        """It is no manipulator's fault."""
+        (lab.folder / "out").write_text("a file")
+        with pytest.raises(OutputError, match="cannot write"):
+            lab.run("arm")
+
+
+class TestNames:
+    def test_two_manipulators_of_one_name_do_not_overwrite_each_other(self, lab: Lab) -> None:
+        """The second gets a stem of its own, and a notice with it; upper and lower case make no other name."""
+        outcomes = lab.run("arm arm ARM")
+        files = [outcome["files"][0]["path"] for outcome in outcomes]
+        assert files == ["arm.pickle", "arm-2.pickle", "ARM-3.pickle"]
+        assert outcomes[0]["notices"] == []
+        assert messages(outcomes[1]["notices"]) == [
+            "its files are named 'arm-2': 'arm' belongs to another manipulator of this run"
+        ]
+        assert [read_back(lab.output / name).name for name in sorted(lab.written())] == ["ARM", "arm", "arm"]
+
+    def test_a_name_stays_in_the_output_folder(self, lab: Lab) -> None:
+        """A name that is a path becomes a plain file name; the robot keeps it as it is."""
+        (outcome,) = lab.run("../../etc/passwd")
+        assert lab.written() == {"etc_passwd.pickle"}
+        assert outcome["name"] == "../../etc/passwd"
+        assert read_back(lab.output / "etc_passwd.pickle").name == "../../etc/passwd"
+
+
+class TestLoaders:
+    def test_the_report_of_each_is_in_the_outcome(self, lab: Lab) -> None:
+        """By the loader's name, with what the simulator printed, how long it took, and a picture of its own name."""
+        (outcome,) = lab.run("arm", "loaders: [paper, cardboard]")
+        assert set(outcome["loaders"]) == {"paper", "cardboard"}
+        assert [report["picture"] for report in outcome["loaders"].values()] == ["arm.png", "arm.cardboard.png"]
+        assert outcome["loaders"]["paper"]["output"] == "loading arm.pickle\n"
+        assert outcome["loaders"]["paper"]["poses"] == 3
+        (timing,) = json.loads((lab.output / "timing.json").read_bytes())["manipulators"]
+        assert set(timing) == {"name", "transform", "emit", "load paper", "load cardboard"}
+        assert lab.written() == {"arm.pickle", "arm.png", "arm.cardboard.png"}
+
+    @pytest.mark.parametrize(("keeps", "expected"), [(True, 0.5), (False, 0.6)])
+    def test_it_is_held_against_the_table_or_the_robot(self, *, lab: Lab, keeps: bool, expected: float) -> None:
+        """The expected pose at zero is the DH product's; where the transform gives another arm, that arm's."""
+        plan = lab.plan("inputs: arm.list\nloaders: paper", arm="arm")
+        options = DrawOptions(length=expected, keeps=keeps)
+        recipe = replace(plan.recipe, transform=replace(plan.recipe.transform, options=options))
+        (outcome,) = rows(replace(plan, recipe=recipe))
+        assert outcome["loaders"]["paper"]["position_error"] == expected
+
+    def test_one_that_refuses_fails_its_manipulator_alone(self, lab: Lab) -> None:
+        """The files stay for a person to look at; other manipulators go on."""
+        heavy, arm = lab.run("heavy arm", "loaders: paper")
+        assert (heavy["status"], arm["status"]) == ("failed", "ok")
+        assert messages(heavy["errors"]) == ["paper: too heavy to hold"]
+        assert lab.written() == {"heavy.pickle", "arm.pickle", "arm.png"}
+
+    def test_one_that_refuses_does_not_silence_the_next(self, lab: Lab) -> None:
+        """All loaders are asked; each has its verdict, and the manipulator has the errors of all that failed."""
+        result, report = execute(lab.plan("inputs: names.list\nloaders: [paper, cardboard, ink]", names="heavy\narm"))
+        heavy, arm = report["manipulators"]
+        assert {name: load["verdict"] for name, load in heavy["loaders"].items()} == {
+            "paper": "failed",
+            "cardboard": "failed",
+            "ink": "passed",
+        }
+        assert messages(heavy["errors"]) == ["paper: too heavy to hold", "cardboard: too heavy to hold"]
+        assert messages(heavy["loaders"]["cardboard"]["errors"]) == ["cardboard: too heavy to hold"]
+        assert {load["verdict"] for load in arm["loaders"].values()} == {"passed"}
+        assert {
+            name: (entry["passed"], entry["failed"], entry["of"]) for name, entry in report["coverage"].items()
+        } == {
+            "paper": (1, 1, 2),
+            "cardboard": (1, 1, 2),
+            "ink": (2, 0, 2),
+        }
+        assert result.exit_status == 1
+
+    def test_one_that_cannot_say_how_long_it_may_take_fails_alone(self, lab: Lab) -> None:
+        """The files are written, and the other loaders are asked."""
+        (arm,) = lab.run("arm", "loaders: [timeless, paper]")
+        assert {name: load["verdict"] for name, load in arm["loaders"].items()} == {
+            "timeless": "failed",
+            "paper": "passed",
+        }
+        assert "arm.pickle" in lab.written()
+
+    def test_an_optional_one_fails_nothing(self, lab: Lab) -> None:
+        """What it refuses is a notice, told once for all manipulators, and so is that it is not installed."""
+        config = "inputs: names.list\nloaders: [{stage: paper, optional: true}, ink, {stage: absent, optional: true}]"
+        result, report = execute(lab.plan(config, names="heavy\nheavy2\narm"))
+        assert result.exit_status == 0
+        heavy = report["manipulators"][0]
+        assert heavy["errors"] == []
+        assert {name: load["verdict"] for name, load in heavy["loaders"].items()} == {
+            "paper": "failed",
+            "ink": "passed",
+            "absent": "missing",
+        }
+        told = {(notice["loader"], notice["manipulators"], notice["message"]) for notice in report["simulator_notices"]}
+        assert told == {
+            ("paper", 2, "paper: too heavy to hold"),
+            ("absent", 3, "loader 'absent' needs absent: pip install 'lab[absent]'"),
+        }
+        assert coverage_line(report["coverage"]) == (
+            "paper 3 of 3 (2 refused), ink 3 of 3, absent 0 of 3 (not installed)"
+        )
+
+    @pytest.mark.parametrize("resume", [False, True])
+    def test_the_coverage_counts_all_manipulators(self, *, lab: Lab, resume: bool) -> None:
+        """Those outside the sample, and those that failed before there was a file, also when a run is resumed."""
+        config = "inputs: names.list\nloaders: paper\nsample: {first: 3, every: 5}"
+        names = "\n".join(["arm0", "bad", "arm2", *(f"arm{number}" for number in range(3, 12))])
+        if resume:
+            execute(lab.plan(config, names=names))
+        _, report = execute(lab.plan(config, names=names), resume=resume)
+        assert coverage_line(report["coverage"]) == "paper 4 of 12 (sample; 1 without a file)"
+        why = [row.get("not_loaded", {}).get("paper") for row in report["manipulators"]]
+        outside = "not in the sample"
+        assert why == [None, "no file", None, outside, outside, None, *[outside] * 4, None, outside]
+
+
+class TestLongRuns:
+    def test_what_is_slow_is_a_sample(self, lab: Lab) -> None:
+        """Beyond the first thousand, a slow proof is made, and a simulator asked, for every fiftieth manipulator."""
+        assert lab.plan("inputs: a.list", a="arm").recipe.sample == Sample(first=1000, every=50)
+        names = " ".join(f"arm{number}" for number in range(12))
+        outcomes = lab.run(names, "loaders: paper\nsample: {first: 3, every: 5}")
+        proved = [number for number, outcome in enumerate(outcomes) if outcome["proof"]["pickle"]]
+        assert proved == [0, 1, 2, 5, 10]
+        assert [number for number, outcome in enumerate(outcomes) if outcome["loaders"]] == proved
+
+    def test_the_proof_can_be_a_sample(self, lab: Lab) -> None:
+        """How many are proved is a setting; all of them are by default."""
+        outcomes = lab.run("a b c d e", "proof: {every: 2}")
+        assert [bool(outcome["proof"]["pickle"]) for outcome in outcomes] == [True, False, True, False, True]
+
+    def test_batches_are_taken_as_they_are_needed(self, lab: Lab) -> None:
+        """A table of a million is not read before the first manipulator is made."""
+        plan = lab.plan("inputs: a.list", a="arm\nleg\ncrash")
+        taken = [batch.names for batch in islice(batches(plan, Expected(plan)), 2)]
+        assert taken == [("arm",), ("leg",)]
+
+
+class TestCallsInOtherProcesses:
+    def test_executors_are_told_whose_stages_a_run_uses(self, lab: Lab) -> None:
+        """Of the work in other processes: not that of a reader, whose tables come from the run's own."""
+        plan = lab.plan("inputs: names.list", names="x")
+        seen: list[tuple[str, ...]] = []
+
+        def watch(function: Any, tasks: Any, _options: NoOptions) -> Iterator[Any]:
+            seen.append(function.distributions)
+            return map(function, tasks)
+
+        other = Plugin(name="far = far", distribution="far-lab 2.0")
+        recipe = replace(plan.recipe, emitters=tuple(replace(call, plugin=other) for call in plan.recipe.emitters))
+        executor = replace(plan.executor, stage=replace(plan.executor.stage, map=watch))
+        execute(replace(plan, executor=executor, recipe=recipe))
+        assert seen == [("far-lab", "lab")]
+
+    @pytest.mark.parametrize("kind", KINDS)
+    def test_a_stage_goes_by_its_name(self, kind: Any) -> None:
+        """Stages need not be picklable: a worker finds them as the run did, among what is installed."""
+        catalog = load()
+        for item in catalog.provided(kind):
+            call = Call(stage=item.stage, options=item.stage.options())
+            again = pickle.loads(pickle.dumps(call))  # noqa: S301 - made here
+            assert (again.stage.name, again.options) == (call.stage.name, call.options)
+            assert type(again.stage) is type(call.stage)

@@ -1,0 +1,217 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.errors import CrashError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import Plan, make_plan
+from dh2urdf.stages import Rejected
+from dh2urdf.tasks.batch import LARGE, SMALL, Batch, Doomed, Expected, batches
+from dh2urdf.variations.variation import Variant
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+HEADER = "# convention: standard\nrobot,a,alpha,d\n"
+
+
+def table(names: Sequence[str]) -> str:
+    """Arms of one joint, or of two where the name begins with `long`; one whose name begins with `bad` is none."""
+    lines = []
+    for number, name in enumerate(names):
+        lines.append(f"{name},{'x' if name.startswith('bad') else number / 10},0,0\n")
+        if name.startswith("long"):
+            lines.append(f"{name},0.5,0,0\n")
+    return HEADER + "".join(lines)
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Callable[..., Plan]:
+    """A run over tables with some more in the run file."""
+
+    def make(more: str = "", **tables: str) -> Plan:
+        for name, text in tables.items():
+            (tmp_path / f"{name}.csv").write_text(text)
+        names = ", ".join(f"{name}.csv" for name in tables)
+        (tmp_path / "run.yaml").write_text(f"inputs: [{names}]\n{more}\n")
+        return make_plan(load_config(tmp_path / "run.yaml"), load())
+
+    return make
+
+
+def taken(plan: Plan) -> list[Batch]:
+    return list(batches(plan, Expected(plan)))
+
+
+def whats(batch: Batch) -> dict[int, Any]:
+    """What each place of a batch has: a manipulator or its like, or the name of a variant; each place once."""
+    found: list[tuple[int, Any]] = list(batch.singles.items())
+    for places, columns in batch.columns:
+        found += [(place, columns.pick(member)) for member, place in enumerate(places)]
+    for start, variation, numbers in batch.variants:
+        found += [(start + i, Variant(variation=variation, number=number).name) for i, number in enumerate(numbers)]
+    assert sorted(place for place, _ in found) == list(range(len(batch)))
+    return dict(sorted(found))
+
+
+class TestCutting:
+    def test_every_manipulator_is_in_one_batch(self, plan: Callable[..., Plan]) -> None:
+        """In the order of the run, with its number, its stem, its source and its table; bad ones too."""
+        names = [f"{kind}{number}" for number in range(30) for kind in ("arm", "long", "bad")]
+        found = taken(plan(one=table(names), two=table(["arm0", "other"])))
+        assert [batch.first for batch in found] == [sum(map(len, found[:i])) for i in range(len(found))]
+        assert [name for batch in found for name in batch.names] == [*names, "arm0", "other"]
+        assert [Path(source).name for batch in found for source in batch.sources] == ["one.csv"] * 90 + ["two.csv"] * 2
+        for batch in found:
+            for place, what in whats(batch).items():
+                assert what.name == batch.names[place]
+                assert isinstance(what, Rejected if what.name.startswith("bad") else Manipulator)
+                assert len(getattr(what, "rows", [])) == {"a": 1, "o": 1, "l": 2, "b": 0}[what.name[0]]
+
+    def test_a_stem_that_is_taken_is_told(self, plan: Callable[..., Plan]) -> None:
+        """The second one gets another, and a notice at its place; one that cannot be read claims none."""
+        (*_, last) = taken(plan("output: {layout: shards}", one=table(["bad", "arm"]), two=table(["arm", "BAD"])))
+        assert last.names == ("bad", "arm", "arm", "BAD")
+        assert last.stems == ("", "arm", "arm-2", "BAD")
+        assert {place: len(notices) for place, notices in last.notices.items()} == {2: 1}
+        assert "its files are named 'arm-2'" in last.notices[2][0].message
+
+    def test_batches_grow_from_one(self, plan: Callable[..., Plan]) -> None:
+        """A short run keeps every worker busy; a long one has large batches, which are made side by side."""
+        sizes = [len(batch) for batch in taken(plan(one=table([f"arm{number}" for number in range(2000)])))]
+        assert sizes[:5] == [1, 1, 2, 4, 8]
+        assert max(sizes) == LARGE
+        assert sum(sizes) == 2000
+
+    def test_what_is_slow_has_small_batches(self, plan: Callable[..., Plan]) -> None:
+        """Where each takes long, a worker that dies loses more than the way of a batch costs."""
+        names = [f"arm{number}" for number in range(400)]
+        sizes = [len(batch) for batch in taken(plan("emitters: [xacro]", one=table(names)))]
+        assert max(sizes) == SMALL
+        assert sum(sizes) == 400
+
+    def test_a_shard_is_a_batch(self, plan: Callable[..., Plan]) -> None:
+        """Also the last one, which has what is left."""
+        names = [f"arm{number}" for number in range(25)]
+        sizes = [len(batch) for batch in taken(plan("output: {layout: shards, size: 10}", one=table(names)))]
+        assert sizes == [10, 10, 5]
+
+    def test_alike_ones_share_their_columns(self, plan: Callable[..., Plan]) -> None:
+        """Those that differ in numbers only, wherever they stand in the batch."""
+        (batch,) = taken(plan("output: {layout: shards}", one=table(["a", "long1", "b", "bad", "long2", "c"])))
+        assert sorted(places for places, _ in batch.columns) == [(0, 2, 5), (1, 4)]
+        assert list(batch.singles) == [3]
+
+    def test_cells_and_variants_come_last(self, plan: Callable[..., Plan]) -> None:
+        """Variants as ranges of numbers, each variation by itself, cut where a batch is."""
+        more = (
+            "output: {layout: shards, size: 4}\n"
+            "cells: {name: pair, arms: [{name: l, of: arm}, {name: r, of: arm, xyz: [1, 0, 0]}]}\n"
+            "variations:\n"
+            "  - {of: arm, count: 3, vary: [{joints: 1, field: a, scale: [1, 2]}]}\n"
+            "  - {name: other, of: arm, count: 3, vary: [{joints: 1, field: d, offset: [0, 1]}]}\n"
+        )
+        first, second = taken(plan(more, one=table(["arm"])))
+        assert first.names == ("arm", "pair", "arm_1", "arm_2")
+        assert second.names == ("arm_3", "other_1", "other_2", "other_3")
+        assert [(start, numbers) for start, _, numbers in first.variants] == [(2, range(1, 3))]
+        assert [(start, numbers) for start, _, numbers in second.variants] == [(0, range(3, 4)), (1, range(1, 4))]
+        assert list(whats(second).values()) == list(second.names)
+        assert Path(first.sources[2]).name == "run.yaml"
+
+
+@pytest.fixture(scope="module")
+def batch(tmp_path_factory: pytest.TempPathFactory) -> Batch:
+    """A batch of everything: alike ones, bad ones, two of one name, variants of two variations."""
+    folder = tmp_path_factory.mktemp("parts")
+    (folder / "one.csv").write_text(table(["a", "long1", "bad", "b", "long2", "A", "c"]))
+    (folder / "run.yaml").write_text(
+        "inputs: one.csv\noutput: {layout: shards}\nvariations:\n"
+        "  - {of: b, count: 5, vary: [{joints: 1, field: a, scale: [1, 2]}]}\n"
+        "  - {name: v, of: b, count: 4, vary: [{joints: 1, field: d, offset: [0, 1]}]}\n"
+    )
+    (whole,) = taken(make_plan(load_config(folder / "run.yaml"), load()))
+    assert len(whole) == 16
+    assert len(whole.notices) == 1
+    return replace(
+        whole, first=100, rows={place: (b"%d" % place,) for place in range(0, 16, 3)}, tracebacks={2: "Traceback"}
+    )
+
+
+class TestParts:
+    @given(st.integers(0, 15), st.integers(0, 16))
+    def test_a_part_has_what_stands_in_its_places(self, batch: Batch, start: int, stop: int) -> None:
+        """With the numbers that they had in the run, wherever it is cut."""
+        stop = max(start + 1, stop)
+        part, places = batch.part(start, stop), range(start, stop)
+        assert part.first == 100 + start
+        assert list(zip(part.names, part.stems, part.sources, strict=True)) == [
+            (batch.names[place], batch.stems[place], batch.sources[place]) for place in places
+        ]
+        whole = whats(batch)
+        assert whats(part) == {place - start: whole[place] for place in places}
+        for name in ("notices", "rows", "tracebacks"):
+            facts = getattr(batch, name)
+            assert getattr(part, name) == {place - start: facts[place] for place in places if place in facts}
+
+    @given(st.integers(0, 16))
+    def test_two_halves_are_the_whole(self, batch: Batch, middle: int) -> None:
+        """Nothing is lost and nothing is made twice."""
+        first, second = batch.part(0, middle), batch.part(middle, 16)
+        assert first.names + second.names == batch.names
+        assert [*whats(first).values(), *whats(second).values()] == list(whats(batch).values())
+
+    def test_the_doomed_stand_in_their_places(self, batch: Batch) -> None:
+        """Whatever stood there; all others stay, and none is taken from an earlier run."""
+        doomed = {3: Doomed("b", CrashError("it crashed"), None), 9: Doomed("b_3", CrashError("it crashed"), None)}
+        rest = batch.without(doomed)
+        assert {place: rest.singles[place] for place in doomed} == doomed
+        assert rest.singles.keys() == batch.singles.keys() | doomed.keys()
+        assert (rest.names, rest.columns, rest.variants, rest.rows) == (batch.names, batch.columns, batch.variants, {})
+
+
+class TestExpected:
+    def test_it_goes_by_the_lines_of_a_file(self, plan: Callable[..., Plan]) -> None:
+        """Of a table with a thousand robots, a tenth of the lines are a tenth of the robots; the end is exact."""
+        one = plan(one=table([f"arm{number}" for number in range(3000)]))
+        expected = Expected(one)
+        seen = [(batch.first + len(batch), expected.total) for batch in batches(one, expected)]
+        guesses = [total for made, total in seen[:-1] if made > 100]
+        assert all(total is not None and 2900 < total < 3100 for total in guesses)
+        assert len(guesses) > 5
+        assert expected.total == 3000
+
+    def test_it_goes_by_the_files_that_are_read(self, plan: Callable[..., Plan]) -> None:
+        """Of many small tables."""
+        tables = {f"t{number:02d}": table(["arm"]) for number in range(20)}
+        many = plan(**tables)
+        expected = Expected(many)
+        guesses = [expected.total for _ in batches(many, expected)][1:]
+        assert all(total is not None and 15 <= total <= 25 for total in guesses)
+        assert len(guesses) > 3
+        assert expected.total == 20
+
+    def test_what_comes_besides_is_known_exactly(self, plan: Callable[..., Plan]) -> None:
+        """Cells and counted variants, as soon as all inputs are read."""
+        more = "variations: {of: arm, count: 5000, vary: [{joints: 1, field: a, scale: [1, 2]}]}\n"
+        one = plan(more, one=table(["arm", "bad", "arm2"]))
+        expected = Expected(one)
+        totals = [expected.total for _ in batches(one, expected)]
+        assert len(totals) > 10
+        assert set(totals[3:]) == {expected.total} == {5003}
+
+    def test_grids_are_counted_when_they_are_made(self, plan: Callable[..., Plan]) -> None:
+        """As long as nobody knows how many variants there will be, nothing is claimed."""
+        more = "variations: {of: arm, vary: [{joints: 1, field: a, grid: {from: 0, to: 1, points: 9}}]}\n"
+        one = plan(more, one=table(["arm"]))
+        expected = Expected(one)
+        totals = [expected.total for _ in batches(one, expected)]
+        assert totals[0] is None
+        assert expected.total == 10

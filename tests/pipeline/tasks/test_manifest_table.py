@@ -1,0 +1,206 @@
+from __future__ import annotations
+
+import io
+import itertools
+import tracemalloc
+from itertools import chain
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+from unittest import mock
+
+import pyarrow as pa
+from hypothesis import given, strategies as st
+from pyarrow import parquet
+
+from dh2urdf.conversion.outcome import to_line
+from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable, can_write_parquet
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import pytest
+
+
+def row(name: str = "arm", **facts: Any) -> dict[str, Any]:
+    """A row of the manifest of which nothing is to be said."""
+    plain: dict[str, Any] = {
+        "status": "ok",
+        "kind": None,
+        "source": "arms.csv",
+        "key": "00ff",
+        "drawn": {},
+        "keeps_kinematics": True,
+    }
+    empty: dict[str, Any] = {"files": [], "proof": {}, "loaders": {}, "notices": [], "errors": []}
+    return {"name": name, **plain, **empty, **facts}
+
+
+def json_lines(rows: Iterable[dict[str, Any]]) -> io.BytesIO:
+    return io.BytesIO(b"".join(map(to_line, rows)))
+
+
+def written(*blocks: list[dict[str, Any]]) -> bytes:
+    """The file of rows that come in blocks."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "manifest.parquet"
+        table = ManifestTable(path)
+        for block in blocks:
+            table.add(block, map(to_line, block))
+        table.finish(json_lines(chain.from_iterable(blocks)))
+        return path.read_bytes()
+
+
+def table(rows: list[dict[str, Any]]) -> Any:
+    return parquet.read_table(io.BytesIO(written(rows)))
+
+
+def file(path: str, stage: str = "urdf", **place: Any) -> dict[str, Any]:
+    return {"path": path, "stage": stage, "bytes": 7000, "sha256": "ab" * 32, **place}
+
+
+def proof(position: float | None, angle: float) -> dict[str, Any]:
+    return {"position_error": position, "angle_error": angle, "q": [0.5, -0.5], "tolerance": 1e-12, "poses": 35}
+
+
+class TestManifestTable:
+    def test_pyarrow_is_looked_for(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Whether a Parquet file can be written is known without an import."""
+        assert can_write_parquet()
+        monkeypatch.setattr("dh2urdf.tasks.manifest_table.find_spec", lambda _name: None)
+        assert not can_write_parquet()
+
+    def test_what_every_manifest_has(self) -> None:
+        """A row that says nothing fills every column that does not depend on the run."""
+        (read,) = table([row()]).to_pylist()
+        facts = {name: fact for name, fact in row().items() if name not in ("drawn", "proof", "loaders")}
+        assert read == {**facts, "position_error": None, "angle_error": None, "proved": [], "error": None}
+
+    def test_errors_are_the_largest_of_all_files(self) -> None:
+        """Of a stage that was not proved, and of a distance that is infinite, nothing counts."""
+        proofs = {"urdf": proof(1e-16, 3e-9), "xacro": None, "sdf": proof(5e-16, 1e-9), "mjcf": proof(None, 0.0)}
+        read = table([row(proof=proofs), row(proof={"urdf": None})]).to_pylist()
+        assert [each["position_error"] for each in read] == [5e-16, None]
+        assert [each["angle_error"] for each in read] == [3e-9, None]
+        assert [each["proved"] for each in read] == [["urdf", "sdf", "mjcf"], []]
+
+    def test_files_keep_their_place(self) -> None:
+        """A file of its own has a path; one in a tar shard has the shard and the offset of its bytes too."""
+        files = [file("a.urdf"), file("b.urdf.xacro", "xacro", shard="shard-000001.tar", offset=2**33 + 512)]
+        (read,) = table([row(files=files)])["files"].to_pylist()
+        assert read == [{"shard": None, "offset": None, **each} for each in files]
+
+    def test_drawn_values_are_columns(self) -> None:
+        """Numbers are doubles to the last bit, whole or not; types are text; what was not drawn is null."""
+        rows = [row(drawn={"a_2": 1}), row(drawn={"a_2": 0.1 + 0.2, "type_3": "prismatic"}), row(drawn={"axes": 6})]
+        read = table(rows)
+        drawn = {name: read[name].to_pylist() for name in read.column_names if name.startswith("drawn.")}
+        assert drawn == {
+            "drawn.a_2": [1.0, 0.1 + 0.2, None],
+            "drawn.type_3": [None, "prismatic", None],
+            "drawn.axes": [None, None, 6.0],
+        }
+        assert read.schema.field("drawn.axes").type == pa.float64()
+
+    def test_what_is_a_number_here_and_text_there_is_text(self) -> None:
+        """A column has one type, and nothing of it is lost."""
+        assert table([row(drawn={"x": 0.5}), row(drawn={"x": "c"})])["drawn.x"].to_pylist() == ["0.5", "c"]
+
+    def test_reports_of_simulators_are_columns(self) -> None:
+        """Numbers, truth values, text and the messages of findings; other lists and what nobody filled are left out."""
+        report = {
+            "simulator": "PyBullet",
+            "position_error": 3e-8,
+            "mass": None,
+            "joints": [{"name": "joint_1"}],
+            "q": [1.0],
+            "hold": {"stayed": True, "seconds": 1, "contacts": []},
+            "findings": [{"message": "it wobbles", "line": None}],
+        }
+        read = table([row(loaders={"pybullet": report}), row()])
+        found = {name: read[name].to_pylist() for name in read.column_names if name.startswith("loaders.")}
+        assert found == {
+            "loaders.pybullet.simulator": ["PyBullet", None],
+            "loaders.pybullet.position_error": [3e-8, None],
+            "loaders.pybullet.hold.stayed": [True, None],
+            "loaders.pybullet.hold.seconds": [1.0, None],
+            "loaders.pybullet.findings": [["it wobbles"], None],
+        }
+
+    def test_messages(self) -> None:
+        """The first error for a glance, and all of them, and the notices, in their order."""
+        errors, notices = [{"message": "one"}, {"message": "two"}], [{"message": "three"}]
+        (read,) = table([row(status="failed", kind="robot", errors=errors, notices=notices)]).to_pylist()
+        assert (read["kind"], read["error"], read["errors"], read["notices"]) == (
+            "robot",
+            "one",
+            ["one", "two"],
+            ["three"],
+        )
+
+    def test_all_rows_in_their_order_in_groups(self, tmp_path: Path) -> None:
+        """More rows than one group holds are all there; a column that the last one alone fills is there too."""
+        count = 2 * ROW_GROUP + 5
+        last = row(f"arm_{count - 1}", drawn={"late": 1.5})
+        path = tmp_path / "manifest.parquet"
+        path.write_bytes(written([*(row(f"arm_{number}") for number in range(count - 1)), last]))
+        with parquet.ParquetFile(path) as read:
+            assert [read.metadata.row_group(k).num_rows for k in range(read.num_row_groups)] == [
+                ROW_GROUP,
+                ROW_GROUP,
+                5,
+            ]
+            columns = read.read(["name", "drawn.late"]).to_pydict()
+        assert columns["name"] == [f"arm_{number}" for number in range(count)]
+        assert columns["drawn.late"] == [None] * (count - 1) + [1.5]
+
+    def test_rows_of_any_length(self) -> None:
+        """A row longer than what is read at once is read whole, and so are those around it."""
+        long = "x" * 3_000_000
+        read = table([row("a"), row("b", notices=[{"message": long}]), row("c")])
+        assert read["name"].to_pylist() == ["a", "b", "c"]
+        assert read["notices"].to_pylist() == [[], [long], []]
+
+    def test_a_run_without_manipulators(self) -> None:
+        """No rows give a file without rows, with the columns that every manifest has."""
+        read = table([])
+        assert read.num_rows == 0
+        assert {"name", "files", "error"} <= set(read.column_names)
+
+    @given(
+        st.lists(
+            st.sampled_from([{}, {"a_1": 0.5}, {"a_1": 2}, {"a_1": "c"}, {"d_2": 0.1}, {"d_2": None}]), max_size=9
+        ),
+        st.lists(st.integers(0, 9), max_size=4),
+    )
+    def test_the_same_rows_give_the_same_bytes(self, drawn: list[dict[str, Any]], cuts: list[int]) -> None:
+        """However many rows come at once, and whenever a column is filled for the first time, or in another way."""
+        reports = {"simulator": {"bodies": 3}}
+        rows = [
+            row(f"arm_{number}", drawn=own, proof={"urdf": proof(0, 0)} if own else {}, loaders={} if own else reports)
+            for number, own in enumerate(drawn)
+        ]
+        borders = [0, *sorted(min(cut, len(rows)) for cut in cuts), len(rows)]
+        blocks = [rows[start:stop] for start, stop in itertools.pairwise(borders)]
+        with mock.patch("dh2urdf.tasks.manifest_table.ROW_GROUP", 2):
+            assert written(*blocks) == written(*[[row] for row in rows])
+
+    def test_rows_are_not_kept(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Ten times as many rows take no more memory than one group of them."""
+        monkeypatch.setattr("dh2urdf.tasks.manifest_table.ROW_GROUP", 500)
+
+        def peak(count: int) -> int:
+            arrow = pa.total_allocated_bytes()
+            tracemalloc.start()
+            table = ManifestTable(tmp_path / "manifest.parquet")
+            for number in range(count):
+                each = row(f"arm_{number}", files=[file("a")], drawn={"a_1": number})
+                table.add([each], [to_line(each)])
+            table.finish(io.BytesIO())
+            taken = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+            assert pa.total_allocated_bytes() == arrow
+            return taken
+
+        peak(1)  # what is imported for the first time is not counted
+        assert peak(10_000) < 1.3 * peak(1_000)

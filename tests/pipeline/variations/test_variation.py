@@ -1,0 +1,531 @@
+from __future__ import annotations
+
+import json
+import math
+import os
+import pickle
+import random
+import subprocess
+import sys
+from collections import Counter
+from dataclasses import replace
+from itertools import islice, product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.errors import ConfigError, ManipulatorError
+from dh2urdf.kinematics.chain import as_matrices, forward_kinematics
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.run_file.variation_section import LAWS
+from dh2urdf.source import Mark
+from dh2urdf.tasks.batch import Expected, batches
+from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.variations.binding import bind
+from dh2urdf.variations.laws import Choices, DrawnValue, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
+from dh2urdf.variations.sampling import Sampling
+from dh2urdf.variations.variation import FIELDS, Rule, Variant, Variation, VariationCall, retyped
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from conftest import Answer
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+
+ARM = Manipulator(
+    name="arm",
+    convention=Convention.STANDARD,
+    rows=(
+        DHRow(
+            joint="pan", link="one", a=0.0, alpha=math.pi / 2, d=0.1, limits=Limits(lower=-1.0, upper=1.0, effort=9.0)
+        ),
+        DHRow(joint="lift", link="two", a=0.4, alpha=0.0, d=0.0, offset=0.25, mass=2.0),
+        DHRow(joint="plate", link="three", type=JointType.FIXED, a=0.05, alpha=0.0, d=0.0, theta=0.5),
+        DHRow(
+            joint="slide",
+            link="four",
+            type=JointType.PRISMATIC,
+            a=0.0,
+            alpha=0.3,
+            d=0.2,
+            offset=0.05,
+            sign=-1,
+            limits=Limits(lower=0.0, upper=0.3, velocity=0.5),
+            mass=1.0,
+            inertia=Inertia(ixx=0.1, iyy=0.1, izz=0.1),
+            damping=0.1,
+        ),
+        DHRow(joint="flange", link="five", type=JointType.FIXED, a=0.0, alpha=0.0, d=0.1),
+    ),
+    mark=Mark(file="arm.csv", line=2),
+)
+WHERE = Mark(file="run.yaml", line=4, column=7)
+
+
+def rule(field: str, law: Law, *joints: int | str, **more: Any) -> Rule:
+    return Rule(field=field, law=law, joints=joints or None, mark=WHERE, **more)
+
+
+def variation(*rules: Rule, table: Manipulator = ARM, **more: Any) -> Variation:
+    return bind(VariationCall(name="arm", of="arm", vary=rules, mark=WHERE, **more), table)
+
+
+def drawn(made: Variation) -> list[dict[str, DrawnValue]]:
+    return [variant.drawn() for variant in made.variants()]
+
+
+def made(variant: Variant) -> Manipulator:
+    return variant.manipulator(variant.drawn())
+
+
+def refused(*rules: Rule, **more: Any) -> list[str]:
+    with pytest.raises(ConfigError) as caught:
+        variation(*rules, **{"count": 5} | more)
+    return [str(problem) for problem in caught.value.problems]
+
+
+SCALE = Scale(low=0.8, high=1.2)
+UNIFORM = Uniform(low=1.0, high=5.0)
+MANY = (
+    rule("a", SCALE, 2),
+    rule("alpha", Offset(low=-0.1, high=0.1), "pan", "slide"),
+    rule("mass", UNIFORM),
+    rule("effort", LogUniform(low=1.0, high=100.0), 1),
+    rule("d", Normal(mean=None, deviation=0.01, low=0.15, high=0.25), 4),
+    rule("axes", Choices(values=(2, 3))),
+)
+
+
+class TestNumbers:
+    @pytest.mark.parametrize("sampling", Sampling)
+    def test_a_variant_is_made_by_itself(self, sampling: Sampling) -> None:
+        """In any order and any shard, in another process too: its values depend on seed, count and number alone."""
+        first = variation(*MANY, count=40, seed=7, sampling=sampling)
+        expected = {variant.number: made(variant) for variant in first.variants()}
+        numbers = list(expected)
+        random.Random(1).shuffle(numbers)  # noqa: S311 - an order
+        again = pickle.loads(pickle.dumps(variation(*MANY, count=40, seed=7, sampling=sampling)))  # noqa: S301 - made here
+        assert {number: made(Variant(variation=again, number=number)) for number in numbers} == expected
+        assert drawn(replace(first, seed=8)) != drawn(first)
+
+    def test_names_count_up_with_enough_digits(self) -> None:
+        """From 1, with as many digits as the count has: names sort as numbers do."""
+        for count, first, last in ((9, "arm_1", "arm_9"), (10, "arm_01", "arm_10"), (10000, "arm_00001", "arm_10000")):
+            names = [variant.name for variant in variation(rule("a", SCALE, 2), count=count).variants()]
+            assert (names[0], names[-1], len(set(names))) == (first, last, count)
+            assert sorted(names) == names
+
+    def test_random_variants_do_not_depend_on_the_count(self) -> None:
+        """More of them begin with the same ones."""
+        few, many = (variation(*MANY, count=count) for count in (10, 20))
+        assert drawn(few) == drawn(many)[:10]
+
+    def test_a_latin_hypercube_has_one_value_in_every_part_of_the_range(self) -> None:
+        """For every factor."""
+        values = drawn(variation(rule("mass", UNIFORM), count=50, sampling=Sampling.LATIN_HYPERCUBE))
+        for key in ("mass_1", "mass_2", "mass_3", "mass_4", "mass_5"):
+            parts = [int((float(each[key]) - 1.0) / 4.0 * 50) for each in values]
+            assert sorted(parts) == list(range(50))
+
+    def test_joints_are_drawn_independently(self) -> None:
+        """A rule for several joints draws a value for each."""
+        for values in drawn(variation(rule("mass", UNIFORM), count=20)):
+            assert len(set(values.values())) == 5
+
+
+class TestGrids:
+    def test_a_grid_is_complete(self) -> None:
+        """Every combination once, the last factor fastest; the count is theirs."""
+        grids = variation(
+            rule("a", Grid(values=(0.3, 0.4, 0.5)), 2),
+            rule("type", Grid(values=("prismatic", "revolute")), "pan"),
+            rule("mass", Grid(values=(1.0, 2.0)), 1, 2),
+        )
+        found = [tuple(values[key] for key in ("a_2", "type_1", "mass_1", "mass_2")) for values in drawn(grids)]
+        assert found == list(product((0.3, 0.4, 0.5), ("prismatic", "revolute"), (1.0, 2.0), (1.0, 2.0)))
+
+    def test_other_laws_are_drawn_at_every_point(self) -> None:
+        """With a count of several rounds, every point comes as often, each time with other values."""
+        mixed = variation(rule("a", Grid(values=(0.3, 0.4)), 2), rule("mass", UNIFORM, 2), count=6)
+        values = drawn(mixed)
+        assert Counter(each["a_2"] for each in values) == {0.3: 3, 0.4: 3}
+        assert len({each["mass_2"] for each in values}) == 6
+
+    def test_a_count_may_end_a_grid_early(self) -> None:
+        """To try the first few."""
+        assert [each["a_2"] for each in drawn(variation(rule("a", Grid(values=(0.3, 0.4, 0.5)), 2), count=2))] == [
+            *(0.3, 0.4)
+        ]
+
+    def test_a_grid_is_not_repeated(self) -> None:
+        """More variants than points would be the same again."""
+        (message,) = refused(rule("a", Grid(values=(0.3, 0.4)), 2), count=3)
+        assert "field 'count': the grids have 2 points, and a count of 3 would repeat them" in message
+
+    def test_a_grid_has_an_end(self) -> None:
+        """A product of many grids is refused, not begun."""
+        (message,) = refused(rule("mass", Grid(values=tuple(map(float, range(1, 101))))), count=None)
+        assert "the grids have 10000000000 points" in message
+
+
+class TestTables:
+    def test_only_what_varies_changes(self) -> None:
+        """Every other row and field is the table's."""
+        for variant in variation(rule("a", SCALE, 2), rule("upper", UNIFORM, "slide"), count=10).variants():
+            found, values = made(variant), variant.drawn()
+            rows = list(ARM.rows)
+            rows[1] = replace(rows[1], a=values["a_2"])
+            rows[3] = replace(rows[3], limits=replace(rows[3].limits, upper=values["upper_4"]))
+            assert found == replace(ARM, name=variant.name, rows=tuple(rows))
+            assert 0.32 <= float(values["a_2"]) <= 0.48
+
+    def test_the_inertia_follows_the_mass(self) -> None:
+        """A body with twice the mass has twice the inertia; one without a tensor gets none."""
+        made_arm = made(Variant(variation=variation(rule("mass", Choices(values=(3.0,))), count=1), number=1))
+        inertia = made_arm.rows[3].inertia
+        assert inertia is not None
+        assert (inertia.ixx, inertia.iyy, inertia.izz) == pytest.approx((0.3, 0.3, 0.3))
+        assert made_arm.rows[1].inertia is None
+
+    def test_all_joints_are_those_that_have_the_field(self) -> None:
+        """Limits of all joints are those of the joints that move."""
+        (values,) = drawn(variation(rule("effort", UNIFORM), count=1))
+        assert list(values) == ["effort_1", "effort_2", "effort_4"]
+
+    @pytest.mark.parametrize(("axes", "rows"), [(1, 1), (2, 3), (3, 5)])
+    def test_the_number_of_axes(self, axes: int, rows: int) -> None:
+        """The rows before the next axis stay, fixed ones with the axis before them; the tool follows the last."""
+        (variant,) = variation(rule("axes", Choices(values=(axes,))), rule("mass", UNIFORM), count=1).variants()
+        assert made(variant).rows == tuple(
+            replace(row, mass=variant.drawn()[f"mass_{number}"], inertia=made(variant).rows[number - 1].inertia)
+            for number, row in enumerate(ARM.rows[:rows], start=1)
+        )
+        assert len(variant.drawn()) == rows + 1
+        assert made(variant).tool == ARM.tool
+
+    @pytest.mark.parametrize("row", [ARM.rows[1], ARM.rows[3], ARM.rows[2], replace(ARM.rows[0], sign=-1, theta=0.7)])
+    @pytest.mark.parametrize("kind", JointType)
+    def test_another_type_of_joint_stands_where_it_stood(self, row: DHRow, kind: JointType) -> None:
+        """At joint value 0, the arm is where it was; what belongs to the other kind of motion is gone."""
+        changed = retyped(row, kind)
+        before, after = (
+            np.array(as_matrices(forward_kinematics(arm, [0.0] * len(arm.moving_rows))))
+            for arm in (replace(ARM, rows=(each,)) for each in (row, changed))
+        )
+        np.testing.assert_allclose(after, before, rtol=0, atol=1e-15)
+        assert changed.type is kind
+        if {row.type, kind} <= {JointType.REVOLUTE, JointType.CONTINUOUS}:
+            assert changed.limits.effort == row.limits.effort
+        elif row.type is not kind:
+            assert (changed.limits, changed.damping, changed.offset) == (Limits(), None, 0.0)
+        if kind is JointType.FIXED:
+            assert changed.sign == 1
+
+    def test_a_drawn_type_leaves_out_what_it_has_not(self) -> None:
+        """A joint that is drawn fixed has no limits to draw, a continuous one no bounds; the others keep their values."""
+        types = Grid(values=("revolute", "continuous", "prismatic", "fixed"))
+        values = drawn(
+            variation(rule("type", types, 1), rule("lower", Uniform(low=-1, high=-0.5), 1), rule("effort", UNIFORM, 1))
+        )
+        keys = [set(each) - {"type_1"} for each in values]
+        assert keys == [{"lower_1", "effort_1"}, {"effort_1"}, {"lower_1", "effort_1"}, set()]
+
+    def test_no_notice_asks_whether_a_drawn_angle_was_meant(self, cli: Callable[..., Answer], tmp_path: Path) -> None:
+        """Angles near a quarter turn are what such a variation is for."""
+        (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d\n0.4,pi/2,0\n0.3,0,0.1\n")
+        (tmp_path / "run.yaml").write_text(
+            "inputs: arm.csv\n"
+            "variations: {of: arm, count: 5, vary: [{joints: 1, field: alpha, offset: [1e-4, 1e-3]}]}\n"
+        )
+        assert cli("run", "run.yaml").stderr == ""
+
+
+class TestImpossible:
+    def test_exchanged_bounds_fail_alone(self) -> None:
+        """The reason names the joint, both bounds and the rule; the other variants are made."""
+        variants = list(variation(rule("lower", Uniform(low=-2.0, high=4.0), "pan"), count=30).variants())
+        failed = []
+        for variant in variants:
+            try:
+                assert made(variant).rows[0].limits.lower == variant.drawn()["lower_1"]
+            except ManipulatorError as error:
+                failed.append(variant)
+                assert str(error).startswith("run.yaml:4:7: error: joint 'pan', field 'lower': lower is ")
+                assert "and upper 1, with lower drawn" in str(error)
+        assert {variant.number for variant in variants if float(variant.drawn()["lower_1"]) > 1.0} == {
+            variant.number for variant in failed
+        }
+        assert 0 < len(failed) < 30
+
+    @pytest.mark.parametrize(("field", "joint"), [("mass", 2), ("effort", 1), ("velocity", 4)])
+    def test_what_must_be_positive_is(self, field: str, joint: int) -> None:
+        """An offset that goes below 0 fails the variant."""
+        (variant,) = variation(rule(field, Offset(low=-30.0, high=-20.0), joint), count=1).variants()
+        with pytest.raises(ManipulatorError, match=f"the {field} that was drawn is -"):
+            made(variant)
+
+    @pytest.mark.parametrize("field", ["damping", "friction", "armature"])
+    def test_what_must_not_be_negative_is_not(self, field: str) -> None:
+        """A joint that resists nothing is drawn, one that resists less is not; a joint may resist as it moves."""
+        table = replace(ARM, rows=tuple(replace(row, **{field: 0.0}) for row in ARM.rows[:2]))
+        for low, high in ((0.0, 0.0), (0.0, 2.0)):
+            (variant,) = variation(rule(field, Offset(low=low, high=high), 1), table=table, count=1).variants()
+            assert low <= getattr(made(variant).rows[0], field) <= high
+        (variant,) = variation(rule(field, Offset(low=-2.0, high=-1.0), 1), table=table, count=1).variants()
+        with pytest.raises(ManipulatorError, match=f"the {field} that was drawn is -.*\n.*0 or greater"):
+            made(variant)
+
+    def test_what_cannot_be_held_fails(self) -> None:
+        """A product beyond the largest double is not written."""
+        table = replace(ARM, rows=(replace(ARM.rows[1], a=1e300),))
+        (variant,) = variation(rule("a", Scale(low=1e300, high=1e301)), table=table, count=1).variants()
+        with pytest.raises(ManipulatorError, match="the a that was drawn is inf"):
+            made(variant)
+
+
+class TestBinding:
+    def test_an_unknown_joint(self) -> None:
+        """With its place, the names there are and the one that was probably meant."""
+        places = (Mark(file="run.yaml", line=9, column=1), Mark(file="run.yaml", line=9, column=5))
+        accepted = "accepted: all, a number from 1 to 5, or a name: pan, lift, plate, slide, flange"
+        assert refused(rule("a", SCALE, "lfit", 6, joint_marks=places)) == [
+            f"run.yaml:9:1: error: field 'a': the table of 'arm' has no joint 'lfit'\n    {accepted}\n    did you mean 'lift'?",
+            f"run.yaml:9:5: error: field 'a': the table of 'arm' has no joint '6'\n    {accepted}",
+        ]
+
+    @pytest.mark.parametrize(
+        ("rules", "message"),
+        [
+            ([rule("lower", UNIFORM, "plate")], "joint 'plate', field 'lower': a fixed joint has no lower"),
+            ([rule("axes", Choices(values=(4,)))], "the table of 'arm' has 3 axes, and 4 are asked for"),
+            ([rule("radius", SCALE, 1)], "joint 'pan', field 'radius': the table gives no radius"),
+            ([rule("mass", SCALE, "pan")], "joint 'pan', field 'mass': the table gives no mass"),
+            ([rule("a", SCALE, 2), rule("a", UNIFORM, "lift")], "a_2 is varied twice"),
+            ([rule("a", SCALE, 2, "lift")], "a_2 is varied twice"),
+            ([rule("axes", Choices(values=(1,))), rule("axes", Choices(values=(2,)))], "axes is varied twice"),
+            (
+                [rule("type", Choices(values=("prismatic",)), 1), rule("upper", SCALE, 1)],
+                "the type of the joint is drawn too, and upper of the table holds for a revolute joint only",
+            ),
+            (
+                [rule("d", Normal(mean=None, deviation=0.001, low=3.0, high=4.0), 4)],
+                "the bounds leave hardly anything of a normal distribution about the nominal 0.2",
+            ),
+        ],
+    )
+    def test_what_the_table_does_not_have(self, rules: Sequence[Rule], message: str) -> None:
+        """One problem, at the rule."""
+        (found,) = refused(*rules)
+        assert found.startswith("run.yaml:4:7: error: ")
+        assert message in found
+
+    def test_units_are_those_of_the_joint(self) -> None:
+        """Bounds of all joints with a unit of angles are none for the joint that slides."""
+        from dh2urdf.quantities.units import Dimension
+
+        (message,) = refused(rule("lower", Uniform(low=-0.2, high=-0.1), units=(Dimension.ANGLE,)))
+        assert (
+            "joint 'slide', field 'lower': lower of a prismatic joint is a length, and the values here are an angle"
+            in (message)
+        )
+
+    def test_all_is_said_at_once(self) -> None:
+        """Every rule that is wrong has its problem."""
+        assert len(refused(rule("a", SCALE, 9), rule("radius", SCALE, 1), rule("axes", Choices(values=(8, 9))))) == 4
+
+    def test_sobol_sequences_have_so_many_dimensions(self) -> None:
+        """Beyond, there are no direction numbers."""
+        table = replace_unchecked(ARM, rows=(ARM.rows[0],) * 21202)
+        (message,) = refused(rule("a", UNIFORM), table=table, sampling=Sampling.SOBOL)
+        assert "21202 values are drawn, and Sobol sequences have 21201 dimensions" in message
+
+
+# --- The run ----------------------------------------------------------------------------------------------------------
+
+TABLE = "# convention: standard\njoint,a,alpha,d,lower,upper\nshoulder,0,pi/2,0.1,-1,1\nelbow,0.4,0,0,-2,2\nwrist,0.3,-pi/2,0.05,-2,2\n"
+RUN = """inputs: arm.csv
+variations:
+  - of: arm
+    count: 12
+    seed: 3
+    sampling: {sampling}
+    vary:
+      - {{joints: [2, wrist], field: a, scale: [0.8, 1.2]}}
+      - {{joints: all, field: alpha, offset: [-1 deg, 1 deg]}}
+      - {{joints: elbow, field: upper, uniform: [-3, 2]}}
+      - {{joints: 1, field: type, choices: [revolute, prismatic, continuous]}}
+      - {{joints: all, field: mass, log-uniform: [0.5, 5 kg]}}
+proof: {{poses: 4}}
+"""
+
+
+def report(folder: Path) -> list[dict[str, Any]]:
+    entries: list[dict[str, Any]] = json.loads((folder / "report.json").read_bytes())["manipulators"]
+    return entries
+
+
+@pytest.fixture(params=list(Sampling))
+def run_file(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    (tmp_path / "arm.csv").write_text(TABLE)
+    path = tmp_path / "run.yaml"
+    path.write_text(RUN.format(sampling=request.param))
+    return path
+
+
+def test_a_run_makes_proves_and_reports_variants(
+    cli: Callable[..., Answer],
+    run_file: Path,
+    tool0_of: Callable[[Path], Callable[..., np.ndarray]],
+) -> None:
+    """The input, then every variant: proved, its drawn values reported, and the file is the arm of these values.
+
+    Impossible ones, whose lower bound is above the upper one, fail alone with their reason.
+    """
+    out = run_file.parent / "out"
+    cli("run", run_file, "-o", out, "--workers", 2, status=1)
+    first, *variants = report(out)
+    assert (first["name"], first["drawn"]) == ("arm", {})
+    assert [entry["name"] for entry in variants] == [f"arm_{number:02d}" for number in range(1, 13)]
+    for entry in variants:
+        values = entry["drawn"]
+        assert Path(entry["source"]).name == "run.yaml"
+        if values["upper_2"] < -2:
+            assert entry["status"] == "failed"
+            assert entry["files"] == []
+            assert (entry["errors"][0]["line"], entry["errors"][0]["column"]) == (10, 9)
+            assert entry["errors"][0]["joint"] == "elbow"
+            continue
+        assert entry["status"] == "ok"
+        assert entry["proof"]["urdf"]["position_error"] < 1e-12
+        q = [0.3, -0.6, 1.1]
+        sliding = values["type_1"] == "prismatic"
+        T = np.eye(4)
+        for a, alpha, d, theta in (
+            (0.0, values["alpha_1"], 0.1 + (q[0] if sliding else 0), 0 if sliding else q[0]),
+            (values["a_2"], values["alpha_2"], 0.0, q[1]),
+            (values["a_3"], values["alpha_3"], 0.05, q[2]),
+        ):
+            c, s, ca, sa = math.cos(theta), math.sin(theta), math.cos(alpha), math.sin(alpha)
+            T = T @ np.array([[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]])
+        np.testing.assert_allclose(tool0_of(out / f"{entry['name']}.urdf")(q), T, rtol=0, atol=1e-12)
+    assert {entry["status"] for entry in variants} == {"ok", "failed"}
+
+
+def test_any_hash_seed_and_any_number_of_workers_give_the_same_bytes(run_file: Path) -> None:
+    """All files of the run, the report included."""
+    written = []
+    for seed, workers in (("1", 1), ("77", 3)):
+        out = run_file.parent / f"out{seed}"
+        subprocess.run(
+            [
+                *(sys.executable, "-c", "from dh2urdf.cli import main; main()"),
+                *("run", "run.yaml", "-o", str(out), "--workers", str(workers)),
+            ],
+            cwd=run_file.parent,
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=False,
+        )
+        written.append({path.name: path.read_bytes() for path in out.iterdir() if path.name != "timing.json"})
+    assert written[0] == written[1]
+    assert len(written[0]) > 5
+
+
+def test_the_example_is_twenty_arms(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """configs/ur5_variations.yaml: the nominal arm and its variants, all proved in both formats."""
+    cli("run", CONFIGS / "ur5_variations.yaml", "-o", tmp_path)
+    entries = report(tmp_path)
+    assert [entry["name"] for entry in entries] == ["ur5", *(f"ur5_{number:02d}" for number in range(1, 21))]
+    for entry in entries[1:]:
+        assert set(entry["proof"]) == {"urdf", "xacro"}
+        assert list(entry["drawn"]) == ["a_2", "a_3", "alpha_5", "mass_2", "mass_3"]
+
+
+@pytest.mark.parametrize(
+    ("of", "joint", "table", "message"),
+    [
+        ("amr", 2, TABLE, "run.yaml:2:18: error: field 'of': the variation 'amr' is made of 'amr', and no manipulator"),
+        ("arm", 2, TABLE.replace("0.4", "x"), "the variation 'arm' cannot be made of 'arm'"),
+        ("arm", 9, TABLE, "the table of 'arm' has no joint '9'"),
+    ],
+)
+def test_a_variation_of_nothing_fails_once(
+    cli: Callable[..., Answer], tmp_path: Path, *, of: str, joint: int, table: str, message: str
+) -> None:
+    """Not once for every variant; the rest of the run is made."""
+    (tmp_path / "arm.csv").write_text(table)
+    (tmp_path / "other.csv").write_text(TABLE)
+    (tmp_path / "run.yaml").write_text(
+        "inputs: [arm.csv, other.csv]\n"
+        f"variations: {{of: {of}, count: 1000, vary: [{{joints: {joint}, field: a, scale: [1, 2]}}]}}\n"
+    )
+    answer = cli("run", "run.yaml", "-o", tmp_path / "out", status=1)
+    assert message in answer.stderr
+    entries = report(tmp_path / "out")
+    assert [entry["name"] for entry in entries] == ["arm", "other", of]
+    assert entries[-1]["status"] == "failed"
+
+
+def test_a_variant_gives_way_to_an_input_of_its_name(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """Both are made; the files of the variant get another stem, and a notice says so."""
+    for name in ("arm", "arm_2"):
+        (tmp_path / f"{name}.csv").write_text(TABLE)
+    (tmp_path / "run.yaml").write_text(
+        "inputs: [arm.csv, arm_2.csv]\nvariations: {of: arm, count: 3, vary: [{joints: 2, field: a, scale: [1, 2]}]}\n"
+    )
+    cli("run", "run.yaml", "-o", tmp_path / "out")
+    files = {entry["name"]: entry["files"][0]["path"] for entry in report(tmp_path / "out")[2:]}
+    assert files == {"arm_1": "arm_1.urdf", "arm_2": "arm_2-2.urdf", "arm_3": "arm_3.urdf"}
+
+
+def test_nothing_grows_with_the_count(tmp_path: Path) -> None:
+    """The batches of a billion variants come one by one, each small enough to be sent to a worker."""
+    (tmp_path / "arm.csv").write_text(TABLE)
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arm.csv\nvariations: {of: arm, count: 1000000000, sampling: latin-hypercube,"
+        " vary: [{joints: all, field: mass, uniform: [1, 2]}]}\n"
+    )
+    plan = make_plan(load_config(tmp_path / "run.yaml"), load())
+    expected, made = Expected(plan), 0
+    for batch in islice(batches(plan, expected), 20):
+        assert batch.first == made
+        made += len(batch)
+        assert len(pickle.dumps(batch)) < 10_000 + 100 * len(batch)
+    assert batch.names[-1] == batch.stems[-1] == f"arm_{made - 1:010d}"
+    assert expected.total == 1_000_000_001
+
+
+@given(st.integers(0, 2**64 - 1), st.integers(1, 50))
+def test_values_stay_in_their_ranges(seed: int, count: int) -> None:
+    """Whatever the seed."""
+    for values in drawn(variation(*MANY, seed=seed, count=count)):
+        assert 0.32 <= float(values["a_2"]) <= 0.48 + 1e-15
+        assert 1.0 <= float(values["mass_1"]) <= 5.0
+        assert 1.0 <= float(values["effort_1"]) <= 100.0
+        assert values["axes"] in (2, 3)
+        assert ("d_4" in values) is (values["axes"] == 3)
+        assert 0.15 <= float(values.get("d_4", 0.2)) <= 0.25
+
+
+def test_the_manual_keeps_its_word(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """Its run file is run, with fewer variants, and gives what it says."""
+    root = CONFIGS.parent
+    text = (root / "docs" / "variations.md").read_text("utf-8")
+    config = text.split("```yaml\n")[1].split("```")[0]
+    (tmp_path / "run.yaml").write_text(config.replace("configs/", f"{CONFIGS}/"))
+    cli("run", "run.yaml", "-o", tmp_path / "out", "--set", "variations.0.count=20", "--workers", 1)
+    entries = report(tmp_path / "out")
+    assert [entry["name"] for entry in entries[:2]] == ["ur5", "ur5_01"]
+    assert [f'"a_{joint}": {entries[5]["drawn"][f"a_{joint}"]:.3f}' for joint in (2, 3)] == [
+        '"a_2": -0.476',
+        '"a_3": -0.455',
+    ]
+    for word in (*FIELDS, *LAWS, *Sampling):
+        assert f"`{word}" in text or f"**{word}" in text

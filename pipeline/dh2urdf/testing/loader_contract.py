@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
 
+    Children = KeptChildren | None
+
 ASIDE = 0.1
 """How far from where the robot is the contract asserts it to be, to see whether that is found [m]."""
 
@@ -226,12 +228,7 @@ class LoaderContract(StageContract):
             pytest.skip(str(error))
 
     def _load(
-        self,
-        clause: Callable[..., Any],
-        request: LoadRequest,
-        *,
-        refusal: bool = False,
-        kept: KeptChildren | None = None,
+        self, clause: Callable[..., Any], request: LoadRequest, kept: Children = None, *, refusal: bool = False
     ) -> LoadReport:
         """The report, made in a child process as in a run.
 

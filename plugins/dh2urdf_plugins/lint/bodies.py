@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.tree import Element
 
 _ROUNDING = 1e-9
-_SMALLEST = 1e-15
+_SMALLEST = 1e-14
 """Principal moment that MuJoCo takes for 0 [kg·m²]."""
 _NO_INERTIA = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
 _ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Inertia
@@ -110,14 +109,14 @@ def merged(description: Description, body: list[LinkNode]) -> Inertial | None:
 
 
 def _inertial(inertial: Element) -> Inertial | None:
-    """What urdfdom has read where it gives up: what stands before."""
+    """As urdfdom reads it; where one element of the inertia is no number, all are 0."""
     pose, mass, inertia = pose_of(inertial.first("origin")), inertial.first("mass"), inertial.first("inertia")
     if pose is None or mass is None or urdfdom_numbers(mass.get("value") or "", 1) is None:
         return None
-    texts = [inertia.get(name) for name in ELEMENTS] if inertia else [None]
-    read = [] if None in texts else [urdfdom_numbers(text or "", 1) for text in texts]
-    numbers = [found[0] for found in takewhile(lambda found: found is not None, read) if found]
-    ixx, ixy, ixz, iyy, iyz, izz = (*numbers, *(0.0 for _ in ELEMENTS[len(numbers) :]))
+    read = [urdfdom_numbers(inertia.get(name) or "", 1) for name in ELEMENTS] if inertia else [None]
+    ixx, ixy, ixz, iyy, iyz, izz = (
+        numbers[0] if numbers else 0.0 for numbers in (6 * [None] if None in read else read)
+    )
     return placed(
         Inertial(mass=mass_of(inertial), inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)), pose
     )

@@ -314,6 +314,16 @@ def _of_gazebo(finding: Finding) -> bool:
     return any(effect.consumer == "gazebo" and effect.severity == "error" for effect in finding.effects)
 
 
+@pytest.mark.parametrize(("moment", "loads"), [("9e-15", False), ("1.1e-14", True)])
+def test_mujoco_takes_a_moment_below_1e_14_for_0(tmp_path: Path, moment: str, *, loads: bool) -> None:
+    if find_spec("mujoco") is None:
+        pytest.skip("mujoco is not installed")
+    path = tmp_path / "arm.urdf"
+    path.write_text(SOUND.replace('ixx="0.005"', f'ixx="{moment}"').replace('iyy="0.006"', 'iyy="0.007"'))
+    assert ("inertia-semidefinite" not in by_rule(path)) == loads
+    assert (behaviours("mujoco", [path])[0].end == "loads") == loads
+
+
 def test_a_capsule_in_a_visual_is_left_out_by_coppeliasim(tmp_path: Path) -> None:
     """Seen in 4.10.0: the import ends well, without the shape."""
     path = tmp_path / "arm.urdf"

@@ -409,7 +409,7 @@ def test_a_fault_of_the_host_is_no_executor_s(
     def fail(*_arguments: Any) -> None:
         raise LookupError("the ground is gone")
 
-    monkeypatch.setattr("dh2urdf.running.worker._Work.done", fail)
+    monkeypatch.setattr("dh2urdf.running.batch_work.Work.done", fail)
     assert "dh2urdf: internal error: LookupError: the ground is gone" in said(cli("run", "run.yaml", status=1))
 
 

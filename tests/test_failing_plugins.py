@@ -18,8 +18,8 @@ from dh2urdf.cli import _status
 from dh2urdf.errors import InputError, StageError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import KINDS, RECORDS, load
-from dh2urdf.studio.opening import open_tables
-from dh2urdf.studio.save import table_file
+from dh2urdf.studio.editing.opening import open_tables
+from dh2urdf.studio.editing.save import table_file
 from dh2urdf.studio.viewing import load_figures
 
 if TYPE_CHECKING:
@@ -349,7 +349,7 @@ def test_every_function_of_every_record_is_tried() -> None:
     ):
         mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
-    described = {"name", "summary", "suffixes", "formats", "costly_proof", "expandable", "finds_packages"}
+    described = {"name", "summary", "suffixes", "formats", "costly_proof", "expandable", "finds_packages", "reads_descriptions"}
     assert tried == {
         (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described
     }

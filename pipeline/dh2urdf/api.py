@@ -92,6 +92,44 @@ def _while_open(items: Iterator[Manipulator | Rejected], stack: ExitStack) -> It
         yield from items
 
 
+def extract(
+    description: Source, out: StrPath | None = None, *, reader: str | None = None, **options: object
+) -> Manipulator:
+    """The DH table of a robot description, as `dh2urdf extract` makes it.
+
+    ::
+
+        arm = dh2urdf.extract("ur5.urdf", tip_link="tool0")
+        dh2urdf.extract("panda.urdf", "panda.yaml", convention="modified")
+
+    Args:
+        description: the file; or its text of several lines, its bytes, or a stream.
+        out: a .yaml or .csv file to write; without it nothing is written.
+        reader: name of the reader, such as ``urdf``; without it the file's suffix says it.
+        options: options of the reader: ``convention``, ``base_link``, ``tip_link``, ``tolerance``, ``near_parallel``,
+            ``rounded_pi``, ``origins``, ``package_paths``; of a xacro also ``arguments``.
+
+    Returns:
+        The manipulator. Its notices say how far the table is from the file's chain, and what it leaves out.
+
+    Raises:
+        TableError: the description cannot be read, or there is no chain, or which one is meant is not said.
+        ConfigError: an option is unknown or its value wrong, or the file is a table.
+        InputError: no installed reader takes the file.
+        OutputError: the table cannot be written.
+        PluginError: the reader's plugin is broken, or something it needs is not installed.
+    """
+    from dh2urdf.commands.extract import description_reader, the_one, write_extracted
+
+    asker, catalog = _asker("extract"), load()
+    with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
+        given = {name: word_of(value) for name, value in options.items()}
+        arm = the_one(description_reader(catalog, path, asker, reader=reader, given=given), path)
+        if out is not None:
+            write_extracted(arm, Path(out), catalog, inputs=[path])
+    return arm
+
+
 def manipulator_of(
     table: object,
     *,

@@ -99,7 +99,8 @@ class Reader(Generic[O]):
         read_cells: yields the manipulators of rows of cells that come from no file, such as those of a DataFrame, as
             `read` does those of a file. It takes the rows from the top, comments and header included, and what messages
             name as the file. `Catalog.cell_reader` finds the reader that has it; None for all others.
-        reads_descriptions: whether its files are robot descriptions, of which it reads chains as tables.
+        leaves: the links at the ends of a robot description's chains, each with the number of moving joints before it:
+            a reader that has it reads descriptions, and their chains are its tables. None for files of tables.
 
     `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
     one manipulator of several cannot.
@@ -115,7 +116,7 @@ class Reader(Generic[O]):
     texts: Callable[[Path], Iterator[TableText]] | None = None
     trace: Callable[[Path, O, Trace], Iterator[Manipulator | Rejected]] | None = None
     read_cells: Callable[[Iterable[CellRow], str, O], Iterator[Manipulator | Rejected]] | None = None
-    reads_descriptions: bool = False
+    leaves: Callable[[Path, O], Mapping[str, int]] | None = None
 
 
 def _always(_options: object) -> bool:

@@ -3,20 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark
 from dh2urdf.validation.coercion import take_exact_fields, take_fields
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from typing import TypeAlias
-
-    from numpy.typing import ArrayLike
-
-    JointVectors: TypeAlias = ArrayLike | Mapping[str, ArrayLike]
-    """Joint vectors as an array, or by the names of the joints."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

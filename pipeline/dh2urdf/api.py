@@ -16,7 +16,7 @@ from dh2urdf.commands.argument_words import word_of
 from dh2urdf.commands.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
 from dh2urdf.commands.convert import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, plan_conversion
 from dh2urdf.commands.given_tables import GivenRows, as_file
-from dh2urdf.commands.options_of_stages import Asker, Setting, asker_of, stage_calls
+from dh2urdf.commands.options_of_stages import Asker, asker_of, settings_of, stage_calls
 from dh2urdf.conversion.one_manipulator import checked_items, read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, TableError
@@ -244,7 +244,7 @@ def convert(
             transform=transform,
             formats=_names(formats),
             robot=robot,
-            settings=_settings(options),
+            settings=settings_of(options),
             meshes=meshes,
             convert_meshes=convert_meshes,
         )
@@ -348,7 +348,7 @@ def run(
         if not isinstance(value, bool):
             message = f"{flag}={value!r} is neither True nor False"
             raise ConfigError(Problem(message=message, mark=asker.mark, field=flag, accepted="True or False"))
-    overrides = [setting.text for setting in _settings(settings or {})]
+    overrides = [setting.text for setting in settings_of(settings or {})]
     catalog = _catalog(without, asker)
     if isinstance(config, Mapping):
         from dh2urdf.documents.document import load_yaml
@@ -397,9 +397,4 @@ def _check_name(name: object, argument: str, asker: Asker) -> None:
 
 
 def _names(names: str | Iterable[str]) -> tuple[str, ...]:
-    """One name or several."""
     return (names,) if isinstance(names, str) else tuple(names)
-
-
-def _settings(options: Mapping[str, object]) -> list[Setting]:
-    return [Setting(f"{key}={word_of(value)}", key, word_of(value)) for key, value in options.items()]

@@ -17,6 +17,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.calls import blaming, default_call
+from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Reader, Rejected
@@ -87,7 +88,7 @@ def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
     if call.stage.leaves is None:
         raise TypeError(call.stage.name)
     with blaming(call, "leaves"):
-        return dict(call.stage.leaves(path, call.options))
+        return a_record(call.stage.leaves(path, call.options), dict)
 
 
 def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:

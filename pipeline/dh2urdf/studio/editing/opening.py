@@ -1,0 +1,122 @@
+"""Opening a file: its manipulators as tables to edit, with the texts of their author where that is possible."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.errors import InputError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import blaming, default_call
+from dh2urdf.plugin_system.stage_answers import whole_records
+from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Rejected
+from dh2urdf.studio.editing.reading import read_whole
+from dh2urdf.table_text import FIELDS, TableText, table_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stages import Reader
+
+
+class Opened(NamedTuple):
+    """A manipulator of a file.
+
+    Attributes:
+        table: it as a table to edit.
+        lost: what it says besides, which such a table has no place for: meshes, for one.
+    """
+
+    table: TableText
+    lost: tuple[str, ...] = ()
+
+
+def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
+    """The manipulators of a file.
+
+    Their texts are those of the file where the reader tells them and they read as the same arm; else the texts of the
+    numbers that were read. Tables that do not say their convention are opened as they stand, for a person to say it.
+
+    Raises:
+        InputError: the file cannot be read, or none of its manipulators can.
+    """
+    if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
+        raise InputError(
+            Problem(
+                message="this is a run file, not a table",
+                mark=Mark(file=str(path)),
+                suggestion="open a table that it names; `dh2urdf view` shows its robots",
+            )
+        )
+    reader = catalog.reader_for(path)
+    items = list(read_items(default_call(catalog, reader), path))
+    arms = [item for item in items if isinstance(item, Manipulator)]
+    typed = _typed(path, reader, catalog)
+    if arms:
+        return tuple(_opened(arm, typed.get(arm.name), catalog) for arm in arms)
+    rejected = [item for item in items if isinstance(item, Rejected)]
+    if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
+        return tuple(map(Opened, unsaid))
+    raise InputError(
+        [problem for item in rejected for problem in item.problems],
+        [notice for item in rejected for notice in item.notices],
+    )
+
+
+def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, TableText]:
+    if reader.texts is None:
+        return {}
+    try:
+        with blaming(default_call(catalog, reader), "texts"):
+            return {table.name: table for table in whole_records(reader.texts(path), TableText)}
+    except InputError:  # It can be read, if not so: then its numbers are what there is.
+        return {}
+
+
+def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> Opened:
+    """A table as it was typed, names and types filled in, if that reads as the arm; else the texts of its numbers."""
+    if typed is not None:
+        completed = _completed(typed, [row.joint for row in arm.rows])
+        if read_whole(completed, catalog).manipulator == arm:
+            return Opened(completed)
+    table = table_text(_without_meshes(arm))
+    again = read_whole(table, catalog).manipulator
+    return Opened(table, tuple(_lost(arm, again)) if again else ())
+
+
+def _without_meshes(arm: Manipulator) -> Manipulator:
+    """An arm without what the page does not show: it could not move a mesh along with the frames of a table."""
+    rows = [replace(row, visual=None, collision=None) for row in arm.rows]
+    meshes: dict[str, Any] = dict.fromkeys(("base_visual", "base_collision", "visuals", "collisions"))
+    return replace(arm, rows=tuple(rows), **meshes)
+
+
+def _unsaid(rejected: Rejected, typed: TableText | None, catalog: Catalog) -> TableText | None:
+    """A table as it was typed that does not say its convention, if as much is wrong with it as with the file."""
+    if typed is None or typed.convention or not typed.rows:
+        return None
+    table = _completed(typed, [f"joint_{number}" for number in range(1, len(typed.rows) + 1)])
+    return table if len(read_whole(table, catalog).errors) == len(rejected.problems) else None
+
+
+def _completed(typed: TableText, joints: Iterable[str]) -> TableText:
+    """A table with the names of its joints, and with types, where it says none."""
+    rows = [{"joint": joint, "type": "revolute", **texts} for joint, texts in zip(joints, typed.rows, strict=False)]
+    return replace(typed, rows=tuple({field: row[field] for field in FIELDS if field in row} for row in rows))
+
+
+def _lost(arm: Manipulator, again: Manipulator) -> Iterator[str]:
+    """What an arm says that is otherwise, or not there, when its table is read again."""
+    yield from _different(replace(arm, rows=again.rows), again)
+    for row, other in zip(arm.rows, again.rows, strict=True):
+        yield from (f"{name} of {row.joint}" for name in _different(row, other))
+
+
+def _different(one: Any, other: Any) -> Iterator[str]:  # noqa: ANN401 - two records of a kind
+    names = (field.name for field in fields(one) if field.compare)
+    return (name for name in names if getattr(one, name) != getattr(other, name))

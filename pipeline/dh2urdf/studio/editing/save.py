@@ -1,0 +1,154 @@
+"""What the studio hands over: tables, robot descriptions, a run file, all of it in a zip.
+
+Everything goes through the functions of the command line, so that what is handed over is byte by byte what
+`dh2urdf convert` and `dh2urdf run` make of the saved table.
+"""
+
+from __future__ import annotations
+
+import io
+import tempfile
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.commands.written_tables import in_format
+from dh2urdf.conversion.one_manipulator import Recipe, make_robot, read_items, write_robot
+from dh2urdf.errors import ManipulatorError, TableError
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import Proof
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.plugin_system.calls import Call, default_call
+from dh2urdf.studio.editing.reading import READER, transform_call
+from dh2urdf.table_text import yaml_word
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stages import Emitter
+    from dh2urdf.table_text import TableText
+
+POSES = 8
+"""Random joint vectors of the proof, as `dh2urdf convert` takes them [1]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Saved:
+    """A file to hand over.
+
+    Attributes:
+        name: its name.
+        content: what stands in it.
+        proof: how far it is from the DH product, where it is a robot description.
+    """
+
+    name: str
+    content: bytes
+    proof: Proof | None = None
+
+
+def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
+    """A table in the format of a reader.
+
+    Raises:
+        InputError: no such reader is installed, or it only reads.
+    """
+    reader = catalog.get("reader", format_name)
+    written = in_format(table, default_call(catalog, reader))
+    return Saved(name=f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", content=written.content)
+
+
+def table_formats(catalog: Catalog) -> tuple[str, ...]:
+    """The formats in which tables can be saved, by the names of their readers."""
+    return tuple(item.stage.name for item in catalog.provided("reader") if getattr(item.stage, "write", None))
+
+
+def robot_formats(catalog: Catalog) -> tuple[str, ...]:
+    """The formats in which robots can be saved, by the names of their emitters."""
+    return tuple(item.stage.name for item in catalog.provided("emitter"))
+
+
+def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalog) -> Saved:
+    """The robot of a table as one file: the bytes of `dh2urdf convert TABLE --to FORMAT` on standard output.
+
+    Raises:
+        InputError: the table is not right, or no such emitter is installed.
+        ManipulatorError: no file could be made, or it is not the arm of the table.
+    """
+    emitter = catalog.get("emitter", format_name)
+    call = default_call(catalog, emitter)
+    if emitter.one_file:
+        call = replace(call, options=emitter.one_file(call.options))
+    (saved, *_) = _make(table, [call], variant, catalog)
+    return saved
+
+
+def all_files(table: TableText, variant: str, catalog: Catalog) -> tuple[Saved, ...]:
+    """The table in every format, the run file, and what `dh2urdf run` makes of it.
+
+    Raises:
+        InputError: the table is not right.
+        ManipulatorError: no file could be made, or it is not the arm of the table.
+    """
+    emitters = [catalog.get("emitter", name) for name in robot_formats(catalog)]
+    tables = [table_file(table, name, catalog) for name in table_formats(catalog)]
+    made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog)
+    return (*tables, run_file(table, variant, catalog), *made)
+
+
+def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:
+    """A run file that does with the saved table what the studio does."""
+    saved = table_file(table, READER, catalog)
+    lines = [
+        f"inputs: {yaml_word(saved.name)}",
+        f"transform: {{stage: alpha-swap, options: {{variant: {variant}}}}}",
+        "emitters:",
+        *(f"  - {{stage: {name}}}" for name in robot_formats(catalog)),
+        f"output: {{directory: {yaml_word('build/' + Path(saved.name).stem)}}}",
+        "",
+    ]
+    return Saved(name=f"{Path(saved.name).stem}_run.yaml", content="\n".join(lines).encode())
+
+
+def zipped(files: Sequence[Saved]) -> bytes:
+    """Files in a zip, the same bytes for the same files."""
+    written = io.BytesIO()
+    with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in files:
+            entry = zipfile.ZipInfo(file.name)  # dated 1980, as nothing else is always the same
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, file.content)
+    return written.getvalue()
+
+
+def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog) -> list[Saved]:
+    """The files of some emitters, made as `dh2urdf convert` makes them of the saved table."""
+    reader = default_call(catalog, catalog.get("reader", READER))
+    recipe = Recipe(transform=transform_call(catalog, variant), emitters=tuple(emitters), poses=POSES)
+    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
+        saved = table_file(table, READER, catalog)
+        path = Path(folder) / saved.name
+        path.write_bytes(saved.content)
+        (manipulator,) = read_items(reader, path)
+        if not isinstance(manipulator, Manipulator):
+            raise TableError(manipulator.problems)
+        try:
+            robot = make_robot(manipulator, recipe.transform)
+        except ManipulatorError as error:
+            raise TableError(error.problems) from error
+        output = Path(folder) / "made"
+        truth = Truth.of(manipulator)
+        written = write_robot(truth, robot, recipe, directory=output, stem=safe_stem(manipulator.name))
+        return [
+            Saved(
+                name=file.name,
+                content=(output / file.name).read_bytes(),
+                proof=emitted.proof if file is emitted.files[0] else None,
+            )
+            for emitted in written
+            for file in emitted.files
+        ]

@@ -1,0 +1,287 @@
+"""A tab of the studio: the table and its past, what the readers say of it, the arm on the screen and its pose.
+
+It knows no browser. Whatever a person does is a method; the page shows what the attributes say afterwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error, reach
+from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.robot import Robot
+from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.studio import joints
+from dh2urdf.studio.editing import conversions, edits
+from dh2urdf.studio.editing.history import History
+from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read
+from dh2urdf.studio.scene import PAPER, Drawing, Figure, Stroke, extent
+from dh2urdf.table_text import FIELDS, TableText
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.studio.joints import Slider
+
+Variant = Literal["exact", "paper", "both"]
+VARIANTS: tuple[Variant, ...] = ("exact", "paper", "both")
+COLUMNS = ("joint", "type", "a", "alpha", "d", "theta", "lower", "upper")
+"""The columns of the paper's form, and limits; others are shown where the table uses them, or on request."""
+_BESIDE = "paper/"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenArm:
+    """The last table that was right, as robots.
+
+    Attributes:
+        table: the table.
+        manipulator: what a reader makes of it.
+        robot: the robot of the exact variant.
+        paper: the robot of the paper's variant; None where that refuses the table.
+        refusal: why it does.
+    """
+
+    table: TableText
+    manipulator: Manipulator
+    robot: Robot
+    paper: Robot | None
+    refusal: tuple[CellProblem, ...] = ()
+
+
+class Session:
+    """What a tab shows.
+
+    Attributes:
+        catalog: the installed stages.
+        history: the table and its past.
+        reading: what the readers say of the table.
+        arm: the last arm that could be made; None before there is one.
+        drawing: it, as it is drawn.
+        sliders: its moving joints.
+        q: their values by name [rad or m].
+        variant: which variant is shown.
+        layers: what is shown.
+        row: number of the row that is picked, counted from 0; None where none is.
+        all_columns: whether columns are shown that are empty.
+        problems_of_making: why no arm can be made of a table that can be read.
+    """
+
+    def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
+        self.catalog = catalog
+        self.history = History(states=(table or TableText(name="arm"),))
+        self.arm: OpenArm | None = None
+        self.drawing = Drawing()
+        self.sliders: tuple[Slider, ...] = ()
+        self.q: dict[str, float] = {}
+        self.variant: Variant = "exact"
+        self.layers: frozenset[str] = frozenset(("links", "axes", "frames"))
+        self.row: int | None = None
+        self.all_columns = False
+        self.reading = Reading(table=self.table)
+        self.problems_of_making: tuple[CellProblem, ...] = ()
+        self._before_preview: tuple[OpenArm | None] | None = None
+        self.look()
+
+    def copy(self) -> Session:
+        """Another session that goes on from here: a tab that was duplicated."""
+        other = Session.__new__(Session)
+        other.__dict__.update(self.__dict__)  # All of it is immutable but q.
+        other.q = dict(self.q)
+        return other
+
+    @property
+    def table(self) -> TableText:
+        """The table as it is typed."""
+        return self.history.table
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns of the table on the screen."""
+        used = {field for row in self.table.rows for field in row}
+        return tuple(field for field in FIELDS if self.all_columns or field in used or field in COLUMNS)
+
+    # --- The table ----------------------------------------------------------------------------------------------------
+
+    def put(self, table: TableText) -> None:
+        """Another table takes the place of this one; undo brings it back."""
+        self.history = self.history.then(table)
+        self.look()
+
+    def open(self, table: TableText) -> None:
+        """A table that was opened takes the place of this one, and of its arm, with every joint at 0."""
+        self.q = {}
+        self.arm = None
+        self._draw()
+        self.put(table)
+
+    def edit(self, row: int, field: str, text: str) -> None:
+        """A cell was typed.
+
+        Raises:
+            LookupError: there is no such cell.
+        """
+        self.put(edits.with_cell(self.table, row, field, text))
+
+    def say(self, **texts: str) -> None:
+        """A text of the whole table was typed: its name, base, tool or defaults."""
+        self.put(replace(self.table, **{key: edits.clean(text) for key, text in texts.items()}))  # type: ignore[arg-type]  # all are texts
+
+    def undo(self) -> None:
+        """One state back."""
+        self.history = self.history.undo()
+        self.look()
+
+    def redo(self) -> None:
+        """One state forward."""
+        self.history = self.history.redo()
+        self.look()
+
+    def preview(self, row: int, field: str, text: str) -> bool:
+        """Shows the arm of a cell that is still being typed, where there is one; nothing is kept of it.
+
+        Returns:
+            Whether there is something new to show.
+        """
+        try:
+            table = edits.with_cell(self.table, row, field, text)
+        except LookupError:
+            return False
+        if self._before_preview is None:
+            self._before_preview = (self.arm,)
+        return self._take(read(table, self.catalog))
+
+    @property
+    def previews(self) -> bool:
+        """Whether the arm on the screen is that of a cell which is still being typed."""
+        return self._before_preview is not None
+
+    def set_convention(self, convention: Convention, *, convert: bool) -> None:
+        """The other convention: the same arm with new numbers, or the same numbers with a new meaning."""
+        if convert and self.convertible is not None:
+            self.put(conversions.with_convention(self.table, self.convertible, convention))
+        else:
+            self.put(replace(self.table, convention=str(convention)))
+
+    def set_units(self, length_unit: str, angle_unit: str, *, convert: bool) -> None:
+        """Other units: the same arm with new numbers, or the same numbers with a new meaning."""
+        if convert and self.convertible is not None:
+            self.put(conversions.with_units(self.table, self.convertible, length_unit, angle_unit))
+        else:
+            self.put(replace(self.table, length_unit=length_unit, angle_unit=angle_unit))
+
+    @property
+    def convertible(self) -> Manipulator | None:
+        """The arm that a conversion would keep; None while something is wrong with the table or missing from it."""
+        return self.reading.manipulator if self.reading.is_whole else None
+
+    # --- The arm ------------------------------------------------------------------------------------------------------
+
+    def show_variant(self, variant: Variant) -> None:
+        """The exact arm, the paper's, or both side by side."""
+        self.variant = variant
+        self._draw()
+
+    def move(self, values: Mapping[str, float]) -> None:
+        """Joint values by name [rad or m]; they are kept inside the limits."""
+        self.q = joints.kept({**self.q, **values}, self.sliders)
+
+    def strokes(self) -> tuple[Stroke, ...]:
+        """The DH parameters at the pose on the screen, where they are shown."""
+        return self.drawing.strokes(self.q) if "parameters" in self.layers else ()
+
+    @property
+    def pose(self) -> RigidTransform | None:
+        """T(base_link → tool0) of the table at the pose on the screen: the DH product."""
+        if self.arm is None:
+            return None
+        return forward_kinematics(self.arm.manipulator, self._vector(self.arm.manipulator))
+
+    @property
+    def reach(self) -> float:
+        """An upper bound of the distance from base_link to tool0 [m]."""
+        return reach(self.arm.manipulator) if self.arm else 0.0
+
+    @property
+    def paper_error(self) -> tuple[float, float] | None:
+        """How far the paper's tool0 is from the arm's: a distance [m] and an angle [rad]; None where there is none."""
+        if self.arm is None or self.arm.paper is None or (pose := self.pose) is None:
+            return None
+        chain = KinematicChain.between(self.arm.paper)
+        values = [self.q.get(joint.name, 0.0) for joint in self.arm.paper.moving_joints]
+        found = chain.forward_kinematics(values)
+        return position_error(pose, found), angle_error(pose, found)
+
+    def _vector(self, manipulator: Manipulator) -> list[float]:
+        return [self.q.get(row.joint, 0.0) for row in manipulator.moving_rows]
+
+    def look(self) -> None:
+        """Reads the table; what was right last stays on the screen while something is wrong, a preview does not."""
+        if self._before_preview is not None:
+            (self.arm,) = self._before_preview
+            self._before_preview = None
+            self._draw()
+        self.reading = read(self.table, self.catalog)
+        self.problems_of_making = ()
+        if self.reading.waiting == len(self.table.rows):  # Nothing has been begun: no arm was ever this table's.
+            self.arm = None
+            self._draw()
+        else:
+            self._take(self.reading)
+        if self.row is not None and self.row >= len(self.table.rows):
+            self.row = None
+
+    def _take(self, reading: Reading) -> bool:
+        """Makes the arm of a reading, where there is one."""
+        manipulator = reading.manipulator
+        if manipulator is None:
+            return False
+        made = make(manipulator, "exact", reading.table, self.catalog)
+        if made.robot is None:
+            self.problems_of_making = made.problems
+            return False
+        paper = make(manipulator, "paper", reading.table, self.catalog)
+        self.arm = OpenArm(
+            table=reading.table,
+            manipulator=manipulator,
+            robot=made.robot,
+            paper=paper.robot,
+            refusal=paper.problems,
+        )
+        self._draw()
+        return True
+
+    def _draw(self) -> None:
+        if self.arm is None:
+            self.drawing, self.sliders = Drawing(), ()
+            return
+        arm, variant = self.arm, self.variant
+        figures = []
+        if variant != "paper" or arm.paper is None:
+            title = "the arm" if variant == "both" and arm.paper else ""
+            figures.append(Figure(robot=arm.robot, manipulator=arm.manipulator, title=title))
+        if variant == "paper" and arm.paper is not None:
+            figures.append(Figure(robot=arm.paper, tint=PAPER, link_frames=False))
+        if variant == "both" and arm.paper is not None:
+            aside = 0.6 * max(extent(arm.robot), extent(arm.paper))
+            place = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0))
+            figures.append(
+                Figure(
+                    robot=arm.paper,
+                    name=_BESIDE,
+                    place=place,
+                    tint=PAPER,
+                    title="as the paper has it",
+                    link_frames=False,
+                )
+            )
+        self.drawing = Drawing.of(figures)
+        table = arm.table
+        self.sliders = joints.sliders(arm.robot.moving_joints, table.length_unit, table.angle_unit)
+        self.q = joints.kept(self.q, self.sliders)
+
+    def joint_values(self) -> dict[str, float]:
+        """The pose on the screen by the names of all joints in the drawing [rad or m]."""
+        return {**self.q, **{_BESIDE + name: value for name, value in self.q.items()}}

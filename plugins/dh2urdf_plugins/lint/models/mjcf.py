@@ -1,0 +1,279 @@
+"""Rules about MJCF, as its schema and its readers have it.
+
+The elements and attributes are those that MuJoCo 4.0.0 prints of its own schema (`mj_printSchema`), in mjcf_schema.txt.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lxml import etree
+
+from dh2urdf.documents import read_bytes
+from dh2urdf.errors import InputError
+from dh2urdf.rotations import norm
+from dh2urdf.source import did_you_mean, shown
+from dh2urdf_plugins.lint.models.mjcf_names import hits as hits_of_names
+from dh2urdf_plugins.lint.models.models import (
+    FILE,
+    LONGEST,
+    Hit,
+    Model,
+    elements_of,
+    fault_of_inertia,
+    inspect_model,
+    mark_of,
+    numbers,
+    parsed,
+)
+from dh2urdf_plugins.read_back.mjcf_reader import read_mjcf
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.stages import Inspection
+
+JOINTS = ("hinge", "slide", "ball", "free")
+GEOMS = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
+_SIZED = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
+BODIES = ("worldbody", "body", "frame", "replicate")
+"""What holds bodies, with the same elements in each."""
+_OF_BODIES = {
+    "frame": "name childclass pos quat axisangle xyaxes zaxis euler",
+    "replicate": "count offset euler sep",
+    "worldbody": "",
+}
+_MOST_INCLUDES = 1000
+_UNIT = 1e-5
+_COUNT = {
+    "joint": {"axis": 3, "pos": 3, "range": 2, "damping": 0, "armature": 1, "frictionloss": 1},
+    "inertial": {"mass": 1, "pos": 3, "quat": 4, "diaginertia": 3, "fullinertia": 6},
+    "body": {"pos": 3, "quat": 4, "euler": 3, "axisangle": 4},
+    "geom": {"pos": 3, "quat": 4, "euler": 3, "fromto": 6, "mass": 1},
+    "site": {"pos": 3, "quat": 4, "euler": 3},
+}
+
+
+def inspect_mjcf(path: Path) -> Inspection:
+    """What there is to say of an MJCF.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    return inspect_model(path, "mjcf", "mujoco", hits, read_mjcf)
+
+
+def hits(model: Model) -> Iterator[Hit]:
+    """What there is to say of a model, with the files that it includes."""
+    missing = list(_include(model))
+    yield from missing
+    yield from _schema(model.root)
+    yield from hits_of_names(model, complete=not missing)
+    for element in elements_of(model.root, *_COUNT):
+        yield from _values(element)
+    yield from _joints(model.root)
+    for element in elements_of(model.root, "inertial"):
+        yield from _inertial(element, model.root)
+    yield from _geoms(model)
+
+
+def _include(model: Model) -> Iterator[Hit]:
+    """Puts what is in included files where it is included, as MuJoCo does."""
+    count = 0
+    while (include := model.root.find(".//include")) is not None and count < _MOST_INCLUDES:
+        count += 1
+        file = include.get("file") or ""
+        parent = include.getparent()
+        if parent is None:
+            return
+        try:
+            path = model.path.parent / file
+            root = parsed(read_bytes(path, InputError, limit=LONGEST), path)
+        except InputError:
+            yield Hit("missing-include", include, f"the included file {shown(file)} is not there")
+            root = None
+        except etree.XMLSyntaxError as error:
+            yield Hit("missing-include", include, f"the included file {shown(file)} is not XML: {error.msg}")
+            root = None
+        include.set(FILE, mark_of(include).file)  # It is taken out, and may be spoken of.
+        place = parent.index(include)
+        for child in reversed(root) if root is not None else ():
+            child.set(FILE, str(path))
+            parent.insert(place, child)
+        parent.remove(include)
+
+
+# --- The schema
+
+
+class _Schema:
+    def __init__(self, multiplicity: str, attributes: frozenset[str]) -> None:
+        self.multiplicity, self.attributes = multiplicity, attributes
+        self.children: dict[str, _Schema] = {}
+
+
+@cache
+def schema() -> _Schema:
+    """What may be in a model."""
+    top = _Schema("!", frozenset())
+    path = [top]
+    for line in Path(__file__).with_name("mjcf_schema.txt").read_text("utf-8").splitlines():
+        depth = len(line) - len(line.lstrip(" "))
+        name, multiplicity, *attributes = line.split()
+        node = _Schema(multiplicity, frozenset(attributes))
+        del path[depth + 1 :]
+        path[depth].children[name] = node
+        path.append(node)
+    mujoco = top.children["mujoco"]
+    body = mujoco.children.pop("(world)body")
+    for name in BODIES:
+        holder = _Schema("*", frozenset(_OF_BODIES[name].split()) if name in _OF_BODIES else body.attributes | {"name"})
+        holder.children = body.children
+        (mujoco.children if name == "worldbody" else body.children)[name] = holder
+    default = mujoco.children["default"]
+    default.children["default"] = default
+    return top
+
+
+def _schema(root: etree._Element) -> Iterator[Hit]:
+    waiting = [(root, schema().children["mujoco"])]
+    while waiting:
+        element, known = waiting.pop()
+        for name in map(str, element.attrib):
+            if name not in known.attributes and not name.startswith("{"):
+                near = did_you_mean(name, known.attributes)
+                message = f"{element.tag} has no attribute {shown(name)}"
+                yield Hit("unknown-attribute", element, f"{message}: {near}" if near else message)
+        seen = set[str]()
+        for child in element:
+            if not isinstance(child.tag, str):
+                continue
+            inner = known.children.get(child.tag)
+            if inner is None:
+                near = did_you_mean(child.tag, known.children)
+                message = f"{element.tag} has no element {shown(child.tag)}"
+                yield Hit("unknown-element", child, f"{message}: {near}" if near else message)
+                continue
+            if inner.multiplicity == "?" and child.tag in seen:
+                yield Hit("repeated-element", child, f"a {element.tag} has a second {child.tag}")
+            seen.add(child.tag)
+            waiting.append((child, inner))
+
+
+# --- Values
+
+
+def _about(element: etree._Element) -> str:
+    name = element.get("name")
+    return f"{element.tag} {shown(name)}" if name else f"a {element.tag}"
+
+
+def _is_default(element: etree._Element) -> bool:
+    return _holder(element) == "default"
+
+
+def _values(element: etree._Element) -> Iterator[Hit]:
+    for name, count in _COUNT[element.tag].items():
+        text = element.get(name)
+        if text is None or (count and numbers(text, count) is not None):
+            continue
+        if not count and any(numbers(text, most) for most in (1, 2, 3)):
+            continue
+        rule = "invalid-number" if count == 1 else "invalid-vector"
+        what = "one finite number" if count == 1 else f"{count or 'up to 3'} finite numbers"
+        yield Hit(rule, element, f"{name} of {_about(element)} is {shown(text)}, not {what}")
+
+
+def _joints(root: etree._Element) -> Iterator[Hit]:
+    joints = [joint for joint in elements_of(root, "joint") if _holder(joint) in {*BODIES, "default"}]
+    only_range = [joint for joint in joints if joint.get("range") and joint.get("limited") in {None, "auto"}]
+    if only_range:
+        count = "a joint has" if len(only_range) == 1 else f"{len(only_range)} joints have"
+        yield Hit("range-without-limited", only_range[0], f'{count} a range and no limited="true"')
+    for joint in joints:
+        about, kind = _about(joint), joint.get("type")
+        if kind is not None and kind not in JOINTS:
+            near = did_you_mean(kind, JOINTS)
+            message = f"{about} has the type {shown(kind)}"
+            yield Hit("unknown-joint-type", joint, f"{message}: {near}" if near else message)
+        if not joint.get("name") and not _is_default(joint):
+            yield Hit("nameless-joint", joint, "a joint has no name")
+        if axis := numbers(joint.get("axis"), 3):
+            length = norm((axis[0], axis[1], axis[2]))
+            if length < _UNIT:
+                yield Hit("axis-zero", joint, f"the axis of {about} has the length 0")
+            elif abs(length - 1.0) > _UNIT:
+                yield Hit("axis-not-unit", joint, f"the axis of {about} has the length {length:.6g}")
+        yield from _range(joint, root)
+
+
+def _range(joint: etree._Element, root: etree._Element) -> Iterator[Hit]:
+    compiler, about = root.find("compiler"), _about(joint)
+    by_range = compiler is None or compiler.get("autolimits") != "false"
+    ends = numbers(joint.get("range"), 2)
+    if ends and ends[0] > ends[1] and by_range and joint.get("limited") in {None, "auto"}:
+        yield Hit("swapped-range", joint, f"the range of {about} is {shown(joint.get('range') or '')}")
+    if joint.get("limited") == "true" and not joint.get("range") and not _may_inherit(joint, "range", root):
+        yield Hit("limited-without-range", joint, f"{about} is limited and has no range")
+
+
+def _holder(element: etree._Element) -> str:
+    parent = element.getparent()
+    return str(parent.tag) if parent is not None else ""
+
+
+def _may_inherit(element: etree._Element, attribute: str, root: etree._Element) -> bool:
+    """Whether a default has an attribute for elements of a kind; which class is meant does not matter here."""
+    return _is_default(element) or any(
+        _is_default(other) and other.get(attribute) for other in elements_of(root, element.tag)
+    )
+
+
+def _inertial(inertial: etree._Element, root: etree._Element) -> Iterator[Hit]:
+    body = inertial.getparent()
+    if body is None or body.tag != "body":
+        return
+    about, compiler = _about(body), root.find("compiler")
+    mass = numbers(inertial.get("mass"), 1)
+    if inertial.get("mass") is None:
+        yield Hit("missing-mass", inertial, f"the inertial of {about} has no mass")
+    if compiler is not None and any(compiler.get(name) for name in ("boundmass", "boundinertia", "balanceinertia")):
+        return
+    moves = any(child.tag in {"joint", "freejoint"} for child in body)
+    if mass and mass[0] <= 0.0 and moves:
+        yield Hit("mass-not-positive", inertial, f"the mass of {about} is {mass[0]:g}")
+    if found := numbers(inertial.get("fullinertia"), 6):
+        moments = list(found)
+    elif diagonal := numbers(inertial.get("diaginertia"), 3):
+        moments = [*diagonal, 0.0, 0.0, 0.0]
+    else:
+        return
+    if moves and (rule := fault_of_inertia(moments)):
+        what = "breaks the triangle inequality" if "triangle" in rule else "is not positive definite"
+        yield Hit(rule, inertial, f"the inertia of {about} {what}")
+
+
+def _geoms(model: Model) -> Iterator[Hit]:
+    root = model.root
+    for geom in elements_of(root, "geom"):
+        if _holder(geom) not in {*BODIES, "default"}:
+            continue
+        kind = geom.get("type")
+        if kind is not None and kind not in GEOMS:
+            near = did_you_mean(kind, GEOMS)
+            message = f"{_about(geom)} has the type {shown(kind)}"
+            yield Hit("unknown-geom-type", geom, f"{message}: {near}" if near else message)
+        elif kind in _SIZED and not geom.get("size") and not geom.get("mesh") and not _may_inherit(geom, "size", root):
+            yield Hit("missing-size", geom, f"{_about(geom)} of type {kind} has no size")
+    compiler = root.find("compiler")
+    folder = (compiler.get("meshdir") or compiler.get("assetdir") or "") if compiler is not None else ""
+    strip = compiler is not None and compiler.get("strippath") == "true"
+    for mesh in elements_of(root, "mesh"):
+        file = mesh.get("file")
+        if not file or _holder(mesh) != "asset":
+            continue
+        path = model.path.parent / folder / (Path(file).name if strip else file)
+        if not path.is_file():
+            yield Hit("missing-mesh", mesh, f"the mesh file {shown(str(Path(folder) / file))} is not there")

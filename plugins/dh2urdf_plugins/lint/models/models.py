@@ -1,0 +1,155 @@
+"""Inspects SDF and MJCF of any origin: what their consumers will do with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import yaml
+from lxml import etree
+
+from dh2urdf.documents import read_bytes
+from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import inertia_problem
+from dh2urdf.source import Mark
+from dh2urdf.stages import Finding, Inspection
+from dh2urdf_plugins.lint.document.tree import numbers_of
+from dh2urdf_plugins.lint.rules import Rule, rule_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from dh2urdf.robot import Robot
+
+FILE = "{urn:dh2urdf}file"
+"""An attribute of the outermost element of each file: its path."""
+LONGEST = 2**26
+"""Size of a model that is inspected [B]."""
+CONSUMERS = {
+    "sdf": {"gazebo": "Gazebo: sdformat", "drake": "Drake", "pybullet": "PyBullet"},
+    "mjcf": {"mujoco": "MuJoCo", "drake": "Drake", "pybullet": "PyBullet"},
+}
+"""The readers of each format that its rules speak of, by the names that ``--for`` takes."""
+
+
+class Hit(NamedTuple):
+    """A place where a rule is broken.
+
+    Attributes:
+        rule: the rule's name without the format.
+        at: the element.
+        message: what stands there.
+    """
+
+    rule: str
+    at: etree._Element
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A model as it stands in its file.
+
+    Attributes:
+        root: the outermost element.
+        path: the file.
+    """
+
+    root: etree._Element
+    path: Path
+
+
+@cache
+def model_rules(name: str) -> dict[str, Rule]:
+    """The rules of a format by name, in the order of their table."""
+    text = Path(__file__).with_name(f"{name}_rules.yaml").read_text("utf-8")
+    table = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
+    return {rule: rule_of(rule, CONSUMERS[name], **entry) for rule, entry in table.items()}
+
+
+def inspect_model(
+    path: Path, name: str, tag: str, hits: Callable[[Model], Iterable[Hit]], read: Callable[[Path], Robot]
+) -> Inspection:
+    """What there is to say of a model.
+
+    Args:
+        path: the file.
+        name: the format.
+        tag: its outermost element.
+        hits: finds the faults of a model.
+        read: reads the robot of a file, or raises an error of dh2urdf.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    content = read_bytes(path, InputError, limit=LONGEST)
+    try:
+        root = parsed(content, path)
+    except etree.XMLSyntaxError as error:
+        line, column = error.position
+        mark = Mark(file=str(path), line=max(line, 1), column=max(column, 1))
+        return _inspection(name, [_finding(name, "not-xml", f"this is not XML: {error.msg}", mark)])
+    if root.tag != tag:
+        message = f"the outermost element is {root.tag}, not {tag}"
+        return _inspection(name, [_finding(name, f"not-{tag}", message, mark_of(root))])
+    found = [_finding(name, hit.rule, hit.message, mark_of(hit.at)) for hit in hits(Model(root, path))]
+    robot: Robot | None
+    try:
+        robot = read(path)
+    except Dh2UrdfError:  # What is wrong is said by findings; a model need not be an arm.
+        robot = None
+    return _inspection(name, sorted(found, key=lambda finding: finding.mark.line or 0 if finding.mark else 0), robot)
+
+
+def parsed(content: bytes, path: Path) -> etree._Element:
+    """The outermost element of a text; entities are not expanded, and nothing is fetched.
+
+    Raises:
+        etree.XMLSyntaxError: it is not well-formed XML.
+    """
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True
+    )
+    root = etree.fromstring(content, parser)
+    root.set(FILE, str(path))
+    return root
+
+
+def mark_of(element: etree._Element) -> Mark:
+    """The place of an element; what was included has the file that it is in."""
+    line: Any = element.sourceline  # the stubs of lxml say that it may be an ellipsis
+    at: etree._Element | None = element
+    while at is not None and at.get(FILE) is None:
+        at = at.getparent()
+    return Mark(file=(at.get(FILE) if at is not None else None) or "", line=line)
+
+
+def elements_of(root: etree._Element, *tags: str) -> Iterator[etree._Element]:
+    """The elements of some names, in the order of the file; all where none is named."""
+    yield from root.iter(*(tags or (etree.Element,)))
+
+
+def numbers(text: str | None, count: int) -> tuple[float, ...] | None:
+    """As many finite numbers as a text should have; None where it has something else."""
+    return numbers_of(text, count)
+
+
+def fault_of_inertia(moments: Sequence[float]) -> str | None:
+    """The rule that ixx, iyy, izz, ixy, ixz, iyz break; None where they are those of a body."""
+    xx, yy, zz, xy, xz, yz = moments
+    problem = inertia_problem(Inertia(ixx=xx, iyy=yy, izz=zz, ixy=xy, ixz=xz, iyz=yz))
+    if problem is None:
+        return None
+    return "inertia-triangle-inequality" if "triangle" in problem else "inertia-not-positive-definite"
+
+
+def _finding(name: str, rule: str, message: str, mark: Mark) -> Finding:
+    found = model_rules(name)[f"{name}-{rule}"]
+    return Finding(rule=found.name, message=message, mend=found.fix, effects=found.effects, mark=mark)
+
+
+def _inspection(name: str, findings: list[Finding], robot: Robot | None = None) -> Inspection:
+    return Inspection(consumers=CONSUMERS[name], findings=tuple(findings), robot=robot)

@@ -1,0 +1,259 @@
+"""Rules about SDF, as its specification (http://sdformat.org/spec) and its readers have it."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+from typing import TYPE_CHECKING
+from urllib.parse import unquote
+
+from dh2urdf.rotations import norm
+from dh2urdf.source import did_you_mean, shown
+from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, fault_of_inertia, inspect_model, numbers
+from dh2urdf_plugins.read_back.sdf_reader import read_sdf
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from lxml import etree
+
+    from dh2urdf.stages import Inspection
+
+VERSIONS = tuple(f"1.{minor}" for minor in range(13))
+TYPES = ("revolute", "prismatic", "fixed", "continuous", "ball", "universal", "screw", "gearbox", "revolute2")
+WITH_AXIS = ("revolute", "prismatic", "continuous", "universal", "screw", "gearbox", "revolute2")
+CHILDREN = {
+    "joint": (
+        "parent child pose axis axis2 physics sensor thread_pitch screw_thread_pitch gearbox_ratio angle "
+        "gearbox_reference_body frame"
+    ),
+    "axis": "xyz limit dynamics mimic use_parent_model_frame initial_position",
+    "limit": "lower upper effort velocity stiffness dissipation cfm erp",
+    "inertial": "mass inertia pose density fluid_added_mass frame auto_inertia_params",
+    "inertia": "ixx ixy ixz iyy iyz izz",
+}
+"""The elements in those of which a misspelt one changes how the model moves, old and new versions together."""
+_SCALARS = ("mass", "lower", "upper", "effort", "velocity", "radius", "length")
+_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_VALUES = {**dict.fromkeys(_SCALARS + _MOMENTS, 1), "xyz": 3, "size": 3, "pose": 6}
+"""How many numbers there are in an element."""
+_IN = ("inertial", "inertia", "limit", "axis", "axis2", "box", "cylinder", "sphere", "capsule", "link", "model")
+_UNIT = 1e-5
+_NAMED = ("model", "link", "joint", "frame")
+
+
+def inspect_sdf(path: Path) -> Inspection:
+    """What there is to say of an SDF.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    return inspect_model(path, "sdf", "sdf", hits, read_sdf)
+
+
+def hits(model: Model) -> Iterator[Hit]:
+    """What there is to say of the models of a file."""
+    root = model.root
+    version = root.get("version")
+    if version is None:
+        yield Hit("no-version", root, "sdf has no version")
+    elif version not in VERSIONS:
+        yield Hit("unknown-version", root, f"the version is {shown(version)}")
+    models = list(elements_of(root, "model"))
+    if not models and root.find("world") is None and root.find("actor") is None and root.find("light") is None:
+        yield Hit("no-model", root, "there is no model")
+    for element in models:
+        yield from _model(element)
+    for tags, rule in (
+        ((*CHILDREN, "axis2"), _children),
+        (tuple(_VALUES), _value),
+        (("joint",), _axes),
+        (("link",), _body),
+        (("visual", "collision"), partial(_shape, path=model.path)),
+        (("include",), partial(_include, path=model.path)),
+    ):
+        for element in elements_of(root, *tags):
+            yield from rule(element)
+
+
+def _name(element: etree._Element) -> str:
+    return f"{element.tag} {shown(element.get('name') or '')}"
+
+
+def _text(element: etree._Element, path: str) -> str:
+    return (element.findtext(path) or "").strip()
+
+
+def _model(model: etree._Element) -> Iterator[Hit]:
+    """Names, and what the joints and frames of a model say of each other."""
+    if not model.get("name"):
+        yield Hit("missing-name", model, "a model has no name")
+    parts = [child for child in model if child.tag in _NAMED]
+    has_more = any(child.tag in {"include", "model"} for child in model)
+    if not has_more and model.find("link") is None:
+        yield Hit("no-link", model, f"{_name(model)} has no link")
+    kinds: dict[str, str] = {}
+    for part in parts:
+        name = part.get("name")
+        if not name:
+            yield Hit("missing-name", part, f"a {part.tag} has no name")
+        elif name == "world" or re.fullmatch(r"__.*__", name):
+            yield Hit("reserved-name", part, f"{_name(part)} has a name that is reserved")
+        elif name in kinds:
+            rule = "duplicate-name" if kinds[name] == part.tag == "link" else "shared-name"
+            yield Hit(rule, part, f"{_name(part)} has the name of a {kinds[name]}")
+        kinds.setdefault(name or "", part.tag)
+    yield from _joints(model, kinds, has_more=has_more)
+    for part in parts:
+        yield from _frames(part, {*kinds, "__model__", "world"}, has_more=has_more)
+
+
+def _frames(part: etree._Element, frames: set[str], *, has_more: bool) -> Iterator[Hit]:
+    """What a part of a model is placed by."""
+    for element, attribute in ((part.find("pose"), "relative_to"), (part, "attached_to")):
+        target = element.get(attribute) if element is not None else None
+        if element is None or not target:
+            continue
+        if target not in frames and "::" not in target and not has_more:
+            near = did_you_mean(target, frames)
+            message = f"{attribute} of {_name(part)} is {shown(target)}, which is not there"
+            yield Hit("undefined-frame", element, f"{message}: {near}" if near else message)
+        elif attribute == "relative_to" and part.tag == "link" and target != "__model__":
+            yield Hit("relative-pose", element, f"the pose of {_name(part)} is relative to {shown(target)}")
+
+
+def _joints(model: etree._Element, kinds: dict[str, str], *, has_more: bool) -> Iterator[Hit]:
+    parents: dict[str, str] = {}
+    for joint in model.findall("joint"):
+        about, kind = _name(joint), joint.get("type") or ""
+        if kind not in TYPES:
+            near = did_you_mean(kind, TYPES)
+            message = f"{about} has the type {shown(kind)}"
+            yield Hit("unknown-joint-type", joint, f"{message}: {near}" if near else message)
+        for end in ("parent", "child"):
+            element, target = joint.find(end), _text(joint, end)
+            if element is None or not target:
+                yield Hit("missing-parent-or-child", joint, f"{about} has no {end}")
+            elif target == "world" and end == "parent":
+                yield Hit("world-parent", element, f"the parent of {about} is the world")
+            elif target not in kinds and "::" not in target and target != "__model__" and not has_more:
+                near = did_you_mean(target, kinds)
+                message = f"the {end} of {about} is {shown(target)}, which is not there"
+                yield Hit("undefined-link", element, f"{message}: {near}" if near else message)
+        parent, child = _text(joint, "parent"), _text(joint, "child")
+        if child and parent:
+            yield from _tree(joint, parent, child, parents)
+
+
+def _tree(joint: etree._Element, parent: str, child: str, parents: dict[str, str]) -> Iterator[Hit]:
+    """Says where a joint closes a chain; `parents` has the links above each link so far."""
+    if child in parents:
+        yield Hit("several-parents", joint, f"{_name(joint)} holds link {shown(child)}, which another joint holds")
+        return
+    above, seen = parent, set[str]()
+    while above in parents and above not in seen:
+        seen.add(above)
+        above = parents[above]
+    if child in {parent, above, *seen}:
+        yield Hit("cycle", joint, f"{_name(joint)} closes a circle")
+        return
+    parents[child] = parent
+
+
+def _children(element: etree._Element) -> Iterator[Hit]:
+    known = CHILDREN["axis" if element.tag == "axis2" else element.tag].split()
+    holder = element.getparent()
+    if holder is None or (element.tag == "limit" and holder.tag not in {"axis", "axis2"}):
+        return
+    for child in element:
+        if isinstance(child.tag, str) and child.tag not in known and not {":", "{"} & set(child.tag):
+            near = did_you_mean(child.tag, known)
+            message = f"a {element.tag} has no element {shown(child.tag)}"
+            yield Hit("unknown-element", child, f"{message}: {near}" if near else message)
+
+
+def _value(element: etree._Element) -> Iterator[Hit]:
+    parent = element.getparent()
+    if parent is None or parent.tag not in _IN or (element.tag == "pose" and element.get("rotation_format")):
+        return
+    count, text = _VALUES[element.tag], (element.text or "").strip()
+    if element.tag == "pose" and not text:
+        return
+    if numbers(text, count) is None and text.lower().lstrip("+-") not in {"inf", "infinity"}:
+        what = "one finite number" if count == 1 else f"{count} finite numbers"
+        rule = "invalid-number" if count == 1 else "invalid-vector"
+        yield Hit(rule, element, f"{element.tag} of {parent.tag} is {shown(text)}, not {what}")
+
+
+def _axes(joint: etree._Element) -> Iterator[Hit]:
+    kind, about = joint.get("type") or "", _name(joint)
+    if kind in WITH_AXIS and joint.find("axis") is None:
+        yield Hit("missing-axis", joint, f"{about} has no axis")
+    for axis in (child for child in joint if child.tag in {"axis", "axis2"}):
+        xyz = axis.find("xyz")
+        if xyz is None:
+            yield Hit("missing-axis-direction", axis, f"the axis of {about} has no xyz")
+        elif direction := numbers(xyz.text, 3):
+            length = norm((direction[0], direction[1], direction[2]))
+            if length < _UNIT:
+                yield Hit("axis-zero", xyz, f"the axis of {about} has the length 0")
+            elif abs(length - 1.0) > _UNIT:
+                yield Hit("axis-not-unit", xyz, f"the axis of {about} has the length {length:.6g}")
+        if kind in {"revolute", "prismatic"} and axis.find("limit") is None:
+            yield Hit("missing-limit", axis, f"{about} is {kind} and has no limit")
+        ends = [numbers(_text(axis, f"limit/{end}"), 1) for end in ("lower", "upper")]
+        if ends[0] and ends[1] and ends[0] > ends[1]:
+            yield Hit("swapped-limits", axis[-1], f"{about} has lower {ends[0][0]:g} and upper {ends[1][0]:g}")
+
+
+def _body(link: etree._Element) -> Iterator[Hit]:
+    inertial = link.find("inertial")
+    if inertial is None:
+        yield Hit("missing-inertial", link, f"{_name(link)} has no inertial")
+        return
+    mass = numbers(_text(inertial, "mass"), 1)
+    if mass and mass[0] <= 0.0:
+        rule = "zero-mass" if mass[0] == 0.0 else "negative-mass"
+        yield Hit(rule, next(inertial.iterfind("mass")), f"the mass of {_name(link)} is {mass[0]:g}")
+    inertia = inertial.find("inertia")
+    if inertia is None:
+        return
+    default = {"ixx": "1", "iyy": "1", "izz": "1"}
+    moments = [
+        numbers(_text(inertia, name) or default.get(name, "0"), 1)
+        for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    ]
+    values = [moment[0] for moment in moments if moment]
+    if len(values) < len(moments) or (mass and mass[0] == 0.0 and not any(values)):
+        return
+    if fault := fault_of_inertia(values):
+        what = "breaks the triangle inequality" if "triangle" in fault else "is not positive definite"
+        yield Hit(fault, inertia, f"the inertia of {_name(link)} {what}")
+
+
+def _shape(shape: etree._Element, path: Path) -> Iterator[Hit]:
+    geometry = shape.find("geometry")
+    link = shape.getparent()
+    about = f"{_name(shape)} of {_name(link) if link is not None else 'nothing'}"
+    if geometry is None or not len(geometry):
+        yield Hit("missing-geometry", shape, f"{about} has no geometry")
+        return
+    for element in geometry.iter("size", "radius", "length"):
+        size, holder = numbers(element.text, 3 if element.tag == "size" else 1), element.getparent()
+        if size and min(size) <= 0.0 and holder is not None and holder.tag != "plane":
+            text = shown((element.text or "").strip())
+            yield Hit("size-not-positive", element, f"{element.tag} of {about} is {text}")
+    for element in geometry.iterfind("mesh/uri"):
+        address = (element.text or "").strip()
+        if "://" not in address and address and not (path.parent / unquote(address)).is_file():
+            yield Hit("missing-mesh", element, f"the mesh {shown(address)} of {about} is not there")
+
+
+def _include(include: etree._Element, path: Path) -> Iterator[Hit]:
+    address = _text(include, "uri")
+    name = address.partition("://")[2] or address
+    folders = (path.parent, path.parent.parent)
+    if not address.startswith(("http", "package")) and not any((folder / name).exists() for folder in folders):
+        at = include.find("uri")
+        yield Hit("missing-include", include if at is None else at, f"{shown(address)} is not beside the file")

@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.studio.editing.conversions import with_convention, with_units
+from dh2urdf.studio.editing.reading import make, read_whole
+from dh2urdf.table_text import TableText, table_text
+
+if TYPE_CHECKING:
+    from conftest import ReferenceRobot
+
+    from dh2urdf.plugin_system.catalog import Catalog
+
+OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
+ARM = Manipulator(
+    name="arm",
+    convention=Convention.STANDARD,
+    rows=(
+        DHRow(
+            joint="one",
+            link="link_1",
+            a=0.3,
+            alpha=0.7,
+            d=0.2,
+            mass=3.0,
+            com=(-0.1, 0.02, 0.03),
+            inertia=Inertia(ixx=0.02, iyy=0.03, izz=0.04, ixy=0.001, ixz=0.002, iyz=0.003),
+            limits=Limits(lower=-1.0, upper=2.0, velocity=3.0, effort=4.0),
+        ),
+        DHRow(joint="two", link="link_2", type=JointType.PRISMATIC, a=0.1, alpha=-1.1, d=0.0, theta=0.4, offset=0.05),
+        DHRow(
+            joint="three", link="link_3", a=0.0, alpha=0.3, d=-0.1, offset=0.2, sign=-1, mass=1.0, com=(0.0, 0.1, 0.0)
+        ),
+    ),
+    base=RigidTransform.from_xyz_rpy((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)),
+    tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.1)),
+)
+
+
+def arm_of(table: TableText, catalog: Catalog) -> Manipulator:
+    reading = read_whole(table, catalog)
+    assert reading.manipulator is not None, "\n".join(found.text for found in reading.problems)
+    return reading.manipulator
+
+
+def assert_same_motion(one: Manipulator, other: Manipulator) -> None:
+    for scale in (0.0, 0.4, -1.3):
+        q = [scale * (number + 1) % 2.0 for number in range(len(one.moving_rows))]
+        here, there = forward_kinematics(one, q), forward_kinematics(other, q)
+        assert position_error(here, there) <= 1e-12 * max(1.0, sum(abs(row.a) + abs(row.d) for row in one.rows))
+        assert angle_error(here, there) <= 1e-9
+
+
+class TestConvention:
+    def test_a_published_arm_is_the_same_arm(self, reference_robot: ReferenceRobot, catalog: Catalog) -> None:
+        """T(q) of a table in the other convention is T(q) of the table, and of the table converted back."""
+        arm = reference_robot.manipulator
+        there = with_convention(table_text(arm), arm, OTHER[arm.convention])
+        converted = arm_of(there, catalog)
+        assert converted.convention is OTHER[arm.convention]
+        assert_same_motion(arm, converted)
+        back = arm_of(with_convention(there, converted, arm.convention), catalog)
+        assert_same_motion(arm, back)
+
+    def test_texts_move_as_they_are(self, catalog: Catalog) -> None:
+        """`pi/2` stays `pi/2` in the row where it goes; nothing is left for base or tool where the ends are plain."""
+        rows = ({"a": "0", "alpha": "pi/2", "d": "0.1"}, {"a": "0.3", "alpha": "0", "d": "0"})
+        table = TableText(name="x", convention="standard", rows=rows)
+        there = with_convention(table, arm_of(table, catalog), Convention.MODIFIED)
+        assert [(row["a"], row["alpha"], row["d"]) for row in there.rows] == [("0", "0", "0.1"), ("0", "pi/2", "0")]
+        assert (there.base, there.tool) == ("", "{xyz: [0.3, 0, 0]}")
+        assert with_convention(there, arm_of(there, catalog), Convention.STANDARD) == table
+
+    def test_bodies_stay_where_they_are(self, catalog: Catalog) -> None:
+        """Centres of mass and inertias, given in DH frames, are the same bodies of the robot in either convention."""
+        table = table_text(ARM)
+        arm = arm_of(table, catalog)
+        there = with_convention(table, arm, Convention.MODIFIED)
+        for one, other in zip(_bodies(table, catalog), _bodies(there, catalog), strict=True):
+            assert one == pytest.approx(other, abs=1e-12)
+
+    def test_the_same_convention_is_no_change(self, catalog: Catalog) -> None:
+        """A table in the convention that is wanted stays as it is."""
+        table = table_text(ARM)
+        assert with_convention(table, arm_of(table, catalog), Convention.STANDARD) == table
+
+
+def _bodies(table: TableText, catalog: Catalog) -> list[list[float]]:
+    """Mass, centre of mass and inertia of the links whose rows give them, in frames parallel to the base."""
+    made = make(arm_of(table, catalog), "exact", table, catalog)
+    assert made.robot is not None
+    links = {link.name: link.inertial for link in made.robot.links}
+    origins = {joint.child: joint.origin.xyz for joint in made.robot.joints}
+    found = []
+    position = (0.0, 0.0, 0.0)
+    for name in ("link_1", "link_2", "link_3"):
+        position = tuple(x + y for x, y in zip(position, origins[name], strict=True))  # type: ignore[assignment]
+        inertial = links[name]
+        assert inertial is not None
+        if name == "link_1":
+            i = inertial.inertia
+            com = [x + y for x, y in zip(position, inertial.com, strict=True)]
+            found.append([inertial.mass, *com, i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz])
+        if name == "link_3":
+            found.append([inertial.mass, *(x + y for x, y in zip(position, inertial.com, strict=True))])
+    return found
+
+
+class TestUnits:
+    def test_a_published_arm_is_the_same_arm(self, reference_robot: ReferenceRobot, catalog: Catalog) -> None:
+        """The table in millimetres and degrees has the same numbers, to the rounding of a degree."""
+        arm = reference_robot.manipulator
+        there = with_units(table_text(arm), arm, "mm", "deg")
+        converted = arm_of(there, catalog)
+        for one, other in zip(arm.rows, converted.rows, strict=True):
+            assert (one.a, one.d) == (other.a, other.d)
+            for name in ("alpha", "theta", "offset"):
+                assert math.isclose(getattr(one, name), getattr(other, name), rel_tol=1e-15)
+        assert_same_motion(arm, converted)
+
+    def test_cells_with_a_unit_stay(self, catalog: Catalog) -> None:
+        """Only texts without a unit are written anew, symbols of the joint variable kept in them."""
+        rows = (
+            {
+                "type": "R",
+                "a": "0.3",
+                "alpha": "90°",
+                "d": "120 mm",
+                "theta": "q1 - pi/2",
+                "lower": "-pi",
+                "upper": "pi",
+            },
+            {"type": "P", "a": "1/4", "alpha": "-pi/2", "d": "0.1 - q2", "theta": "0", "lower": "0", "upper": "0.2"},
+        )
+        table = TableText(name="x", convention="standard", base="{xyz: [0, 0, 0.3]}", rows=rows)
+        there = with_units(table, arm_of(table, catalog), "mm", "deg")
+        assert there.rows == (
+            {
+                "type": "R",
+                "a": "300",
+                "alpha": "90°",
+                "d": "120 mm",
+                "theta": "q1 - 90",
+                "lower": "-180",
+                "upper": "180",
+            },
+            {"type": "P", "a": "250", "alpha": "-90", "d": "-q2 + 100", "theta": "0", "lower": "0", "upper": "200"},
+        )
+        assert there.base == "{xyz: [0, 0, 300]}"
+        assert arm_of(there, catalog) == arm_of(table, catalog)
+
+    def test_there_and_back(self, catalog: Catalog) -> None:
+        """Lengths come back to the letter, multiples of π to their names."""
+        table = replace(table_text(ARM), base="", tool="")
+        arm = arm_of(table, catalog)
+        there = with_units(table, arm, "mm", "deg")
+        back = with_units(there, arm_of(there, catalog), "m", "rad")
+        assert [row["a"] for row in back.rows] == [row["a"] for row in table.rows]

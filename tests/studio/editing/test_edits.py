@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, strategies as st
+
+from dh2urdf.studio.editing import edits
+from dh2urdf.table_text import TableText
+
+EMPTY = TableText()
+THREE = edits.with_cells(edits.resized(EMPTY, 3), {(0, "a"): "1", (1, "a"): "2", (2, "a"): "3"})
+COLUMNS = ("joint", "a", "alpha", "d")
+
+
+def column(table: TableText, field: str) -> list[str]:
+    return [row.get(field, "") for row in table.rows]
+
+
+def test_new_rows_have_a_name_and_a_type() -> None:
+    """The number of axes gives so many revolute joints, called as the readers would call them."""
+    assert edits.resized(EMPTY, 2).rows == (
+        {"joint": "joint_1", "type": "revolute"},
+        {"joint": "joint_2", "type": "revolute"},
+    )
+
+
+@given(st.integers(0, 20), st.integers(0, 20))
+def test_any_number_of_axes(first: int, second: int) -> None:
+    """The table has as many rows as were asked for, names that differ, and the old rows as far as they are kept."""
+    table = edits.resized(edits.resized(EMPTY, first), second)
+    names = column(table, "joint")
+    assert len(set(names)) == len(names) == second
+    assert names[:first] == [f"joint_{number}" for number in range(1, min(first, second) + 1)]
+
+
+def test_there_is_a_bound() -> None:
+    """Nobody gets a table that no browser can show."""
+    assert len(edits.resized(EMPTY, 10**9).rows) == edits.MOST_ROWS
+    assert len(edits.inserted(edits.resized(EMPTY, edits.MOST_ROWS), 3).rows) == edits.MOST_ROWS
+
+
+def test_rows_are_inserted_removed_and_moved() -> None:
+    """Rows change places with all that stands in them; names that the studio gave stay in order."""
+    assert column(edits.inserted(THREE, 1), "a") == ["1", "", "2", "3"]
+    assert column(edits.removed(THREE, 1), "a") == ["1", "3"]
+    assert column(edits.moved(THREE, 0, 2), "a") == ["2", "3", "1"]
+    assert column(edits.moved(THREE, 0, 2), "joint") == ["joint_1", "joint_2", "joint_3"]
+    named = edits.with_cell(THREE, 0, "joint", "base_joint")
+    assert column(edits.moved(named, 0, 2), "joint") == ["joint_2", "joint_3", "base_joint"]
+    assert edits.moved(THREE, 0, 3) == THREE
+
+
+def test_a_cell_is_one_line_of_what_a_file_can_hold() -> None:
+    """Line ends and characters that no text file has become spaces, long texts are cut."""
+    table = edits.with_cell(THREE, 0, "joint", " a\nb\x00c\t")
+    assert table.rows[0]["joint"] == "a b c"
+    assert len(edits.with_cell(THREE, 0, "a", "1" * 10_000).rows[0]["a"]) == edits.LONGEST_TEXT
+    assert "a" not in edits.with_cell(THREE, 0, "a", "  ").rows[0]
+
+
+@pytest.mark.parametrize(("row", "field"), [(3, "a"), (-1, "a"), (0, "beta")])
+def test_there_are_no_other_cells(row: int, field: str) -> None:
+    """A page that speaks of a cell which there is not is told so, and changes nothing."""
+    with pytest.raises(LookupError):
+        edits.with_cell(THREE, row, field, "1")
+
+
+def test_cells_of_a_spreadsheet_are_pasted() -> None:
+    """Lines of cells go in from the cursor on, and rows are added for them."""
+    table = edits.pasted(THREE, 2, "a", "0.1\tpi/2\t0.2\tbeyond\r\n0.3\t0\t\r\n", COLUMNS)
+    assert column(table, "a") == ["1", "2", "0.1", "0.3"]
+    assert column(table, "alpha") == ["", "", "pi/2", "0"]
+    assert column(table, "d") == ["", "", "0.2", ""]
+
+
+def test_a_row_begins_with_its_geometry() -> None:
+    """Names and types are filled in before a person begins, and do not count."""
+    assert edits.begun(edits.resized(EMPTY, 4)) == 0
+    assert edits.begun(edits.resized(THREE, 6)) == 3

@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.errors import InputError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.studio.editing.opening import open_tables
+from dh2urdf.studio.editing.reading import read_whole
+
+if TYPE_CHECKING:
+    from dh2urdf.plugin_system.catalog import Catalog
+
+REFERENCE = Path(__file__).parents[2] / "reference" / "inputs"
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
+
+NO_TEXTS = ("header_a_mm_d_m.csv",)
+"""Tables whose texts no table of the studio can hold as they stand: two units of length."""
+
+
+def accepted() -> list[str]:
+    records = json.loads((REFERENCE / "expected.json").read_text("utf-8"))
+    items = records.items() if isinstance(records, dict) else ((record["file"], record) for record in records)
+    return [name for name, record in items if isinstance(record, dict) and record.get("outcome") == "accept"]
+
+
+@pytest.mark.parametrize("name", accepted())
+def test_any_table_that_a_reader_takes_can_be_opened(name: str, catalog: Catalog) -> None:
+    """What the tables of real people say is said by their texts too, and the arm is the same."""
+    path = REFERENCE / name
+    reader = catalog.reader_for(path)
+    try:
+        arms = [item for item in reader.read(path, reader.options()) if isinstance(item, Manipulator)]
+    except InputError:
+        arms = []
+    if not arms and name in NO_TEXTS:
+        with pytest.raises(InputError, match="does not say which Denavit-Hartenberg convention"):
+            open_tables(path, catalog)
+        return
+    if not arms:  # it does not say its convention
+        ((table, _),) = open_tables(path, catalog)
+        assert not table.convention
+        (arm,) = reader.read(path, reader.options(convention="modified"))
+        assert read_whole(replace(table, convention="modified"), catalog).manipulator == arm
+        return
+    for arm, opened in zip(arms, open_tables(path, catalog), strict=True):
+        assert read_whole(opened.table, catalog).manipulator == arm
+        assert opened.lost == ()
+
+
+def test_the_texts_of_a_file_are_kept(catalog: Catalog) -> None:
+    """`pi/2` and `-130°` are what the file says, and what is shown."""
+    ((table, _),) = open_tables(TABLES / "scara.csv", catalog)
+    assert table.rows[1]["alpha"] == "pi"
+    assert table.rows[0]["lower"] == "-130°"
+
+
+def test_all_numbers_of_a_joint_are_kept(catalog: Catalog, tmp_path: Path) -> None:
+    """Masses, friction and armature are columns of the table too."""
+    path = tmp_path / "arm.yaml"
+    path.write_text(
+        "convention: standard\njoints:\n"
+        "  - {a: 1, alpha: 0, d: 0, mass: 2, com: [0, 0, 0.1], damping: 0.1, friction: 0.2, armature: 0.3}\n"
+    )
+    ((table, lost),) = open_tables(path, catalog)
+    assert lost == ()
+    assert {"mass": "2", "com_z": "0.1", "damping": "0.1", "friction": "0.2", "armature": "0.3"}.items() <= table.rows[
+        0
+    ].items()
+
+
+def test_what_a_table_cannot_hold_is_told(catalog: Catalog, tmp_path: Path) -> None:
+    """A mesh has no cell: the arm is opened without it, and that is said."""
+    (tmp_path / "link.stl").write_text("solid x\nendsolid x\n")
+    path = tmp_path / "arm.yaml"
+    path.write_text(
+        "convention: standard\nvisuals: none\njoints:\n"
+        "  - {a: 1, alpha: 0, d: 0}\n  - {name: bare, a: 1, alpha: 0, d: 0, collision: link.stl}\n"
+    )
+    ((table, lost),) = open_tables(path, catalog)
+    assert [row["a"] for row in table.rows] == ["1", "1"]
+    assert lost == ("visuals", "collision of bare")
+
+
+def test_a_run_file_is_no_table(catalog: Catalog) -> None:
+    """It is told what it is, and where its robots are shown."""
+    with pytest.raises(InputError, match=r"ur5\.yaml: error: this is a run file, not a table\n.*`dh2urdf view`"):
+        open_tables(TABLES.parent / "ur5.yaml", catalog)

@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import io
+import zipfile
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import InputError
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import edits, save
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from dh2urdf.plugin_system.catalog import Catalog
+
+EXHIBITS = [item.file for item in gallery.exhibits()]
+
+
+@pytest.mark.parametrize("variant", ["exact", "paper"])
+@pytest.mark.parametrize("form", ["csv", "yaml"])
+@pytest.mark.parametrize("robot", ["urdf", "xacro"])
+def test_files_are_those_of_convert(
+    catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, *, variant: str, form: str, robot: str
+) -> None:
+    """Byte by byte what `dh2urdf convert` makes of the saved table, in whichever format it was saved."""
+    table = gallery.exhibit("ur5_paper.csv", catalog)
+    saved = save.table_file(table, form, catalog)
+    (tmp_path / saved.name).write_bytes(saved.content)
+    made = save.robot_file(table, robot, variant, catalog)
+    answer = cli("convert", saved.name, "--to", robot, "--variant", variant)
+    assert made.content == answer.stdout.encode()
+
+
+@pytest.mark.parametrize("file", EXHIBITS)
+def test_the_gallery_is_converted_alike(file: str, catalog: Catalog, cli: Callable[..., Any], tmp_path: Path) -> None:
+    """The URDF of every arm of the gallery is that of its table, opened and saved again or not."""
+    table = gallery.exhibit(file, catalog)
+    saved = save.table_file(table, "csv", catalog)
+    (tmp_path / saved.name).write_bytes(saved.content)
+    made = save.robot_file(table, "urdf", "exact", catalog)
+    assert made.proof is not None
+    assert made.proof.holds
+    assert made.content == cli("convert", saved.name).stdout.encode()
+
+
+def test_a_zip_of_all_runs(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path) -> None:
+    """The run file of the zip makes the robot descriptions of the zip, byte by byte; a zip is always the same bytes."""
+    table = replace(gallery.exhibit("ur5.csv", catalog), name="my arm: 1")
+    files = save.all_files(table, "exact", catalog)
+    content = save.zipped(files)
+    assert content == save.zipped(save.all_files(table, "exact", catalog))
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        archive.extractall(tmp_path)
+        names = archive.namelist()
+    (run,) = [name for name in names if name.endswith("_run.yaml")]
+    cli("run", run)
+    made = {path.name: path.read_bytes() for path in (tmp_path / "build").glob("*/my_arm*")}
+    robots = [name for name in names if not name.endswith((".csv", ".yaml"))]
+    assert {"my_arm__1.urdf", "my_arm__1.urdf.xacro", "my_arm__1.sdf", "my_arm__1.xml"} <= set(robots)
+    assert made == {name: (tmp_path / name).read_bytes() for name in robots}
+
+
+def test_a_wrong_table_is_not_made(catalog: Catalog) -> None:
+    """What cannot be read gives no robot, and says why."""
+    table = edits.with_cell(gallery.exhibit("ur5.csv", catalog), 1, "alpha", "wrong")
+    with pytest.raises(InputError, match="'wrong' cannot be read"):
+        save.robot_file(table, "urdf", "exact", catalog)
+    with pytest.raises(InputError, match="a is empty"):
+        save.all_files(edits.resized(gallery.exhibit("ur5.csv", catalog), 7), "exact", catalog)
+
+
+def test_only_formats_that_are_written(catalog: Catalog) -> None:
+    """Parquet is read and not written: it is not offered, and asking for it is refused."""
+    assert save.table_formats(catalog) == ("csv", "yaml")
+    with pytest.raises(InputError, match="does not write"):
+        save.table_file(gallery.exhibit("ur5.csv", catalog), "parquet", catalog)

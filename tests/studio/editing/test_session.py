@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.manipulator import Convention
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import edits
+from dh2urdf.studio.editing.session import Session
+from dh2urdf.table_text import TableText
+
+if TYPE_CHECKING:
+    from dh2urdf.plugin_system.catalog import Catalog
+
+
+@pytest.fixture
+def session(catalog: Catalog) -> Session:
+    return Session(catalog, gallery.exhibit("ur5.csv", catalog))
+
+
+def pose_of(session: Session, name: str) -> np.ndarray:
+    names = [node.name for node in session.drawing.nodes]
+    return as_matrices(session.drawing.poses(session.joint_values())[names.index(name)])
+
+
+def test_an_empty_table_has_no_arm(catalog: Catalog) -> None:
+    """Before anything is typed there is nothing to show, and nothing wrong."""
+    session = Session(catalog)
+    assert session.arm is None
+    assert session.pose is None
+    assert session.reading.errors == ()
+
+
+def test_the_last_good_arm_stays(session: Session) -> None:
+    """A wrong cell changes nothing on the screen; when it is right again, the arm follows."""
+    before = session.arm
+    session.edit(1, "a", "-0.4x5")
+    assert session.arm is before
+    assert session.reading.errors
+    session.edit(1, "a", "-0.5")
+    assert not session.reading.errors
+    assert session.arm is not None
+    assert session.arm.manipulator.rows[1].a == -0.5
+
+
+def test_no_arm_is_left_of_another_table(session: Session) -> None:
+    """Rows in which nothing stands yet are nobody's arm: the last good one is not shown for them."""
+    for row in range(6):
+        for field in set(session.table.rows[row]) - set(edits.NOT_GEOMETRY):
+            session.edit(row, field, "")
+    assert session.arm is None
+    assert session.drawing.nodes == ()
+    session.undo()
+    assert session.table.rows[5].keys() - set(edits.NOT_GEOMETRY)
+
+
+def test_a_table_without_a_convention_is_opened_without_an_arm(session: Session) -> None:
+    """The arm of the table before is not the last good one of this one; the convention brings its own."""
+    session.open(replace(session.table, convention=""))
+    assert session.arm is None
+    assert [found.field for found in session.reading.errors] == ["convention"]
+    session.set_convention(Convention.STANDARD, convert=False)
+    assert session.arm is not None
+
+
+def test_undo_brings_back_table_and_arm(session: Session) -> None:
+    """One step back, one forward, and a new edit forgets what was undone."""
+    session.edit(1, "a", "-0.5")
+    session.undo()
+    assert session.table.rows[1]["a"] == "-0.425"
+    assert session.arm is not None
+    assert session.arm.manipulator.rows[1].a == -0.425
+    session.redo()
+    assert session.table.rows[1]["a"] == "-0.5"
+    session.undo()
+    session.edit(2, "a", "-0.3")
+    session.redo()
+    assert session.table.rows[1]["a"] == "-0.425"
+
+
+class TestPreview:
+    def test_it_is_on_the_screen_and_in_no_table(self, session: Session) -> None:
+        """What is being typed moves the arm; when typing ends without a change, all is as it was."""
+        before = session.arm
+        assert session.preview(1, "a", "-0.9")
+        assert session.arm is not None
+        assert session.arm.manipulator.rows[1].a == -0.9
+        assert session.table.rows[1]["a"] == "-0.425"
+        session.look()
+        assert session.arm is not None
+        assert before is not None
+        assert session.arm.manipulator == before.manipulator
+        assert not session.previews
+
+    def test_half_a_number_changes_nothing(self, session: Session) -> None:
+        """`-0.` and `pi/` are on the way to something: the last good arm waits."""
+        before = session.arm
+        assert not session.preview(1, "a", "-0.9*")
+        assert session.arm is before
+
+    def test_beside_a_wrong_cell_the_last_good_arm_comes_back(self, session: Session) -> None:
+        """A preview of a table that is wrong elsewhere leaves no trace."""
+        session.edit(0, "d", "wrong")
+        good = session.arm
+        session.preview(0, "d", "0.5")
+        session.look()
+        assert session.arm is good
+
+
+def test_joint_values_stay_where_they_can(session: Session) -> None:
+    """An edit keeps the pose, inside limits that have become narrower."""
+    session.move({"elbow_joint": 2.0, "wrist_1_joint": 1.0})
+    session.edit(2, "upper", "1.5")
+    assert session.q["elbow_joint"] == 1.5
+    assert session.q["wrist_1_joint"] == 1.0
+
+
+def test_the_pose_is_the_dh_product(session: Session) -> None:
+    """The numbers, the link and the DH frame on the screen are one pose."""
+    session.move({name: 0.3 * number for number, name in enumerate(session.q)})
+    assert session.pose is not None
+    assert np.allclose(pose_of(session, "tool0"), as_matrices(session.pose), atol=1e-12)
+    assert np.allclose(pose_of(session, "frame 6"), as_matrices(session.pose), atol=1e-12)
+
+
+def test_reinterpreting_keeps_the_numbers(session: Session) -> None:
+    """The same numbers in the other convention are another arm; converted, they are the same arm."""
+    session.move(dict.fromkeys(session.q, 0.2))
+    before = session.pose
+    assert before is not None
+    rows = session.table.rows
+    session.set_convention(Convention.MODIFIED, convert=True)
+    assert session.pose is not None
+    assert np.allclose(as_matrices(session.pose), as_matrices(before), atol=1e-12)
+    session.undo()
+    session.set_convention(Convention.MODIFIED, convert=False)
+    assert session.table.rows == rows
+    assert session.pose is not None
+    assert not np.allclose(as_matrices(session.pose), as_matrices(before), atol=1e-3)
+
+
+def test_units_are_converted_or_reinterpreted(session: Session) -> None:
+    """-0.425 m is -425 mm; or the numbers stay, and the arm is a thousand times smaller."""
+    session.set_units("mm", "deg", convert=True)
+    assert session.table.rows[1]["a"] == "-425"
+    assert session.reach == pytest.approx(1.19251)
+    session.undo()
+    session.set_units("mm", "rad", convert=False)
+    assert session.table.rows[1]["a"] == "-0.425"
+    assert session.reach == pytest.approx(1.19251e-3)
+
+
+def test_the_paper_stands_beside_the_arm(session: Session) -> None:
+    """Side by side, both robots have poses of their own, and the distance of their tool0 is told."""
+    session.show_variant("both")
+    assert {"tool0", "paper/tool0"} <= {node.name for node in session.drawing.nodes}
+    assert session.paper_error is not None
+    distance, angle = session.paper_error
+    assert distance == pytest.approx(1.40983, abs=1e-4)
+    assert angle == pytest.approx(math.pi / 2)
+
+
+def test_where_the_paper_refuses_the_arm_is_shown(catalog: Catalog) -> None:
+    """The modified convention is none of the paper's: it says so, and the exact arm stays."""
+    session = Session(catalog, gallery.exhibit("panda.yaml", catalog))
+    session.show_variant("paper")
+    assert session.paper_error is None
+    assert "standard convention only" in (session.arm.refusal[0].text if session.arm else "")
+    assert "tool0" in {node.name for node in session.drawing.nodes}
+
+
+def test_a_copy_goes_its_own_way(session: Session) -> None:
+    """What is done in a duplicated tab does not reach the tab that it came from."""
+    other = session.copy()
+    other.edit(0, "d", "0.2")
+    other.move({"elbow_joint": 1.0})
+    assert session.table.rows[0]["d"] == "0.089159"
+    assert session.q["elbow_joint"] == 0.0
+
+
+def test_a_hundred_axes(catalog: Catalog) -> None:
+    """A table of a hundred rows is read, drawn and moved like any other."""
+    table = edits.resized(TableText(name="long", convention="standard"), 100)
+    cells = {(row, field): text for row in range(100) for field, text in (("a", "0.1"), ("alpha", "pi/2"), ("d", "0"))}
+    session = Session(catalog, edits.with_cells(table, cells))
+    assert not session.reading.errors
+    assert len(session.sliders) == 100
+    session.edit(57, "a", "0.2")
+    assert session.arm is not None
+    assert session.arm.manipulator.rows[57].a == 0.2
+
+
+def test_columns_are_those_of_the_form_and_those_in_use(session: Session) -> None:
+    """Masses and inertias are out of the way until a table has them or a person asks for them."""
+    assert "velocity" in session.columns
+    assert "mass" not in session.columns
+    session.all_columns = True
+    assert "izz" in session.columns

@@ -82,6 +82,11 @@ class Recipe:
     mesh_conversion: MeshConversion = MeshConversion.NEVER
 
     @property
+    def copies_meshes(self) -> bool:
+        """Whether meshes are copied beside the descriptions; files in folders of their own bring theirs."""
+        return self.mesh_prefix is not None and not all(call.stage.in_folders for call in self.emitters)
+
+    @property
     def keeps_kinematics(self) -> bool:
         """Whether a difference from the DH product is a failure."""
         with depending_on(self.transform, "keeps_kinematics"):
@@ -218,7 +223,7 @@ def write_robot(
     """
     originals = [Path(mesh.path) for mesh in mesh_files(robot)]
     robot = with_copies(robot, recipe)
-    copies = mesh_files(robot) if recipe.mesh_prefix is not None else ()
+    copies = mesh_files(robot) if recipe.copies_meshes else ()
     with staging(directory) as folder:
         written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
         names = [file.name for emitted in written for file in emitted.files]
@@ -265,7 +270,7 @@ def emit_robot(
     for call in recipe.emitters:
         emitter = call.stage
         with blaming(call):
-            files = emitted_files(emitter.emit(robot, stem, call.options))
+            files = emitted_files(emitter.emit(robot, stem, call.options), in_folders=emitter.in_folders)
             if not files:
                 raise ValueError("it gave no file")
         if main_file is not None and not written:

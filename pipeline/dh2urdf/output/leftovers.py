@@ -180,7 +180,8 @@ class _LastRow:
         inside = [(checked(m["shard"]), range(m["offset"], m["offset"] + m["bytes"]), m["sha256"]) for m in members]
         meshes = {checked(mesh["path"]): str(mesh["sha256"]) for mesh in row.get("meshes", ())}
         pictures = [report["picture"] for report in row["loaders"].values() if report["picture"]]
-        beside = "".join(next(iter(own), "").rpartition("/")[:2])  # In a shard, pictures are members.
+        # In a shard, pictures are members. Files in folders of their own lie below the pictures.
+        beside = "".join(min(own, key=lambda name: name.count("/"), default="").rpartition("/")[:2])
         self.pictures = {checked(f"{beside}{name}") for name in pictures} if own else set()
         self.name, self.failed = str(row["name"]), row["status"] != "ok"
         self.files, self.meshes, self._members = own, meshes, inside

@@ -27,6 +27,7 @@ from dh2urdf._faces import MOVED
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import KINDS, RECORDS
 from dh2urdf.robot import Robot
+from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
@@ -256,6 +257,11 @@ class TestRecords:
         }
         assert set(record_types()) - frozen == set()
         assert set(RECORDS.values()) | {Manipulator, Robot, Mark, Problem} <= frozen
+
+
+def test_every_number_of_a_row_is_in_the_table_of_fields() -> None:
+    """What is added to a row is in no list of names by itself: the lists come from the records and this table."""
+    assert {*ROW_FIELDS} == {*NUMBERS, *LIMITS, *COM, *INERTIA}
 
 
 class TestWhatIsShipped:

@@ -54,6 +54,61 @@ def parquet(count: int) -> bytes:
     return file.getvalue()
 
 
+URDF = """<?xml version="1.0"?>
+<robot name="arm">
+  <link name="foot"/>
+  <link name="upper"/>
+  <link name="fore"/>
+  <joint name="hip" type="revolute">
+    <parent link="foot"/> <child link="upper"/>
+    <origin xyz="0 0 0.1"/> <axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" effort="80" velocity="1.5"/>
+  </joint>
+  <joint name="knee" type="revolute">
+    <parent link="upper"/> <child link="fore"/>
+    <origin xyz="0.4 0 0" rpy="1.5707963267948966 0 0"/> <axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" effort="40" velocity="3"/>
+  </joint>
+</robot>
+"""
+
+
+class TestUrdfDescription(ReaderContract):
+    stage = CATALOG.get("reader", "urdf")
+    example = URDF
+
+
+@pytest.mark.skipif(not find_spec("xacro"), reason="xacro is not installed")
+class TestXacroDescription(ReaderContract):
+    stage = CATALOG.get("reader", "xacro")
+    example = URDF.replace('name="arm"', 'name="arm" xmlns:xacro="http://ros.org/wiki/xacro"')
+
+    def test_keeps_its_input(self, tmp_path: Path) -> None:
+        """The file is as it was, and nothing is beside it: it is expanded in a process behind a fence."""
+        path = tmp_path / "arm.urdf.xacro"
+        path.write_text(self.example)
+        assert len(list(self.stage.read(path, self.stage.options()))) == 1
+        assert [each.name for each in tmp_path.iterdir()] == [path.name]
+        assert path.read_text() == self.example
+
+
+class TestSdfDescription(ReaderContract):
+    stage = CATALOG.get("reader", "sdf")
+    example = """<sdf version="1.7"><model name="arm">
+  <link name="upper"/>
+  <joint name="hip" type="revolute"><parent>world</parent><child>upper</child><axis><xyz>0 0 1</xyz></axis></joint>
+</model></sdf>
+"""
+
+
+class TestMjcfDescription(ReaderContract):
+    stage = CATALOG.get("reader", "mjcf")
+    example = """<mujoco model="arm"><worldbody>
+  <body name="upper" pos="0 0 0.1"><joint name="hip" axis="0 0 1"/><geom size="0.1"/></body>
+</worldbody></mujoco>
+"""
+
+
 @pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
 class TestParquet(ReaderContract):
     stage = CATALOG.get("reader", "parquet")

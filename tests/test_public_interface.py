@@ -52,6 +52,7 @@ PUBLIC = {
     "dh2urdf.robot": "what will be written: transforms make it, emitters take it",
     "dh2urdf.robot_check": "the rules that every robot keeps",
     "dh2urdf.rotations": "rotations and rigid transforms, exact at quarter turns",
+    "dh2urdf.row_fields": "the numbers of a row: what each measures, which joints have it, which values it takes",
     "dh2urdf.source": "a place in a file, and a problem there",
     "dh2urdf.stages": "the records that a plugin gives, one for each kind of stage",
     "dh2urdf.table_text": "a table as its author types it: texts in cells",

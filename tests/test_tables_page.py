@@ -573,7 +573,7 @@ def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[.
     """Accepted without a word, beside the fields that it cannot be without."""
     examples = {line[0]: one_code(line[2]) for line in TABLES["headers"]}
     cells = {"convention": "standard", "a": "0.3", "alpha": "0", "d": "0", name: examples[name]}
-    for group in (("lower", "upper"), fields.COM_FIELDS, ("mass", *fields.INERTIA_FIELDS), ("mass", "inertia")):
+    for group in (("lower", "upper"), fields.COM, ("mass", *fields.INERTIA), ("mass", "inertia")):
         if name in group and name != "mass":
             cells |= {other: examples[other] for other in group}
     read(table_of(",".join(cells), ",".join(cells.values()), "")).arm()
@@ -662,7 +662,7 @@ def test_every_statement_is_in_the_page(read: Callable[..., Outcome]) -> None:
 def test_every_key_of_yaml_is_in_the_page() -> None:
     """Those of a manipulator, of its base and defaults, and of a joint."""
     keys = set(re.findall(r"(\w+):", EXAMPLES["every key"].body))
-    joint = {*yaml._JOINT_KEYS, *yaml._LIMITS, *fields.INERTIA_FIELDS, "sign", "flip"}
+    joint = {*yaml._JOINT_KEYS, *yaml._LIMITS, *fields.INERTIA, "sign", "flip"}
     assert keys == {
         *yaml.KEYS,
         *joint,
@@ -794,7 +794,9 @@ def test_every_bound_is_the_one_of_the_code() -> None:
 def test_every_named_bound_of_the_readers_is_in_the_table() -> None:
     """A constant MAX_… that a module of the readers, or of what they read with, gets has its line."""
     found = (
-        importlib.import_module(f"{readers.__name__}.{info.name}") for info in pkgutil.iter_modules(readers.__path__)
+        importlib.import_module(info.name)
+        for info in pkgutil.walk_packages(readers.__path__, f"{readers.__name__}.")
+        if not info.ispkg
     )
     modules = [*found, expressions, textfiles, yaml_composer]
     named = {name for module in modules for name in vars(module) if name.startswith("MAX_")}

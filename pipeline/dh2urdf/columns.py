@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 from dh2urdf.elementwise import is_column
 from dh2urdf.manipulator import Inertia, Limits, Manipulator
 from dh2urdf.robot import Robot
+from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.source import Mark
 from dh2urdf.validation.coercion import replace_unchecked
 
@@ -29,30 +30,14 @@ Mask: TypeAlias = Any
 Shape: TypeAlias = tuple[int, int]
 """A collision shape: the number of its link in the robot, and its own in the link, both from 0."""
 
-_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
-_LIMITS = ("lower", "upper", "velocity", "effort")
-_INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 PlaceInFile: TypeAlias = tuple[int | None, int | None, str | None]
 """Line and column, and the name of the place where the format has one: what a mark has beside its file."""
 
 _place_of = attrgetter("line", "column", "place")
-_names_of = attrgetter("joint", "link", "type", "sign", "visual", "collision")
-_numbers_of = attrgetter("com", "inertia", *_NUMBERS, *(f"limits.{name}" for name in _LIMITS))
-_common_of = attrgetter(
-    "convention",
-    "base",
-    "tool",
-    "geometry",
-    "density",
-    "base_mass",
-    "payload",
-    "base_geometry",
-    "base_visual",
-    "base_collision",
-    "visuals",
-    "collisions",
-    "notices",
-)
+_words_of = attrgetter(*WORDS)
+_meshes_of = attrgetter("visual", "collision")
+_numbers_of = attrgetter("com", "inertia", *NUMBERS, *(f"limits.{name}" for name in LIMITS))
+_common_of = attrgetter(*COMMON)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,10 +129,11 @@ def in_columns(manipulators: Sequence[Manipulator]) -> list[tuple[list[int], Man
     for index, manipulator in enumerate(manipulators):
         said = tuple(chain.from_iterable(map(_numbers_of, manipulator.rows)))
         missing = bytes(map(is_, said, repeat(None)))
-        names = tuple(map(_names_of, manipulator.rows))
+        words = tuple(map(_words_of, manipulator.rows))
         # A mesh is named in one place for all of a group: what is wrong with it is said there.
-        marks = tuple([shape.mark for _, _, _, _, *shapes in names for shape in shapes if shape])
-        groups[_common_of(manipulator), names, marks, missing].append(index)
+        shapes = chain.from_iterable(map(_meshes_of, manipulator.rows))
+        marks = tuple([shape.mark for shape in shapes if shape])
+        groups[_common_of(manipulator), words, marks, missing].append(index)
         numbers.append(said)
     return [
         (indices, _columns([manipulators[i] for i in indices], [numbers[i] for i in indices]))
@@ -161,8 +147,8 @@ def _columns(manipulators: list[Manipulator], numbers: list[tuple[Any, ...]]) ->
     rows = []
     for row in model.rows:
         com, tensors = next(columns), next(columns)
-        named = {name: column(next(columns)) for name in _NUMBERS}
-        limits = Limits(**{name: column(next(columns)) for name in _LIMITS})
+        named = {name: column(next(columns)) for name in NUMBERS}
+        limits = Limits(**{name: column(next(columns)) for name in LIMITS})
         rows.append(replace_unchecked(row, **named, com=_com(com), inertia=_inertia(tensors), limits=limits, mark=None))
     return ManipulatorColumns(
         table=replace_unchecked(model, name="", rows=tuple(rows), mark=None),
@@ -186,7 +172,7 @@ def _com(centres: Sequence[Any]) -> Any:  # noqa: ANN401 - None, or a vector of 
 def _inertia(tensors: Sequence[Any]) -> Inertia | None:
     if tensors[0] is None:
         return None
-    return Inertia(**{name: column([getattr(tensor, name) for tensor in tensors]) for name in _INERTIA})
+    return Inertia(**{name: column([getattr(tensor, name) for tensor in tensors]) for name in INERTIA})
 
 
 def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an array

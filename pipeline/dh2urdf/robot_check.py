@@ -18,6 +18,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import inertia_problem, is_sound
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import norm
+from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
@@ -210,7 +211,7 @@ def _joint_problems(joint: Joint) -> Iterator[Problem]:
             message = f"the joint's axis has the length {length:.12g}"
             yield Problem(message=message, field="axis", accepted="a vector of length 1")
     yield from _limit_problems(joint)
-    for name in ("damping", "friction", "armature"):
+    for name in DYNAMICS:
         value = getattr(joint, name)
         if value is not None and not 0.0 <= value < math.inf:
             message = f"{name} is {value:.12g}"
@@ -248,7 +249,8 @@ def _is_sure_joint(joint: Joint) -> Condition:
             sure &= number > 0.0
     if limits.lower is not None and limits.upper is not None:
         sure &= limits.lower <= limits.upper
-    for number in (joint.damping, joint.friction, joint.armature):
+    for name in DYNAMICS:
+        number = getattr(joint, name)
         if number is not None:
             sure &= number >= 0.0
     return sure

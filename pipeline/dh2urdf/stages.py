@@ -65,6 +65,7 @@ class Reader(Generic[O]):
         read_cells: yields the manipulators of rows of cells that come from no file, such as those of a DataFrame, as
             `read` does those of a file. It takes the rows from the top, comments and header included, and what messages
             name as the file. `Catalog.cell_reader` finds the reader that has it; None for all others.
+        reads_descriptions: whether its files are robot descriptions, of which it reads chains as tables.
 
     `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
     one manipulator of several cannot.
@@ -80,6 +81,7 @@ class Reader(Generic[O]):
     texts: Callable[[Path], Iterator[TableText]] | None = None
     trace: Callable[[Path, O, Trace], Iterator[Manipulator | Rejected]] | None = None
     read_cells: Callable[[Iterable[CellRow], str, O], Iterator[Manipulator | Rejected]] | None = None
+    reads_descriptions: bool = False
 
 
 def _always(_options: object) -> bool:

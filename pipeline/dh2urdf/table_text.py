@@ -19,25 +19,23 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.units import UNITS, Dimension, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
+from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
     from dh2urdf.source import Mark, Problem
 
+_GEOMETRY = ("a", "alpha", "d", "theta", "offset")
 FIELDS = (
-    *("joint", "link", "type", "a", "alpha", "d", "theta", "offset", "sign", "lower", "upper", "velocity", "effort"),
-    *("mass", "com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz"),
-    *("radius", "damping", "friction", "armature"),
+    *("joint", "link", "type", *_GEOMETRY, "sign", *LIMITS, "mass", *COM, *INERTIA),
+    *(name for name in NUMBERS if name not in {*_GEOMETRY, "mass"}),
 )
 """The fields of a row, in the order of their columns."""
 MESHES = ("visual", "collision")
 """What a row may say besides, as YAML."""
 REQUIRED = ("a", "alpha", "d")
-_INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-
-_LENGTHS = frozenset(("a", "d", "com_x", "com_y", "com_z", "radius"))
-_ANGLES = frozenset(("alpha", "theta"))
-_OF_THE_JOINT = frozenset(("offset", "lower", "upper"))
+_FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, Dimension.SPEED, Dimension.TURN_RATE)
+"""What the units of lengths and angles hold for."""
 _PARTS_OF_PI = (1, 2, 3, 4, 6, 12)
 _LARGEST_MULTIPLE = 48
 _PLAIN_LENGTH = 24
@@ -239,14 +237,8 @@ def _listed(words: Iterable[str]) -> str:
 
 def dimension_of(field: str, kind: JointType) -> Dimension | None:
     """What a field measures in the row of a joint, as far as a unit of the table holds for it."""
-    linear = kind is JointType.PRISMATIC
-    if field in _LENGTHS or (linear and field in _OF_THE_JOINT):
-        return Dimension.LENGTH
-    if field in _ANGLES or field in _OF_THE_JOINT:
-        return Dimension.ANGLE
-    if field == "velocity":
-        return Dimension.SPEED if linear else Dimension.TURN_RATE
-    return None
+    dimension = ROW_FIELDS[field].of(kind) if field in ROW_FIELDS else None
+    return dimension if dimension in _FOLLOWING else None
 
 
 def unit_of(dimension: Dimension, length: Unit, angle: Unit) -> Unit:
@@ -272,21 +264,20 @@ def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> Mapping[st
             unit = dimension and unit_of(dimension, length, angle)
             texts[field] = number_in(value, unit) if unit else format_number(value)
     if row.type is JointType.FIXED:
-        texts = {field: text for field, text in texts.items() if field not in ("lower", "upper", "velocity", "effort")}
+        texts = {field: text for field, text in texts.items() if field not in LIMITS}
     return {field: texts[field] for field in FIELDS if field in texts} | _meshes(row, length, angle)
 
 
 def _values(row: DHRow) -> dict[str, float | None]:
     """The numbers of a row by field; None where it says nothing, or what is so anyhow."""
     com, inertia, limits = row.com, row.inertia, row.limits
-    values: dict[str, float | None] = {"a": row.a, "alpha": row.alpha, "d": row.d, "theta": row.theta}
+    values: dict[str, float | None] = {name: getattr(row, name) for name in NUMBERS}
     values |= {"offset": row.offset or None, "sign": None if row.sign == 1 else row.sign}
-    values |= {"lower": limits.lower, "upper": limits.upper, "velocity": limits.velocity, "effort": limits.effort}
-    values |= {name: getattr(row, name) for name in ("mass", "radius", "damping", "friction", "armature")}
+    values |= {name: getattr(limits, name) for name in LIMITS}
     if com is not None:
-        values |= {f"com_{axis}": value for axis, value in zip("xyz", com, strict=True)}
+        values |= dict(zip(COM, com, strict=True))
     if inertia is not None:
-        values |= {name: getattr(inertia, name) for name in _INERTIA}
+        values |= {name: getattr(inertia, name) for name in INERTIA}
     return values
 
 
@@ -322,9 +313,9 @@ def _payload(payload: Payload | None, length: Unit) -> str:
     if payload is None:
         return ""
     com = f"com: [{', '.join(number_in(value, length) for value in payload.com)}]" if any(payload.com) else ""
-    tensor = {name: getattr(payload.inertia, name) for name in _INERTIA} if payload.inertia else {}
+    tensor = {name: getattr(payload.inertia, name) for name in INERTIA} if payload.inertia else {}
     # With its unit: beside lengths in mm, a bare number is refused.
-    said = (f"{name}: {format_number(value)} kg·m²" for name, value in tensor.items() if value or name in _INERTIA[:3])
+    said = (f"{name}: {format_number(value)} kg·m²" for name, value in tensor.items() if value or name in INERTIA[:3])
     return _mapping(f"mass: {format_number(payload.mass)}", com, f"inertia: {_mapping(*said)}" if tensor else "")
 
 

@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 
 @hookimpl
 def dh2urdf_readers() -> Iterable[Reader[Any]]:
-    """Tables as CSV, as Parquet, as workbooks and as YAML."""
+    """Tables as CSV, as Parquet, as workbooks and as YAML, and the chains of robot descriptions."""
+    from dh2urdf_plugins.extraction import readers as descriptions
     from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 
-    return (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
+    tables = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
+    return (*tables, descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)
 
 
 @hookimpl

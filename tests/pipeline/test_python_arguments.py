@@ -411,6 +411,13 @@ class TestArguments:
         assert (arm.fk([-0.0] * 6) == arm.fk([0.0] * 6)).all()
         assert not np.allclose(arm.fk([90, 0, 0, 0, 0, 0]), arm.fk([math.pi / 2, 0, 0, 0, 0, 0]))
 
+    def test_all_joints_of_a_variation(self, tmp_path: Path) -> None:
+        """The word of a run file, which no quotes can mark in a program."""
+        vary = [{"joints": "all", "field": "mass", "uniform": [1, 2]}]
+        varied = {"of": "ur5", "count": 1, "seed": 1, "vary": vary}
+        report = dh2urdf.run({"inputs": str(UR5), "variations": [varied]}, tmp_path / "out", dry_run=True)
+        assert set(report["manipulators"][-1]["drawn"]) == {f"mass_{number}" for number in range(1, 7)}
+
     def test_paths_of_a_mapping_start_at_the_working_directory(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:

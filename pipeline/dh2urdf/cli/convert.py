@@ -13,7 +13,7 @@ from dh2urdf.cli.answers import answer
 from dh2urdf.cli.conversion_rows import print_report, row_of
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import DASH, files_behind, given_table
-from dh2urdf.cli.tables import ASKER, READER_OPTIONS, settings_of, table_options
+from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, READER_OPTIONS, chain_options, settings_of, table_options
 from dh2urdf.commands.convert import DEFAULT_TRANSFORM, plan_conversion
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.conversions import closing_line
@@ -34,6 +34,7 @@ STANDARD_OUTPUT = "standard output"
 )
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
+@chain_options
 @click.option("--transform", "transform_name", default=DEFAULT_TRANSFORM, metavar="NAME", help="Transform; alpha-swap.")
 @click.option("--variant", metavar="V", help="exact (the arm itself) or paper (the published algorithm).")
 @click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
@@ -95,7 +96,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             formats=(format_name,) if format_name else (),
             robot=robot,
             given={
-                "reader": {name: flags[name] for name in READER_OPTIONS},
+                "reader": {name: flags[name] for name in (*READER_OPTIONS, *CHAIN_OPTIONS)},
                 "transform": {name: flags[name] for name in ("variant", "frames")},
                 "emitter": {"profile": flags["profile"]},
             },

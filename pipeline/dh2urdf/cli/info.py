@@ -11,7 +11,7 @@ from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import given_table
-from dh2urdf.cli.tables import ASKER, READER_OPTIONS, settings_of, table_options
+from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, READER_OPTIONS, chain_options, settings_of, table_options
 from dh2urdf.commands.chosen_table import chosen_reader, refuse_run_file
 from dh2urdf.commands.convert import DEFAULT_TRANSFORM
 from dh2urdf.commands.options_of_stages import stage_calls
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 @click.command(name="info", epilog=EXIT_STATUS)
 @click.argument("table", type=click.Path(path_type=Path))
 @table_options
+@chain_options
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
 @click.option("--json", "form", flag_value="json", help="Print it as JSON.")
 @click.option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
@@ -62,7 +63,7 @@ def command(
     installed = catalog()
     path, reader = given_table(table, reader_name, installed)
     check_file(path, TableError)
-    given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
+    given = {"reader": {name: flags[name] for name in (*READER_OPTIONS, *CHAIN_OPTIONS)}}
     stages = {"reader": [chosen_reader(installed, path, reader, ASKER)]}
     (call,) = stage_calls(installed, stages, ASKER, given, settings_of(settings))["reader"]
     arms, chosen, trace = _read(call, path, robot)

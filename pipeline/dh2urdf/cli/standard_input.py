@@ -116,8 +116,11 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
         TableError: no reader does, or several do.
     """
     names: list[str] = []
+    is_markup = content.lstrip().startswith(b"<")
     for provided in catalog.provided("reader"):
         reader: Any = provided.stage
+        if reader.reads_descriptions and not is_markup:
+            continue
         with spooled(content, NAME, reader.suffixes[0] if reader.suffixes else "") as path, suppress(Exception):
             # A reader may raise anything of what is not its own format.
             if next(iter(reader.read(path, reader.options())), None) is not None:

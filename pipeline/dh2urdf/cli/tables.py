@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 READER_OPTIONS = ("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload")
 """The options of readers that have a flag of their own."""
+CHAIN_OPTIONS = ("base_link", "tip_link")
+"""The same of readers of robot descriptions."""
 
 
 def _run_command(path: str) -> str:
@@ -61,6 +63,16 @@ def table_options(function: F) -> F:
             click.option("--tool", metavar="YAML", help="Last DH frame to tool0, like --base."),
             click.option("--payload", metavar="YAML", help='What the arm carries: "{mass: 2.5, com: [0, 0, 0.05]}".'),
         )
+    ):
+        function = option(function)
+    return function
+
+
+def chain_options(function: F) -> F:
+    """Gives a command the flags that say which chain of a robot description is meant."""
+    for option in (
+        click.option("--tip-link", metavar="LINK", help="Where the chain of a robot description ends; by usual names."),
+        click.option("--base-link", metavar="LINK", help="Where the chain of a robot description begins; the root."),
     ):
         function = option(function)
     return function

@@ -8,11 +8,13 @@ same key give it the same files and the same row of the manifest.
 from __future__ import annotations
 
 import sys
+from enum import Enum
 from hashlib import sha256
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
+from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,11 +51,12 @@ def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[obj
     numbers: list[Any] = []
     forms: list[Any] = []
     for row in table.rows:
-        inertia = [getattr(row.inertia, name) for name in _INERTIA] if row.inertia else []
+        inertia = [getattr(row.inertia, name) for name in INERTIA] if row.inertia else []
         entries = [*_numbers_of(row), *(row.com or ()), *inertia]
         numbers += [entry for entry in entries if entry is not None]
         given = tuple([entry is not None for entry in entries])
-        forms.append((row.joint, row.link, row.type.value, row.sign, row.visual, row.collision, given))
+        words = [word.value if isinstance(word, Enum) else word for word in _words_of(row)]
+        forms.append((*words, given))
     common = key_of((table.convention.value, _others_of(table), forms, table.notices), recipe)
     rows = zip(columns.names, contexts, _bytes_of(numbers, len(columns)), strict=True)
     return [key_of((name, context, row), common) for name, context, row in rows]
@@ -64,36 +67,9 @@ def key_of(what: object, recipe: str) -> str:
     return sha256(f"{recipe} {what!r}".encode(errors="surrogatepass")).hexdigest()[:DIGITS]
 
 
-_others_of = attrgetter(
-    "base",
-    "tool",
-    "geometry",
-    "density",
-    "base_mass",
-    "payload",
-    "base_geometry",
-    "base_visual",
-    "base_collision",
-    "visuals",
-    "collisions",
-)
-_numbers_of = attrgetter(
-    "a",
-    "alpha",
-    "d",
-    "theta",
-    "offset",
-    "mass",
-    "radius",
-    "damping",
-    "friction",
-    "armature",
-    "limits.lower",
-    "limits.upper",
-    "limits.velocity",
-    "limits.effort",
-)
-_INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_others_of = attrgetter(*(name for name in COMMON if name not in {"convention", "notices"}))
+_words_of = attrgetter(*WORDS)
+_numbers_of = attrgetter(*NUMBERS, *(f"limits.{name}" for name in LIMITS))
 
 
 def _bytes_of(numbers: Sequence[Any], count: int) -> list[bytes]:

@@ -182,11 +182,16 @@ class Catalog:
         return emitter
 
     def is_table(self, path: Path) -> bool:
-        """Whether the suffix of a file is that of a reader; where a built-in stage has it, no plugin is asked."""
+        """Whether the suffix of a file is that of a reader of tables.
+
+        Where a built-in stage has it, no plugin is asked.
+        """
         for plugins in (_by_right(self._plugins, "reader")[0], self._plugins):
             for kind in ("reader", "emitter"):
-                if self._with_suffix(kind, path.name, plugins):
-                    return kind == "reader"
+                if found := self._with_suffix(kind, path.name, plugins):
+                    return any(
+                        isinstance(item.stage, Reader) and not item.stage.reads_descriptions for _, item in found
+                    )
         return False
 
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind

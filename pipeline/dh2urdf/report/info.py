@@ -10,6 +10,7 @@ from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.report.conversions import BASE, filled_in
 from dh2urdf.rotations import norm
+from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -29,32 +30,14 @@ DEFAULT: Final = "default"
 COMPUTED: Final = "computed"
 """Where a value comes from: a cell of the table, a default, or the transform, which computes what is left open."""
 
-_ANGLES = ("alpha", "theta")
-_LENGTHS = ("a", "d", "radius", "com_x", "com_y", "com_z")
-_OF_THE_JOINT = {  # by field: the unit for a revolute joint, and for a prismatic one
-    "offset": ("rad", "m"),
-    "lower": ("rad", "m"),
-    "upper": ("rad", "m"),
-    "velocity": ("rad/s", "m/s"),
-    "effort": ("N·m", "N"),
-    "damping": ("N·m·s/rad", "N·s/m"),
-    "friction": ("N·m", "N"),
-    "armature": ("kg·m²", "kg"),
-}
-_LIMITS = ("lower", "upper", "velocity", "effort")
-_COM = ("com_x", "com_y", "com_z")
-_INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-_OPTIONAL = ("radius", "damping", "friction", "armature")
+_OPTIONAL = tuple(name for name in NUMBERS if name not in {"a", "alpha", "d", "theta", "offset", "mass"})
 _STATED = ("geometry", "density", "base_mass", "base_geometry", "payload", "visuals", "collisions")
 
 
 def unit_of(field: str, kind: JointType) -> str:
     """The SI unit of a field in the row of a joint; empty for words and plain numbers."""
-    if field in _OF_THE_JOINT:
-        return _OF_THE_JOINT[field][kind is JointType.PRISMATIC]
-    if field in _INERTIA:
-        return "kg·m²"
-    return "m" if field in _LENGTHS else "rad" if field in _ANGLES else "kg" if field == "mass" else ""
+    dimension = ROW_FIELDS[field].of(kind) if field in ROW_FIELDS else None
+    return SI_UNITS.get(dimension, "") if dimension else ""
 
 
 def info_report(
@@ -157,8 +140,8 @@ def _fields(row: DHRow, cells: Mapping[str, Said], joint: Joint | None, mass: fl
         yield from _fields_of_motion(row, cells, joint)
     yield from _filled(row, "mass", row.mass, mass, cells)
     body = [
-        *zip(_COM, row.com or (), strict=False),
-        *((name, getattr(row.inertia, name, None)) for name in _INERTIA),
+        *zip(COM, row.com or (), strict=False),
+        *((name, getattr(row.inertia, name, None)) for name in INERTIA),
         *((name, getattr(row, name)) for name in _OPTIONAL),
     ]
     for name, value in body:
@@ -176,7 +159,7 @@ def _fields_of_motion(row: DHRow, cells: Mapping[str, Said], joint: Joint | None
     yield _field(row, "offset", row.offset, cells, offset)
     turned = cells.get("sign") or cells.get("flip") or (home if row.sign < 0 else None)
     yield _field(row, "sign", row.sign, cells, turned)
-    for name in _LIMITS:
+    for name in LIMITS:
         filled = getattr(joint.limits, name) if joint else None
         yield from _filled(row, name, getattr(row.limits, name), filled, cells)
 

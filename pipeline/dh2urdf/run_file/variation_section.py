@@ -24,7 +24,7 @@ from dh2urdf.variations.laws import (
     evenly_spaced,
 )
 from dh2urdf.variations.sampling import MOST_POINTS, Sampling
-from dh2urdf.variations.variation import AXES, FIELDS, TYPE, Rule, VariationCall
+from dh2urdf.variations.variation import ALL, AXES, FIELDS, TYPE, Rule, VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -143,7 +143,7 @@ class VariationsReader(SectionReader):
         if node is None:
             self.say("it is not said whose field varies", rule, field, accepted=f"`joints:` {accepted}")
             return None
-        if node.value == "all" and not node.quoted:
+        if node.value == ALL and not node.quoted:
             return None
         nodes = node.value if isinstance(node.value, list) else [node]
         joints: list[int | str] = []

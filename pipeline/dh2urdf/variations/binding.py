@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
+from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.variations.laws import Choices, Grid, Normal, is_relative
 from dh2urdf.variations.sampling import MOST_POINTS, SOBOL_DIMENSIONS, Sampling
-from dh2urdf.variations.variation import AXES, FIELDS, LIMITS, TYPE, Factor, Rule, Variation, VariationCall
+from dh2urdf.variations.variation import ALL, AXES, FIELDS, TYPE, Factor, Rule, Variation, VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -100,9 +101,10 @@ class _Binder:
 
     def _indices(self, rule: Rule, *, quiet: bool = False) -> list[int]:
         """The rows of the joints that a rule names, as it names them."""
-        if rule.joints is None:
-            return [index for index in range(len(self.rows)) if self._has(index, rule.field)]
         names = [row.joint for row in self.rows]
+        # In quotes, or from a program, `all` is a joint's name where a joint has it.
+        if rule.joints is None or (rule.joints == (ALL,) and ALL not in names):
+            return [index for index in range(len(self.rows)) if self._has(index, rule.field)]
         indices = []
         for joint, mark in zip(rule.joints, rule.joint_marks or (rule.mark,) * len(rule.joints), strict=True):
             if isinstance(joint, int) and joint <= len(names):

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field as attribute, fields, replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
+from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
 from dh2urdf.source import Mark, Problem
 from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.laws import DrawnValue, Grid, Law
@@ -25,64 +26,14 @@ if TYPE_CHECKING:
 
 TYPE = "type"
 AXES = "axes"
+ALL = "all"
 GEOMETRY = ("a", "d", "alpha", "theta")
-LIMITS = ("lower", "upper", "velocity", "effort")
-
-_REVOLVING = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS})
-_MOVING = _REVOLVING | {JointType.PRISMATIC}
-_BOUNDED = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
-
-
-class VariedField(NamedTuple):
-    """A field of the table that can be varied.
-
-    Attributes:
-        dimension: what it measures; None for words and counts.
-        linear: what it measures in the row of a prismatic joint, where that is something else.
-        types: the types of joints that have it.
-        positive: whether it must be greater than 0.
-        negative: whether it may be less than 0.
-    """
-
-    dimension: Dimension | None
-    linear: Dimension | None = None
-    types: frozenset[JointType] = frozenset(JointType)
-    positive: bool = False
-    negative: bool = True
-
-    def of(self, kind: JointType) -> Dimension | None:
-        """What it measures in the row of a type of joint."""
-        return self.linear if self.linear and kind is JointType.PRISMATIC else self.dimension
-
-    def takes(self, numbers: Any) -> Any:  # noqa: ANN401 - a number, or a column of them
-        """Whether it may have a value, for each of a column; that numbers are finite is another matter."""
-        if self.positive:
-            return numbers > 0.0
-        return (numbers >= 0.0) | self.negative
-
-    @property
-    def bound(self) -> str:
-        """What `takes` asks of a number, as the end of a sentence; empty where it takes any."""
-        return "greater than 0" if self.positive else "" if self.negative else "0 or greater"
 
 
 FIELDS = {
-    "a": VariedField(Dimension.LENGTH),
-    "d": VariedField(Dimension.LENGTH),
-    "alpha": VariedField(Dimension.ANGLE),
-    "theta": VariedField(Dimension.ANGLE),
-    "offset": VariedField(Dimension.ANGLE, Dimension.LENGTH, types=_MOVING),
-    "lower": VariedField(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
-    "upper": VariedField(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
-    "velocity": VariedField(Dimension.TURN_RATE, Dimension.SPEED, types=_MOVING, positive=True),
-    "effort": VariedField(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, positive=True),
-    "mass": VariedField(Dimension.MASS, positive=True),
-    "radius": VariedField(Dimension.LENGTH, positive=True),
-    "damping": VariedField(Dimension.DAMPING, Dimension.LINEAR_DAMPING, types=_MOVING, negative=False),
-    "friction": VariedField(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, negative=False),
-    "armature": VariedField(Dimension.INERTIA, Dimension.MASS, types=_MOVING, negative=False),
-    TYPE: VariedField(None),
-    AXES: VariedField(None),
+    **{name: field for name, field in ROW_FIELDS.items() if name not in {*COM, *INERTIA}},
+    TYPE: RowField(None),
+    AXES: RowField(None),
 }
 """What can be varied, by the names that the project has for it."""
 
@@ -327,8 +278,9 @@ def retyped(row: DHRow, kind: JointType) -> DHRow:
     """
     if kind is row.type:
         return row
-    if {kind, row.type} <= _REVOLVING:
+    if {kind, row.type} <= {JointType.REVOLUTE, JointType.CONTINUOUS}:
         return replace(row, type=kind, limits=replace(row.limits, lower=None, upper=None))
+    dropped: dict[str, Any] = dict.fromkeys(DYNAMICS)
     turn, slide = (0.0, row.offset) if row.type is JointType.PRISMATIC else (row.offset, 0.0)
     return replace(
         row,
@@ -338,9 +290,7 @@ def retyped(row: DHRow, kind: JointType) -> DHRow:
         offset=0.0,
         sign=1 if kind is JointType.FIXED else row.sign,
         limits=Limits(),
-        damping=None,
-        friction=None,
-        armature=None,
+        **dropped,
     )
 
 

@@ -74,14 +74,31 @@ def parse_mjcf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text is not the MJCF of a manipulator.
     """
+    return robot_of(tree_of(content, file), file)
+
+
+def tree_of(content: bytes, file: str) -> etree._Element:
+    """The elements of a text, without comments.
+
+    Raises:
+        ProofError: the text is not XML.
+    """
     # An arm of many links is deeply nested, which lxml takes for an attack unless it is told.
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, huge_tree=True
     )
     try:
-        root = etree.fromstring(content, parser)
+        return etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
         raise ProofError(Problem(message=f"this is not XML: {error.msg}", mark=Mark(file=file))) from error
+
+
+def robot_of(root: etree._Element, file: str) -> Robot:
+    """The robot of a tree of elements.
+
+    Raises:
+        ProofError: the elements are not the MJCF of a manipulator.
+    """
     if root.tag != "mujoco":
         message = f"the outermost element is {shown(str(root.tag))}"
         raise ProofError(Problem(message=message, accepted="mujoco", mark=Mark(file=file, line=1)))

@@ -60,11 +60,28 @@ def parse_sdf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text holds no model of a manipulator.
     """
+    return robot_of(tree_of(content, file), file)
+
+
+def tree_of(content: bytes, file: str) -> etree._Element:
+    """The elements of a text, without comments.
+
+    Raises:
+        ProofError: the text is not XML.
+    """
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
     try:
-        root = etree.fromstring(content, parser)
+        return etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
         raise ProofError(Problem(message=f"this is not XML: {error.msg}", mark=Mark(file=file))) from error
+
+
+def robot_of(root: etree._Element, file: str) -> Robot:
+    """The robot of the first model in a tree of elements.
+
+    Raises:
+        ProofError: the elements hold no model of a manipulator.
+    """
     model = root.find(".//model") if root.tag == "sdf" else None
     if model is None:
         raise ProofError(Problem(message="there is no model in it", mark=Mark(file=file)))

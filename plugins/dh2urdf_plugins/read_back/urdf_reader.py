@@ -65,15 +65,32 @@ def parse_urdf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text is not the URDF of a robot.
     """
+    return robot_of(tree_of(content, file), file)
+
+
+def tree_of(content: bytes, file: str) -> etree._Element:
+    """The elements of a text, without comments.
+
+    Raises:
+        ProofError: the text is not XML.
+    """
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
     try:
-        root = etree.fromstring(content, parser)
+        return etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
         line, column = error.position
         reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
         raise ProofError(
             Problem(message=f"this is not XML: {reason}", mark=Mark(file=file, line=line, column=column))
         ) from error
+
+
+def robot_of(root: etree._Element, file: str) -> Robot:
+    """The robot of a tree of elements.
+
+    Raises:
+        ProofError: the elements are not the URDF of a robot.
+    """
     return _UrdfReader(file).robot(root)
 
 

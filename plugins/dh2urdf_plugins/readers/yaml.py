@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import read_bytes, stream_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf_plugins.readers.header.units import effort_notice
@@ -21,7 +22,7 @@ from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, TENSOR, GroupEr
 from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
-from dh2urdf_plugins.readers.words.fields import COM_FIELDS, FIELDS, GROUPS, INERTIA_FIELDS
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 from dh2urdf_plugins.readers.words.unheld import UNHELD
 from dh2urdf_plugins.readers.yaml_file import texts as yaml_texts
 from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots
@@ -43,16 +44,12 @@ _LIMITS = ("lower", "upper", "velocity", "effort")
 _NOT_IN_A_JOINT = ("robot", "convention", "index")
 _JOINT_KEYS = (
     "name",
-    *(
-        name
-        for name in FIELDS
-        if name not in (*_NOT_IN_A_JOINT, *_LIMITS, *COM_FIELDS, *INERTIA_FIELDS, *GROUPS, "joint")
-    ),
+    *(name for name in FIELDS if name not in (*_NOT_IN_A_JOINT, *_LIMITS, *COM, *INERTIA, *GROUPS, "joint")),
     *GROUPS,
     *MESH_KEYS,
 )
 _NAMES = ("joint", "link")
-_KEYS = {"limits": _LIMITS, "com": COM_FIELDS, "inertia": INERTIA_FIELDS}
+_KEYS = {"limits": _LIMITS, "com": COM, "inertia": INERTIA}
 """Keys of the mappings of several fields."""
 
 
@@ -338,7 +335,7 @@ class _Table:
 
     def _take_tensor(self, cells: dict[str, Cell], node: Node, items: Sequence[Node]) -> None:
         rows = [row.value if isinstance(row.value, list) else [] for row in items]
-        size = len(COM_FIELDS)
+        size = len(COM)
         if [len(row) for row in rows] != [size] * size:
             texts = ", ".join(item.text or item.describe() for item in items)
             flat = split_cell(GROUPS["inertia"], texts) if all(item.text for item in items) else None

@@ -18,8 +18,9 @@ from dh2urdf.manipulator import DHRow, JointType, Limits
 from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual
 from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
+from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem
-from dh2urdf_plugins.transforms.checks import PAYLOAD
+from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame
 from dh2urdf_plugins.transforms.meshes import is_weighed, mesh_solid
 
 if TYPE_CHECKING:
@@ -36,9 +37,6 @@ SAFETY = 2.0
 
 LEAST_EFFORT = 10.0
 """Smallest default effort [N·m or N]."""
-
-DYNAMICS = ("damping", "friction", "armature")
-"""What a joint resists its motion with."""
 
 WEIGHTLESS = own.inertial(mass=0.0, inertia=own.inertia(ixx=0.0, iyy=0.0, izz=0.0))
 """What a frame weighs; said explicitly, because PyBullet takes silence for 1 kg."""
@@ -204,7 +202,7 @@ def _dynamics(row: DHRow, options: AlphaSwapOptions) -> dict[str, float | None]:
     if row.type is JointType.FIXED:
         return {}
     given = {name: getattr(row, name) for name in DYNAMICS}
-    return {name: getattr(options, name) if value is None else value for name, value in given.items()}
+    return {name: getattr(options, name, None) if value is None else value for name, value in given.items()}
 
 
 def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
@@ -274,10 +272,13 @@ def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
 def link_body(part: Part, density: float) -> Inertial:
     """The mass properties of a link: what the table says of them, the shape's for the rest.
 
-    A mass without an inertia scales that of the shape; a centre of mass without one carries it along. Centre of mass
-    and inertia are given in the DH frame after the row, and are turned into the link's frame.
+    A fixed row whose mass is 0 is a frame without a body. A mass without an inertia scales that of the shape; a centre
+    of mass without one carries it along. Centre of mass and inertia are given in the DH frame after the row, and are
+    turned into the link's frame.
     """
     row, frame = part.row, part.dh_frame
+    if is_frame(row):
+        return WEIGHTLESS
     if frame and is_weighed(row):  # Nobody need read a mesh for that.
         body = own.inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
     else:

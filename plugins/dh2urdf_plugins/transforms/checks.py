@@ -10,6 +10,7 @@ from dh2urdf.elementwise import is_column, where
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.mass_properties import has_zero_moments, inertia_problem, is_sound, principal_moments, with_floor
 from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns
+from dh2urdf.row_fields import NUMBERS
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
@@ -166,7 +167,7 @@ def _is_sure(row: DHRow) -> Condition:
     """Whether nothing can be said of the numbers of a row, as far as they are columns."""
     limits = (row.limits.lower, row.limits.upper, row.limits.velocity, row.limits.effort)
     sure: Condition = True
-    for number in (*(getattr(row, name) for name in _NUMBERS), *limits, *(row.com or ())):
+    for number in (*(getattr(row, name) for name in NUMBERS), *limits, *(row.com or ())):
         if number is not None:
             sure &= abs(number) <= LARGEST
     for angle in (getattr(row, name) for name in _angles_of(row)):
@@ -202,7 +203,7 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
         message = f"the limit {there} is given without {missing}"
         yield row_problem(row, message, field=f"limits.{missing}", accepted="both of lower and upper, or neither")
     for name in ("mass", "radius"):
-        if (value := getattr(row, name)) is not None and value <= 0.0:
+        if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
             message = f"{name} must be greater than 0"
             accepted = "a number greater than 0, or nothing: then it is computed"
             yield row_problem(row, message, field=name, found=value, accepted=accepted)
@@ -210,7 +211,9 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
         yield row_problem(row, broken, field="inertia", accepted=TENSOR, suggestion=_floor_advice(row.inertia))
 
 
-_NUMBERS = ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping", "friction", "armature")
+def is_frame(row: DHRow) -> bool:
+    """Whether a row is a frame without a body: a fixed one whose mass is 0."""
+    return row.type is JointType.FIXED and not is_column(row.mass) and row.mass == 0.0
 
 
 def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:

@@ -14,6 +14,7 @@ from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
+from dh2urdf_plugins.transforms.checks import is_frame
 from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, settled, standard_frames
 from dh2urdf_plugins.transforms.meshes import mesh_collision, mesh_visual
@@ -127,6 +128,8 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
     normal, delta = frame.normal.length.value, frame.offset.length.value
     low, high = _range(row, limits)
     seen, touch = seen + rail.visuals, collisions(segments, style) + rail.collisions
+    if is_frame(row):
+        seen, touch = rail.visuals, rail.collisions
     if row.visual:
         seen = (mesh_visual(row.visual, frame.dh_frame, style.material),)
     if row.collision:

@@ -315,7 +315,7 @@ with LocalStore(Path(sys.argv[1])).lock():
             for path in ("out", "link"):
                 with pytest.raises(OutputError, match="another run is at work"), LocalStore(tmp_path / path).lock():
                     pass
-            code = "import sys; from dh2urdf.output import open_store\nwith open_store(sys.argv[1]).lock(): pass"
+            code = "import sys; from dh2urdf.output.open_store import open_store\nwith open_store(sys.argv[1]).lock(): pass"
             refused = subprocess.run(
                 [sys.executable, "-c", code, store.directory], capture_output=True, text=True, check=False
             )

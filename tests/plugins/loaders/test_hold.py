@@ -42,7 +42,7 @@ def loaded(loader: str, robot: Robot, folder: Path) -> LoadReport:
     """What a simulator says of a robot."""
     path = folder / "arm.urdf"
     path.write_bytes(urdf.EMITTER.emit(robot, "arm", urdf.EMITTER.options())[0].content)
-    stage = import_module(f"dh2urdf_plugins.loaders.{loader}").LOADER
+    stage = import_module(f"dh2urdf_plugins.loaders.{loader}.loader").LOADER
     return load_in_child(stage, LoadRequest(path=path, robot=robot, poses=(), expected={}), stage.options())
 
 

@@ -714,7 +714,7 @@ def test_an_index_of_pandas_without_a_name_is_that_of_the_joints(tmp_path: Path)
         ("dh2urdf_units", "refused"),
         ("dh2urdf:units", "refused"),
         ("convention", "refused"),
-        ("dh2urdf.quantities.units", "read"),
+        ("dh2urdf.units", "read"),
         ("owner", "left alone"),
     ],
 )

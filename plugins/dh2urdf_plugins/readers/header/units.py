@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Dimension, QuantityError, accepted_units
+from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.words.cells import Doubt, Units, rate_of
-from dh2urdf_plugins.readers.words.fields import COM_FIELDS, FIELDS, INERTIA_FIELDS
+from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -47,9 +48,11 @@ _GROUPS = (
     ("a", "d"),
     ("alpha", "theta"),
     _OF_THE_JOINT,
-    COM_FIELDS,
-    (*INERTIA_FIELDS, "armature"),
-    ("effort", "friction"),
+    COM,
+    *(
+        tuple(name for name, field in ROW_FIELDS.items() if field.dimension is dimension)
+        for dimension in (Dimension.INERTIA, Dimension.TORQUE)
+    ),
 )
 """Columns that stand beside each other, and are hardly in two units."""
 
@@ -117,7 +120,7 @@ def _of_kinds(units: Units, stated: Mapping[Dimension, Unit], doubts: Mapping[st
 
     length, angle = Dimension.LENGTH, Dimension.ANGLE
     headers = {name: unit for name, unit in units.columns.items() if not unit.is_si}
-    of_bodies = next((_unit_of(name, headers[name]) for name in (*COM_FIELDS, "mass") if name in headers), None)
+    of_bodies = next((_unit_of(name, headers[name]) for name in (*COM, "mass") if name in headers), None)
     doubt(Dimension.INERTIA, because(length, Dimension.MASS) or of_bodies, SI[Dimension.INERTIA])
     doubt(Dimension.DAMPING, because(angle, length), SI[Dimension.DAMPING])
     doubt(Dimension.LINEAR_DAMPING, because(length), SI[Dimension.LINEAR_DAMPING])
@@ -134,7 +137,7 @@ def _of_kinds(units: Units, stated: Mapping[Dimension, Unit], doubts: Mapping[st
 
 def _of_masses(units: Units, stated: Mapping[Dimension, Unit]) -> tuple[str | None, str]:
     """Why masses may not be in kg, and in what: moments of inertia are in a unit of another mass."""
-    for unit in (stated.get(Dimension.INERTIA), *(units.columns.get(name) for name in INERTIA_FIELDS)):
+    for unit in (stated.get(Dimension.INERTIA), *(units.columns.get(name) for name in INERTIA)):
         if unit and not unit.symbol.startswith("kg"):
             return _unit_of("moments of inertia", unit), unit.symbol.partition("·")[0]
     return None, SI[Dimension.MASS]

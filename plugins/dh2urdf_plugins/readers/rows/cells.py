@@ -202,10 +202,10 @@ class RowCells:
     def _optional(self, name: str, *, linear: bool = False) -> float | None:
         return None if self._absent(name) else self._quantity(name, linear=linear).value
 
-    def _positive(self, name: str, *, linear: bool = False) -> float | None:
+    def _positive(self, name: str, *, linear: bool = False, or_zero: bool = False) -> float | None:
         errors = self.errors
         number = self._optional(name, linear=linear)
-        if number is not None and number <= 0 and self.errors == errors:
+        if number is not None and (number < 0 if or_zero else number <= 0) and self.errors == errors:
             self._error(
                 f"{shown(self._cells[name].text)} is not positive",
                 name,

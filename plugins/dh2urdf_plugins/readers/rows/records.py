@@ -41,6 +41,10 @@ class _Manipulator:
     __slots__ = tuple(field.name for field in fields(Manipulator))
 
 
+_NOT_GIVEN = tuple(field.name for field in fields(DHRow) if field.default is None and field.name != "mark")
+"""What a row says nothing of."""
+
+
 def make_marks(file: str, lines: Iterable[int], before: str | None = None) -> list[Mark]:
     """The places of rows.
 
@@ -81,9 +85,9 @@ def make_rows(rows: Iterable[tuple[Any, ...]]) -> list[DHRow]:
         row.offset = offset
         row.sign = 1
         row.limits = limits
-        row.mass = row.com = row.inertia = row.radius = row.damping = row.friction = row.armature = None
-        row.visual = row.collision = None
         row.mark = mark
+        for name in _NOT_GIVEN:
+            setattr(row, name, None)
         row.__class__ = DHRow
         made.append(row)
     return made

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import Dimension, accepted_units
 from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.row_fields import COM, DYNAMICS, INERTIA
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.readers.header.units import SI
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells
 from dh2urdf_plugins.readers.words.fields import (
     ACCEPTED_FLIPS,
     ACCEPTED_TYPES,
-    COM_FIELDS,
-    INERTIA_FIELDS,
     REQUIRED,
     TYPE_CHOICES,
     flip_of,
@@ -88,6 +87,7 @@ class RowReader(RowCells):
         d, theta, offset, sign = self._joint_variable(kind)
         if kind is not JointType.PRISMATIC and (theta or offset or sign < 0):
             self._refuse_bounds_of_theta()
+        resistances: dict[str, Any] = {name: self._friction(name, kind) for name in DYNAMICS}
         row = partial(  # What is wrong with an argument is known when all of them are there.
             DHRow,
             joint=self._joint,
@@ -100,13 +100,11 @@ class RowReader(RowCells):
             offset=offset,
             sign=sign,
             limits=self._limits(kind),
-            mass=self._positive("mass"),
+            mass=self._positive("mass", or_zero=kind is JointType.FIXED),
             com=self._com(),
             inertia=self._inertia(),
             radius=self._positive("radius"),
-            damping=self._friction("damping", kind),
-            friction=self._friction("friction", kind),
-            armature=self._friction("armature", kind),
+            **resistances,
             mark=mark,
         )
         if self.said is not None:
@@ -303,19 +301,19 @@ class RowReader(RowCells):
     # --- Mass properties ----------------------------------------------------------------------------------------------
 
     def _com(self) -> tuple[float, float, float] | None:
-        if all(self._absent(name) for name in COM_FIELDS):
+        if all(self._absent(name) for name in COM):
             return None
-        for name in COM_FIELDS:
+        for name in COM:
             if self._absent(name):
                 self._error(f"a part of the centre of mass is given, and {name} is not", name, accepted="all three")
-        x, y, z = (self._quantity(name).value for name in COM_FIELDS)
+        x, y, z = (self._quantity(name).value for name in COM)
         return (x, y, z)
 
     def _inertia(self) -> Inertia | None:
-        if all(self._absent(name) for name in INERTIA_FIELDS):
+        if all(self._absent(name) for name in INERTIA):
             return None
         before = self.errors
-        for name in INERTIA_FIELDS[:3]:
+        for name in INERTIA[:3]:
             if self._absent(name):
                 message = f"a part of the inertia tensor is given, and {name} is not"
                 self._error(message, name, accepted="ixx, iyy and izz, and ixy, ixz, iyz where they are not 0")
@@ -325,7 +323,7 @@ class RowReader(RowCells):
                 "mass",
                 accepted="both, or neither: they are computed from the link's shape and density then",
             )
-        inertia = Inertia(**{name: self._quantity(name).value for name in INERTIA_FIELDS})
+        inertia = Inertia(**{name: self._quantity(name).value for name in INERTIA})
         if self.errors == before and (broken := inertia_problem(inertia, zeros=True)):
             self._error(broken, "inertia", accepted="the inertia of a body about its centre of mass, or none")
         return inertia

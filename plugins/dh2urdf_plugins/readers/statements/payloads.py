@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from dh2urdf.manipulator import Inertia, Payload
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.quantities import Dimension
+from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import Problem
 from dh2urdf_plugins.readers.statements.placements import TransformReader
 from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
 from dh2urdf_plugins.readers.words.bounds import SMALLEST_LENGTH
-from dh2urdf_plugins.readers.words.fields import INERTIA_FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -75,7 +75,7 @@ class PayloadReader:
             if number is not None and entries.setdefault(name, number) != number:
                 message = f"the inertia tensor is not symmetric: {name} is {entries[name]:.9g} and here {number:.9g}"
                 self._error(item, "payload.inertia", message, "a symmetric matrix")
-        for name in INERTIA_FIELDS[:3] if self.errors == before else ():
+        for name in INERTIA[:3] if self.errors == before else ():
             if name not in entries:
                 message = f"a part of the payload's inertia is given, and {name} is not"
                 self._error(node, f"payload.inertia.{name}", message, ACCEPTED_TENSOR)
@@ -88,8 +88,8 @@ class PayloadReader:
 
     def _entries(self, node: Node) -> list[tuple[str, Node]]:
         if isinstance(node.value, dict):
-            refuse_unknown_keys(node, INERTIA_FIELDS, "payload.inertia", self.add)
-            return [(name, node.value[name]) for name in INERTIA_FIELDS if name in node.value]
+            refuse_unknown_keys(node, INERTIA, "payload.inertia", self.add)
+            return [(name, node.value[name]) for name in INERTIA if name in node.value]
         rows = [row.value for row in node.value] if isinstance(node.value, list) else []
         items = [item for row in rows if isinstance(row, list) and len(row) == _SIZE for item in row]
         if len(rows) != _SIZE or len(items) != len(_MATRIX):

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit
+from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.source import shown
-from dh2urdf_plugins.readers.words.fields import COM_FIELDS, INERTIA_FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -168,10 +168,10 @@ def _items(text: str, *, decimal_comma: bool) -> list[str]:
 def _vector(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
     inner, unit = _without_brackets(text)
     items = _items(inner, decimal_comma=decimal_comma)
-    if len(items) != len(COM_FIELDS):
+    if len(items) != len(COM):
         count = "one number" if len(items) == 1 else f"{len(items)} numbers"
         return GroupError(f"{shown(text)} holds {count}, and a centre of mass has three")
-    return {name: _with_unit(item, unit) for name, item in zip(COM_FIELDS, items, strict=True)}
+    return {name: _with_unit(item, unit) for name, item in zip(COM, items, strict=True)}
 
 
 def _with_unit(item: str, unit: str | None) -> str:
@@ -185,7 +185,7 @@ def _tensor(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
     if match := _DIAGONAL.fullmatch(text):
         items = _items(match[1], decimal_comma=decimal_comma)
         if len(items) == len(TENSOR):
-            return dict(zip(INERTIA_FIELDS, [*items, "0", "0", "0"], strict=True))
+            return dict(zip(INERTIA, [*items, "0", "0", "0"], strict=True))
     inner, unit = _without_brackets(text)
     rows = [row.strip(_BRACKETS + " ,;") for row in re.split(r"\]\s*[,;]?\s*\[|\)\s*[,;]?\s*\(|;", inner)]
     items = [item for row in rows if row for item in _items(row, decimal_comma=decimal_comma)]
@@ -196,7 +196,7 @@ def _tensor(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
 
 
 def _no_matrix(text: str, count: int) -> GroupError:
-    if count == len(INERTIA_FIELDS):
+    if count == len(INERTIA):
         return GroupError(
             f"{shown(text)} holds six numbers, whose order is not known: it may be {_ORDERS}, or another",
             "write the matrix, or a column for each element",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
+from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField
 from dh2urdf_plugins.readers.words.other_words import OTHER_CONVENTIONS, OTHER_TYPES
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 
@@ -40,8 +41,6 @@ class Field:
 
 
 LANGUAGES = {"de": "German", "fr": "French", "es": "Spanish", "it": "Italian"}
-INERTIA_FIELDS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-COM_FIELDS = ("com_x", "com_y", "com_z")
 REQUIRED = ("a", "alpha", "d")
 
 _OF = "of, the, de, du, des, la, le, del, della, dell, di"
@@ -64,14 +63,16 @@ def _words(text: str) -> tuple[str, ...]:
 def _field(
     name: str,
     headers: str,
-    dimension: Dimension | None = None,
-    linear: Dimension | None = None,
     *,
+    dimension: Dimension | None = None,
     around: str = "",
     parts: tuple[str, ...] = (),
     **others: str,
 ) -> Field:
+    """A field; what it measures is that of the number in `ROW_FIELDS`, or of its first part."""
     languages = {language: _words(words) for language, words in others.items()}
+    number = ROW_FIELDS.get(parts[0] if parts else name, RowField(dimension))
+    dimension, linear = number.dimension, number.linear
     return Field(name, _words(headers), dimension, linear, _words(around), languages, parts)
 
 
@@ -82,7 +83,7 @@ def _com(axis: str) -> Field:
     french = f"centre de masse {axis}, centre de gravité {axis}"
     spanish = f"centro de masa {axis}, centro de masas {axis}, centro de gravedad {axis}"
     italian = f"centro di massa {axis}, baricentro {axis}"
-    return _field(f"com_{axis}", headers, Dimension.LENGTH, around=_LINK, de=german, fr=french, es=spanish, it=italian)
+    return _field(f"com_{axis}", headers, around=_LINK, de=german, fr=french, es=spanish, it=italian)
 
 
 def _moment(name: str) -> Field:
@@ -93,7 +94,6 @@ def _moment(name: str) -> Field:
     return _field(
         name,
         headers,
-        Dimension.INERTIA,
         around=_LINK,
         de=f"trägheit {axes}",
         fr=f"inertie {axes}",
@@ -103,8 +103,6 @@ def _moment(name: str) -> Field:
 
 
 def _fields() -> dict[str, Field]:
-    number, length, angle, inertia = Dimension.NUMBER, Dimension.LENGTH, Dimension.ANGLE, Dimension.INERTIA
-    turn_rate, speed, torque, force = Dimension.TURN_RATE, Dimension.SPEED, Dimension.TORQUE, Dimension.FORCE
     fields = [
         _field(
             "robot",
@@ -144,7 +142,6 @@ def _fields() -> dict[str, Field]:
         _field(
             "a",
             "a, r, link length, length",
-            length,
             de="länge, gliedlänge, armlänge",
             fr="longueur, longueur du corps, longueur du segment",
             es="longitud, longitud del eslabón",
@@ -153,27 +150,25 @@ def _fields() -> dict[str, Field]:
         _field(
             "alpha",
             "alpha, α, twist, link twist, twist angle, link twist angle",
-            angle,
             de="verdrehung, verwindung, verdrehwinkel",
             fr="torsion, angle de torsion",
             es="alfa, torsión, ángulo de torsión",
             it="alfa, torsione, angolo di torsione",
         ),
-        _field("d", "d, link offset", length),
+        _field("d", "d, link offset"),
         _field(
             "theta",
             "theta, θ, th, joint angle",
-            angle,
             de="gelenkwinkel, drehwinkel",
             fr="angle articulaire",
             es="ángulo articular, ángulo de articulación",
             it="angolo di giunto",
         ),
-        _field("offset", "offset, joint offset", angle, length),
+        _field("offset", "offset, joint offset"),
         _field(
             "sign",
             "sign, direction, dir, polarity, rotation direction, direction of rotation",
-            number,
+            dimension=Dimension.NUMBER,
             around=_JOINT,
             de="vorzeichen, drehrichtung",
             fr="signe, sens, sens de rotation",
@@ -186,8 +181,6 @@ def _fields() -> dict[str, Field]:
         _field(
             "limits",
             "limits, limit, range, qlim, range of motion, motion range, working range, stroke, travel",
-            angle,
-            length,
             around=f"{_JOINT}, {_OF}, motion, movement, position, angle, angular, q, theta",
             parts=("lower", "upper"),
             de="grenzen, bereich, arbeitsbereich, bewegungsbereich, schwenkbereich, winkelbereich",
@@ -198,8 +191,6 @@ def _fields() -> dict[str, Field]:
         _field(
             "lower",
             "lower, q_min, min, lower limit, limit lower, low, lo, minimum, q_lo, lower bound",
-            angle,
-            length,
             around=f"{_JOINT}, {_OF}, {_BOUND}",
             de="untere, unterer, unteres, untergrenze, grenze unten, minimal, minimaler, minimale",
             fr="inférieure, inférieur, mini, minimale",
@@ -209,8 +200,6 @@ def _fields() -> dict[str, Field]:
         _field(
             "upper",
             "upper, q_max, max, upper limit, limit upper, high, hi, maximum, q_hi, upper bound",
-            angle,
-            length,
             around=f"{_JOINT}, {_OF}, {_BOUND}",
             de="obere, oberer, oberes, obergrenze, grenze oben, maximal, maximaler, maximale",
             fr="supérieure, supérieur, maxi",
@@ -221,8 +210,6 @@ def _fields() -> dict[str, Field]:
             "velocity",
             "velocity, speed, vel, omega, max velocity, velocity limit, v_max, qd_max, q_dot_max, dot_q_max, dq_max, "
             "theta_dot_max",
-            turn_rate,
-            speed,
             around=f"{_JOINT}, {_MOST}, {_OF}, angular, rotational, rotation",
             de="geschwindigkeit, winkelgeschwindigkeit",
             fr="vitesse, vitesse angulaire",
@@ -232,8 +219,6 @@ def _fields() -> dict[str, Field]:
         _field(
             "effort",
             "effort, torque, force, tau, max effort, effort limit, peak torque",
-            torque,
-            force,
             around=f"{_JOINT}, {_MOST}, {_OF}",
             de="drehmoment, kraft, maximalmoment",
             fr="couple",
@@ -243,7 +228,6 @@ def _fields() -> dict[str, Field]:
         _field(
             "mass",
             "mass, m, m_i, weight",
-            Dimension.MASS,
             around=f"{_LINK}, {_OF}",
             de="masse, gewicht",
             fr="poids",
@@ -253,9 +237,8 @@ def _fields() -> dict[str, Field]:
         _field(
             "com",
             f"{_CENTRES}, com position",
-            length,
             around=f"{_LINK}, {_OF}, position, location, vector, xyz",
-            parts=COM_FIELDS,
+            parts=COM,
             de="schwerpunkt, massenschwerpunkt, schwerpunktlage",
             fr="centre de masse, centre de gravité",
             es="centro de masa, centro de masas, centro de gravedad",
@@ -265,21 +248,18 @@ def _fields() -> dict[str, Field]:
         _field(
             "inertia",
             _TENSORS,
-            inertia,
             around=f"{_LINK}, {_OF}",
-            parts=INERTIA_FIELDS,
+            parts=INERTIA,
             de="trägheit, trägheitstensor, trägheitsmatrix, trägheitsmoment, massenträgheit",
             fr="inertie, matrice d'inertie, tenseur d'inertie, moment d'inertie",
             es="inercia, matriz de inercia, tensor de inercia, momento de inercia",
             it="inerzia, matrice d'inerzia, tensore d'inerzia, momento d'inerzia",
         ),
-        *map(_moment, INERTIA_FIELDS),
-        _field("radius", "radius", length, around=_LINK, fr="rayon", es="radio", it="raggio"),
+        *map(_moment, INERTIA),
+        _field("radius", "radius", around=_LINK, fr="rayon", es="radio", it="raggio"),
         _field(
             "damping",
             "damping, viscous friction, viscous damping, damping coefficient, viscous friction coefficient",
-            Dimension.DAMPING,
-            Dimension.LINEAR_DAMPING,
             around=f"{_JOINT}",
             de="dämpfung, viskose reibung",
             fr="amortissement, frottement visqueux",
@@ -289,17 +269,16 @@ def _fields() -> dict[str, Field]:
         _field(
             "friction",
             "friction, coulomb friction, dry friction, friction loss",
-            torque,
-            force,
             around=f"{_JOINT}",
             de="reibung, coulombsche reibung, trockene reibung",
             fr="frottement, frottement sec",
             es="fricción, fricción seca",
             it="attrito, attrito secco",
         ),
-        _field("armature", "armature, reflected inertia, reflected rotor inertia", inertia, Dimension.MASS),
+        _field("armature", "armature, reflected inertia, reflected rotor inertia"),
     ]
-    return {each.name: each for each in fields}
+    known = {each.name: each for each in fields}
+    return known | {name: _field(name, name) for name in ROW_FIELDS if name not in known}
 
 
 FIELDS = _fields()

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.quantities import Dimension
+from dh2urdf.row_fields import ROW_FIELDS
 from dh2urdf.table_text import yaml_word
-from dh2urdf_plugins.readers.words.fields import INERTIA_FIELDS, convention_of
+from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -18,7 +20,14 @@ _ANGLES = ("rad", "deg")
 _CHOSEN = ("length", "angle")
 """Keys of `units` that a `TableText` has a choice of."""
 _WITHOUT_CHOICE = {"inertia": "kg·m²", "effort": "[Nm, N]", "damping": "[N·m·s/rad, N·s/m]"}
-_MEASURED = {"inertia": (*INERTIA_FIELDS, "armature"), "effort": ("effort", "friction"), "damping": ("damping",)}
+_MEASURED = {
+    word: tuple(name for name, field in ROW_FIELDS.items() if field.dimension is dimension)
+    for word, dimension in (
+        ("inertia", Dimension.INERTIA),
+        ("effort", Dimension.TORQUE),
+        ("damping", Dimension.DAMPING),
+    )
+}
 """What a `TableText` has in SI units, whatever its lengths are in: units by key, and fields that have them."""
 
 

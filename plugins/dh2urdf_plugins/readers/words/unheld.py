@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from dh2urdf.row_fields import ROW_FIELDS
 from dh2urdf_plugins.readers.words.word_keys import keys_of
 
 
@@ -121,7 +122,8 @@ UNHELD_WORDS = {
     "payload": Unheld("a load at the tool", "`payload: {mass: 5}` for the whole arm"),
 }
 """Headers of what shapes or loads the arm and no field holds: refused where a cell is not 0."""
-UNHELD = {key: meaning for word, meaning in UNHELD_WORDS.items() for key in keys_of(word)}
+_HELD = {key for name in ROW_FIELDS for key in keys_of(name)}
+UNHELD = {key: meaning for word, meaning in UNHELD_WORDS.items() for key in keys_of(word) if key not in _HELD}
 """The same by their keys."""
 
 

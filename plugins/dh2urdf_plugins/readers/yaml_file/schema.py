@@ -11,19 +11,12 @@ import unicodedata
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import UNITS
+from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf_plugins.readers.header.units import UNIT_KEYS
 from dh2urdf_plugins.readers.header.words import SHORTEST_CORE, spellings
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
 from dh2urdf_plugins.readers.statements.shapes import SHAPES
-from dh2urdf_plugins.readers.words.fields import (
-    COM_FIELDS,
-    CONVENTION_CHOICES,
-    FIELDS,
-    GROUPS,
-    INERTIA_FIELDS,
-    REQUIRED,
-    TYPE_CHOICES,
-)
+from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, FIELDS, GROUPS, REQUIRED, TYPE_CHOICES
 from dh2urdf_plugins.readers.words.unheld import IGNORED
 from dh2urdf_plugins.readers.words.word_keys import key_of
 
@@ -34,7 +27,7 @@ if TYPE_CHECKING:
 
 _LIMITS = ("lower", "upper", "velocity", "effort")
 _OF_A_JOINT = tuple(name for name in FIELDS if name not in ("robot", "convention", "index"))
-_IN_A_GROUP = (*_LIMITS, *COM_FIELDS, *INERTIA_FIELDS, *GROUPS)
+_IN_A_GROUP = (*_LIMITS, *COM, *INERTIA, *GROUPS)
 """Fields that an editor offers in `limits`, `com` and `inertia`; the reader takes them in the joint itself too."""
 
 _BETWEEN_FACTORS = r"[\s·⋅*^.-]*"
@@ -125,7 +118,7 @@ def _group(name: str) -> dict[str, Any]:
         return _either(_mapping(dict.fromkeys(_LIMITS, _NUMBER_OR_NONE)), _list_of(_NUMBER_OR_NONE, 2), text)
     if name == "com":
         return _either(_list_of(_NUMBER, 3), text)
-    return _either(_mapping(dict.fromkeys(INERTIA_FIELDS, _NUMBER)), _list_of(_list_of(_NUMBER, 3), 3), text)
+    return _either(_mapping(dict.fromkeys(INERTIA, _NUMBER)), _list_of(_list_of(_NUMBER, 3), 3), text)
 
 
 def _payload() -> dict[str, Any]:
@@ -135,7 +128,7 @@ def _payload() -> dict[str, Any]:
 
 def _tensor() -> dict[str, Any]:
     """The six numbers of an inertia tensor, or its matrix."""
-    return _either(_mapping(dict.fromkeys(INERTIA_FIELDS, _NUMBER)), _list_of(_list_of(_NUMBER, 3), 3))
+    return _either(_mapping(dict.fromkeys(INERTIA, _NUMBER)), _list_of(_list_of(_NUMBER, 3), 3))
 
 
 def _meshes() -> dict[str, Any]:

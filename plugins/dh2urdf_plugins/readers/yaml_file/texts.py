@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
+from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.words.fields import COM_FIELDS, INERTIA_FIELDS
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_text
 
 if TYPE_CHECKING:
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
 
-_GROUPS = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA_FIELDS}
-_GROUPED = {field: group for group, fields in _GROUPS.items() for field in fields} | dict.fromkeys(COM_FIELDS, "com")
+_GROUPS = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
+_GROUPED = {field: group for group, fields in _GROUPS.items() for field in fields} | dict.fromkeys(COM, "com")
 _LONGEST = 4 * 2**20
 
 
@@ -45,8 +45,8 @@ def _entries(row: Mapping[str, str]) -> Iterator[str]:
     for group, fields in _GROUPS.items():
         if inner := [f"{field}: {yaml_word(row[field])}" for field in fields if field in row]:
             yield f"{group}: {{{', '.join(inner)}}}"
-    if any(field in row for field in COM_FIELDS):
-        yield f"com: [{', '.join(yaml_word(row.get(field, '')) for field in COM_FIELDS)}]"
+    if any(field in row for field in COM):
+        yield f"com: [{', '.join(yaml_word(row.get(field, '')) for field in COM)}]"
 
 
 def texts(path: Path) -> Iterator[TableText]:
@@ -79,6 +79,6 @@ def _texts(joint: Node) -> Iterator[tuple[str, str]]:
         if key in _GROUPS and isinstance(node.value, dict):
             yield from ((name, inner.text or "") for name, inner in node.value.items() if name in _GROUPS[key])
         elif key == "com" and isinstance(node.value, list):
-            yield from zip(COM_FIELDS, (inner.text or "" for inner in node.value), strict=False)
+            yield from zip(COM, (inner.text or "" for inner in node.value), strict=False)
         elif (header := read_header(key)).field and node.text is not None:
             yield header.field.name, node.text if node.value is not None else ""

@@ -1,0 +1,1 @@
+"""The way back: the Denavit-Hartenberg table of a chain of any robot description."""

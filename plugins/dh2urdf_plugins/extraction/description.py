@@ -1,0 +1,192 @@
+"""A robot description of any origin as the ground of a table: its robot, and what the robot does not hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.documents import read_bytes
+from dh2urdf.errors import ProofError, TableError
+from dh2urdf.robot import Robot
+from dh2urdf.source import Mark, Problem
+from dh2urdf_plugins.extraction.rounded_pi import Rounded, repaired
+from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
+
+if TYPE_CHECKING:
+    from lxml import etree
+
+    from dh2urdf.stages import Expansion
+
+LARGEST = 2**26
+"""Size of a description [B]."""
+_LOOSE = ("floating", "planar")
+"""Joints of URDF that no table has."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Description:
+    """What is in a file.
+
+    Attributes:
+        robot: its links and joints; joints that no table has are fixed in it.
+        file: the file, as messages name it.
+        folder: from where the paths of its meshes lead.
+        followers: joints that mimic another, by name, with the joint that they mimic; empty where it is not named.
+        loose: joints that no table has, with their types.
+        rounded: numbers that were meant to be parts of π.
+        repaired: the robot with these numbers read as they were meant; None where there are none. Where it is asked
+            for, it is `robot`, and this is the robot as it is written.
+    """
+
+    robot: Robot
+    file: str
+    folder: Path
+    followers: Mapping[str, str] = field(default_factory=dict)
+    loose: Mapping[str, str] = field(default_factory=dict)
+    rounded: tuple[Rounded, ...] = ()
+    repaired: Robot | None = None
+
+
+def urdf_description(path: Path) -> Description:
+    """The description of a URDF file.
+
+    Raises:
+        TableError: it cannot be read, or is not the URDF of a robot.
+    """
+    return _of_urdf(read_bytes(path, TableError, limit=LARGEST), path, str(path))
+
+
+def xacro_description(path: Path, expansion: Expansion) -> Description:
+    """The description of a xacro file of unknown origin, expanded where it can do no harm.
+
+    Raises:
+        TableError: it cannot be expanded, or what comes out is not the URDF of a robot.
+    """
+    from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+
+    read_bytes(path, TableError, limit=LARGEST)
+    try:
+        content = expand_foreign(path, expansion).content
+    except ProofError as error:
+        raise TableError(error.problems) from error
+    return _of_urdf(content, path, f"{path} (expanded)")
+
+
+def sdf_description(path: Path) -> Description:
+    """The description of the first model in an SDF file.
+
+    Raises:
+        TableError: it cannot be read, or holds no model.
+    """
+    content = read_bytes(path, TableError, limit=LARGEST)
+    return _described(content, path, str(path), _Format(sdf_reader.tree_of, sdf_reader.robot_of, _sdf_extras))
+
+
+def mjcf_description(path: Path) -> Description:
+    """The description of an MJCF file.
+
+    Raises:
+        TableError: it cannot be read, or is not the MJCF of an arm.
+    """
+    content = read_bytes(path, TableError, limit=LARGEST)
+    return _described(content, path, str(path), _Format(mjcf_reader.tree_of, mjcf_reader.robot_of, _mjcf_extras))
+
+
+def _of_urdf(content: bytes, path: Path, file: str) -> Description:
+    return _described(content, path, file, _Format(urdf_reader.tree_of, urdf_reader.robot_of, _urdf_extras))
+
+
+@dataclass(slots=True)
+class _Extras:
+    """What a tree holds besides its robot."""
+
+    folder: Path
+    followers: dict[str, str] = field(default_factory=dict)
+    loose: dict[str, str] = field(default_factory=dict)
+    rounded: list[Rounded] = field(default_factory=list)
+
+
+class _Format(NamedTuple):
+    """What reads a format: the elements of a text, their robot, and what else is in them."""
+
+    tree_of: Callable[[bytes, str], etree._Element]
+    robot_of: Callable[[etree._Element, str], Robot]
+    extras_of: Callable[[etree._Element, _Extras], etree._Element]
+
+
+def _described(content: bytes, path: Path, file: str, form: _Format) -> Description:
+    extras = _Extras(path.absolute().parent)
+    try:
+        root = form.tree_of(content, file)
+        meant = form.extras_of(root, extras)
+        robot = form.robot_of(root, file)
+        return Description(
+            robot=robot,
+            file=str(path),
+            folder=extras.folder,
+            followers=extras.followers,
+            loose=extras.loose,
+            rounded=tuple(extras.rounded),
+            repaired=form.robot_of(meant, file) if extras.rounded else None,
+        )
+    except ProofError as error:
+        raise TableError(error.problems) from error
+    except (ValueError, OverflowError) as error:  # a record that refuses what is written, such as a limit
+        problems = getattr(error, "problems", None) or (Problem(message=str(error)),)
+        raise TableError(problem.about(mark=Mark(file=file)) for problem in problems) from error
+
+
+def _urdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
+    """Takes from a URDF what no table has a place for, and returns it as its angles were meant."""
+    root.set("name", root.get("name", ""))
+    for joint in root.iterchildren("joint"):
+        name = joint.get("name", "")
+        if (mimic := joint.find("mimic")) is not None:
+            extras.followers[name] = mimic.get("joint", "")
+        if (word := joint.get("type")) in _LOOSE:
+            extras.loose[name] = word
+            joint.set("type", "fixed")
+    for material in [*root.iter("material")]:  # colours, which may be defined nowhere
+        if (parent := material.getparent()) is not None:
+            parent.remove(material)
+    meant = deepcopy(root)
+    for origin in meant.iter("origin"):
+        if (rpy := origin.get("rpy")) is not None:
+            words, found = repaired(rpy, origin.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
+            origin.set("rpy", words)
+            extras.rounded += found
+    return meant
+
+
+def _sdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
+    for joint in root.iter("joint"):
+        if (mimic := joint.find("axis/mimic")) is not None:
+            extras.followers[joint.get("name", "")] = mimic.get("joint", "")
+    meant = deepcopy(root)
+    for pose in meant.iter("pose"):
+        words, found = repaired(pose.text or "", pose.sourceline, first=3)  # type: ignore[arg-type]  # wrong in the stubs
+        if found and pose.get("degrees") != "true":
+            pose.text = words
+            extras.rounded += found
+    return meant
+
+
+def _mjcf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
+    for joint in root.iterfind("equality/joint"):
+        extras.followers[joint.get("joint1", "")] = joint.get("joint2", "")
+    compiler = root.find("compiler")
+    if compiler is None:
+        return root
+    extras.folder /= compiler.get("meshdir") or compiler.get("assetdir") or ""
+    if compiler.get("angle") != "radian":
+        return root
+    meant = deepcopy(root)
+    for element in meant.iter():
+        if isinstance(element.tag, str) and (euler := element.get("euler")) is not None:
+            words, found = repaired(euler, element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
+            element.set("euler", words)
+            extras.rounded += found
+    return meant

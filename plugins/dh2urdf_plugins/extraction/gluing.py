@@ -1,0 +1,187 @@
+"""A chain becomes rows: the screws along z of neighbours add up in the joint between them.
+
+    θ_i = ψ_(i−1) + φ_i,  d_i = e_(i−1) + b_i
+    standard:  base = Z(φ_0, b_0)·S(a_0, α_0),  row i = (θ_i, d_i, a_i, α_i),          tool = Z(ψ_N, e_N)
+    modified:  base = Z(φ_0, b_0),              row i = (a_(i−1), α_(i−1), θ_i, d_i),  tool = S(a_N, α_N)·Z(ψ_N, e_N)
+
+A turn and a shift along z commute with a joint's own motion, whether it turns or slides. All else is choice.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.manipulator import Convention
+from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_z
+from dh2urdf_plugins.extraction.directions import Directions, Group, shortest
+from dh2urdf_plugins.extraction.ends import Base, Tip, bases, tip
+from dh2urdf_plugins.extraction.zsz import ZSZ, decompose, x_screw, z_screw
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf_plugins.extraction.chain import Chain
+    from dh2urdf_plugins.extraction.numbers import Precision
+
+
+class Numbers(NamedTuple):
+    """The numbers of a row [m, rad]."""
+
+    a: float
+    alpha: float
+    d: float
+    theta: float
+
+
+@dataclass(frozen=True, slots=True)
+class Glued:
+    """The rows of a chain, with the numbers that a table has.
+
+    Attributes:
+        rows: a row for each axis.
+        base: the base transform.
+        tool: the tool transform.
+    """
+
+    rows: tuple[Numbers, ...]
+    base: RigidTransform
+    tool: RigidTransform
+
+
+def glue(chain: Chain, convention: Convention, precision: Precision, arm_length: float, *, origins: str) -> Glued:
+    """The rows of a chain.
+
+    Args:
+        chain: the chain, its sliding axes in their places, nearly parallel links split where they have to be.
+        convention: of the rows.
+        precision: what counts as zero, and how far numbers may be from what was computed.
+        arm_length: the arm's length [m].
+        origins: ``file`` where each d of parallel axes is to be as the file's origins have it, else ``fewest``.
+    """
+    links = [decompose(link, precision) for link in chain.links[1:-1]]
+    ways = bases(chain.links[0], convention, precision, arm_length)
+    last = tip(chain.links[-1], convention, precision, arm_length)
+    groups = _groups(chain, links)
+    between = [links[group.last] for group in groups[:-1]]
+    chosen = shortest(ways, groups, between, last, precision)
+    heights = _heights(chain, links, chosen.base, last, precision, keep=origins == "file")
+    screws, thetas = _screws(links, groups, chosen), [0.0] * len(chain.axes)
+    for group, theta in zip(groups, chosen.turns, strict=True):
+        thetas[group.taker] = theta
+    screws = [*screws, last.row] if convention is Convention.STANDARD else [chosen.base.row, *screws]
+    rows = tuple(
+        Numbers(a, alpha, precision.length_of(d), theta)
+        for (a, alpha), d, theta in zip(screws, heights, thetas, strict=True)
+    )
+    base = _written(_turned(chosen.base, chosen.base_turn, precision), precision)
+    tool = _rest(chain, rows, base, convention, precision) if last.has_tool else IDENTITY
+    return Glued(rows, base, tool)
+
+
+def _screws(links: Sequence[ZSZ], groups: Sequence[Group], chosen: Directions) -> list[tuple[float, float]]:
+    """A and α of the links between two axes."""
+    directed = {group.last: link for group, link in zip(groups, chosen.links, strict=False)}
+    return [(each.a, each.alpha) for each in (directed.get(number, link) for number, link in enumerate(links))]
+
+
+# Turns.
+
+
+def _groups(chain: Chain, links: Sequence[ZSZ]) -> list[Group]:
+    """The axes, by the lines that they are on."""
+    found: list[Group] = []
+    first = 0
+    for number in range(len(chain.axes)):
+        if number == len(links) or not links[number].is_collinear:
+            found.append(_group(chain, links, first, number))
+            first = number + 1
+    return found
+
+
+def _group(chain: Chain, links: Sequence[ZSZ], first: int, last: int) -> Group:
+    directions, inner = [1], 0.0
+    for link in links[first:last]:
+        inner += directions[-1] * (link.phi + link.parallel * link.psi)
+        directions.append(directions[-1] * link.parallel)
+    taker = next((number for number in range(first, last + 1) if not chain.axes[number].turns), first)
+    return Group(first, last, taker, inner, directions[taker - first], directions[-1])
+
+
+# Shifts.
+
+
+def _heights(
+    chain: Chain, links: Sequence[ZSZ], base: Base, last: Tip, precision: Precision, *, keep: bool
+) -> list[float]:
+    """D of every axis [m]."""
+    heights = [0.0] * len(chain.axes)
+    heights[0] += base.shift
+    heights[-1] += last.shift
+    for number, link in enumerate(links):
+        heights[number] += link.b
+        heights[number + 1] += link.e
+    if not keep:
+        first = 0
+        for number in range(len(chain.axes)):
+            if number == len(links) or not links[number].parallel:
+                _give_away(chain, links, heights, first, number, precision)
+                first = number + 1
+    return heights
+
+
+def _give_away(  # noqa: PLR0917 - the run and what is known of it
+    chain: Chain, links: Sequence[ZSZ], heights: list[float], first: int, last: int, precision: Precision
+) -> None:
+    """Gives the sum of the shifts along a run of parallel axes to one of them."""
+    directions = [1]
+    for link in links[first:last]:
+        directions.append(directions[-1] * link.parallel)
+    run = range(first, last + 1)
+    total = sum(direction * heights[number] for direction, number in zip(directions, run, strict=True))
+    shifted = [number for number in run if abs(heights[number]) > precision.length]
+    is_inside = first > 0 and last < len(chain.axes) - 1
+    if len(run) > 2 and is_inside and all(chain.axes[number].turns for number in run):  # noqa: PLR2004
+        taker = last
+    elif len(shifted) == 1:
+        (taker,) = shifted
+    else:
+        taker = first if first == 0 else last
+    for number in run:
+        heights[number] = 0.0
+    heights[taker] = directions[taker - first] * total
+
+
+# Base and tool.
+
+
+def _turned(base: Base, turn: float, precision: Precision) -> RigidTransform:
+    r, t = base.transform
+    return RigidTransform(multiply(r, rotation_z(*cos_sin(precision.angle_of(turn)))), t) if turn else base.transform
+
+
+def _written(pose: RigidTransform, precision: Precision) -> RigidTransform:
+    """A transform of the numbers that a table has."""
+    if pose == IDENTITY:
+        return pose
+    x, y, z = (precision.length_of(value) for value in pose.translation)
+    roll, pitch, yaw = (precision.angle_of(value) for value in pose.rpy)
+    return RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw))
+
+
+def _rest(
+    chain: Chain, rows: Sequence[Numbers], base: RigidTransform, convention: Convention, precision: Precision
+) -> RigidTransform:
+    """What is left for the tool at q = 0: it makes up for what the rows and the base lose by rounding.
+
+    The frame of each row is followed in the frame of its axis, where its numbers are those of the arm.
+    """
+    # `behind` leads from the table's frame to the file's frame K at the same joint.
+    behind = base.inverse @ chain.links[0]
+    for row, link in zip(rows, chain.links[1:], strict=True):
+        if convention is Convention.STANDARD:
+            screws = z_screw(row.theta, row.d) @ x_screw(row.a, row.alpha)
+        else:
+            screws = x_screw(row.a, row.alpha) @ z_screw(row.theta, row.d)
+        behind = screws.inverse @ behind @ link
+    return _written(behind, precision)

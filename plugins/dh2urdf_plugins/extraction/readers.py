@@ -1,0 +1,188 @@
+"""The readers of robot descriptions: each chain becomes the table that an engineer would have written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from dh2urdf.errors import InputError, TableError
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import Expansion, Reader, Rejected
+from dh2urdf_plugins.extraction.numbers import TOLERANCE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf_plugins.extraction.description import Description
+
+# What reads and what computes is imported where a description is read: a run of tables pays for none of it.
+
+_SMALLEST, _LARGEST = 1e-14, 1e-2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DescriptionOptions:
+    """What is left open by a robot description: which chain, and how its table is written."""
+
+    convention: Literal["standard", "modified"] = field(
+        default="standard", metadata={"help": "standard (classic, distal) or modified (Craig, proximal)"}
+    )
+    base_link: str | None = field(default=None, metadata={"help": "where the chain begins; the root by default"})
+    tip_link: str | None = field(
+        default=None,
+        metadata={"help": "where it ends; * for every leaf; tool0, tcp, flange, ee_link or the only leaf by default"},
+    )
+    tolerance: float = field(
+        default=TOLERANCE, metadata={"help": "how far the tip of the table may be from the file's [m, rad]"}
+    )
+    near_parallel: Literal["auto", "dh", "split"] = field(
+        default="auto",
+        metadata={"help": "of nearly parallel axes: dh (a large d), split (a fixed row), auto (dh up to 1000 arms)"},
+    )
+    rounded_pi: Literal["keep", "repair"] = field(
+        default="keep", metadata={"help": "repair reads 1.5708 in an orientation as pi/2"}
+    )
+    origins: Literal["fewest", "file"] = field(
+        default="fewest", metadata={"help": "d of parallel axes: fewest that are not 0, or as the file's origins"}
+    )
+    package_paths: tuple[str, ...] = field(
+        default=(), metadata={"help": "ROS packages, or folders of some, with meshes and included files"}
+    )
+
+    def __post_init__(self) -> None:
+        """Refuses a tolerance that no table can have.
+
+        Raises:
+            TableError: it is not a small number greater than 0.
+        """
+        if not _SMALLEST <= self.tolerance <= _LARGEST:
+            raise TableError(
+                Problem(
+                    message="tolerance must be a small number greater than 0",
+                    field="tolerance",
+                    found=f"{self.tolerance:.9g}",
+                    accepted=f"{_SMALLEST:g} to {_LARGEST:g} [m, rad]",
+                )
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XacroOptions(DescriptionOptions):
+    """The same of a description with macros, and the values of its arguments."""
+
+    arguments: dict[str, str] | None = field(default=None, metadata={"help": "values of the file's arguments"})
+
+
+def read_urdf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a URDF file.
+
+    Yields:
+        A manipulator for each tip link that is asked for, or why there is none.
+
+    Raises:
+        TableError: the file cannot be read, or which chain is meant is not said.
+    """
+    from dh2urdf_plugins.extraction.description import urdf_description
+
+    return _arms(path, options, urdf_description)
+
+
+def read_xacro(path: Path, options: XacroOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a xacro file, as `read_urdf` has those of a URDF file."""
+    from dh2urdf_plugins.extraction.description import xacro_description
+
+    packages = tuple(map(Path, options.package_paths))
+    expansion = Expansion(arguments=options.arguments or {}, package_paths=packages)
+    return _arms(path, options, lambda file: xacro_description(file, expansion))
+
+
+def read_sdf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of the first model in an SDF file, as `read_urdf` has those of a URDF file."""
+    from dh2urdf_plugins.extraction.description import sdf_description
+
+    return _arms(path, options, sdf_description)
+
+
+def read_mjcf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of an MJCF file, as `read_urdf` has those of a URDF file."""
+    from dh2urdf_plugins.extraction.description import mjcf_description
+
+    return _arms(path, options, mjcf_description)
+
+
+def _arms(
+    path: Path, options: DescriptionOptions, described: Callable[[Path], Description]
+) -> Iterator[Manipulator | Rejected]:
+    from dh2urdf.manipulator import Convention
+    from dh2urdf_plugins.extraction.arms import Asked, manipulator_of
+    from dh2urdf_plugins.extraction.bodies import mesh_finder
+    from dh2urdf_plugins.extraction.solving import Choices
+    from dh2urdf_plugins.extraction.trees import Tree
+    from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
+
+    try:
+        description = described(path)
+        packages = with_its_own(path, packages_in(map(Path, options.package_paths)))
+    except TableError:
+        raise
+    except InputError as error:  # of the packages
+        raise TableError(problem.about(mark=Mark(file=str(path))) for problem in error.problems) from error
+    repair = options.rounded_pi == "repair" and description.repaired is not None
+    if repair and description.repaired is not None:
+        description = replace(description, robot=description.repaired, repaired=description.robot)
+    tree = Tree.of(description, options.base_link)
+    tips = tree.tips(options.tip_link)
+    name = description.robot.name.strip() or path.stem
+    asked = Asked(
+        choices=Choices(
+            convention=Convention(options.convention),
+            tolerance=options.tolerance,
+            near_parallel=options.near_parallel,
+            origins=options.origins,
+        ),
+        name=name,
+        find=mesh_finder(description.folder, packages),
+        repair=repair,
+    )
+    for tip in tips:
+        each = asked if len(tips) == 1 else replace(asked, name=f"{name}_{tip}")
+        try:
+            yield manipulator_of(description, tree, tip, each)
+        except TableError as error:
+            yield Rejected(name=each.name, problems=error.problems, mark=Mark(file=str(path)))
+
+
+URDF: Reader[DescriptionOptions] = Reader(
+    name="urdf",
+    summary="URDF: the DH table of a chain, with its limits, masses and meshes",
+    read=read_urdf,
+    options=DescriptionOptions,
+    suffixes=(".urdf",),
+    reads_descriptions=True,
+)
+XACRO: Reader[XacroOptions] = Reader(
+    name="xacro",
+    summary="xacro: the DH table of a chain, of a file that is expanded where it can do no harm",
+    read=read_xacro,
+    options=XacroOptions,
+    suffixes=(".urdf.xacro", ".xacro"),
+    reads_descriptions=True,
+)
+SDF: Reader[DescriptionOptions] = Reader(
+    name="sdf",
+    summary="SDF: the DH table of a chain of the first model",
+    read=read_sdf,
+    options=DescriptionOptions,
+    suffixes=(".sdf",),
+    reads_descriptions=True,
+)
+MJCF: Reader[DescriptionOptions] = Reader(
+    name="mjcf",
+    summary="MJCF: the DH table of a chain of a MuJoCo model",
+    read=read_mjcf,
+    options=DescriptionOptions,
+    suffixes=(".xml", ".mjcf"),
+    reads_descriptions=True,
+)

@@ -1,0 +1,373 @@
+"""Robot descriptions as tables: chains and tips, what goes with them, what is left out, and every refusal."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import TableError
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.stages import Rejected
+
+if TYPE_CHECKING:
+    from conftest import ReferenceRobot  # type: ignore[import-not-found]
+
+    from dh2urdf.manipulator import Manipulator
+
+JOINT = """
+  <joint name="{name}" type="{type}">
+    <parent link="{parent}"/> <child link="{child}"/>
+    <origin xyz="{xyz}" rpy="{rpy}"/> <axis xyz="{axis}"/>
+    {more}
+  </joint>"""
+LIMITS = '<limit lower="-2" upper="2.5" effort="80" velocity="1.5"/>'
+
+
+def joint(
+    name: str,
+    parent: str,
+    child: str,
+    *,
+    xyz: str = "0 0 0",
+    rpy: str = "0 0 0",
+    axis: str = "0 0 1",
+    type: str = "revolute",  # noqa: A002 - as URDF calls it
+    more: str = LIMITS,
+) -> str:
+    """A joint as URDF."""
+    return JOINT.format(name=name, parent=parent, child=child, xyz=xyz, rpy=rpy, axis=axis, type=type, more=more)
+
+
+def urdf(*elements: str, links: str = "", name: str = "arm") -> str:
+    """A URDF of some elements; links that only joints name are added."""
+    text = "".join(elements)
+    named = dict.fromkeys(re.findall(r'(?:parent|child) link="([^"]+)"', text))
+    said = set(re.findall(r'<link name="([^"]+)"', links))
+    added = "".join(f'\n  <link name="{each}"/>' for each in named if each not in said)
+    return f'<?xml version="1.0"?>\n<robot name="{name}">{links}{added}{text}\n</robot>\n'
+
+
+PLAIN = (
+    joint("hip", "foot", "upper", xyz="0 0 0.1"),
+    joint("knee", "upper", "fore", xyz="0.4 0 0", rpy=f"{math.pi / 2} 0 0"),
+)
+END = joint("end", "fore", "tool0", xyz="0.3 0 0", type="fixed", more="")
+
+
+def read(tmp_path: Path, text: str, suffix: str = ".urdf", **options: Any) -> Manipulator:
+    """The manipulator of a text."""
+    path = tmp_path / f"robot{suffix}"
+    path.write_text(text, "utf-8")
+    return dh2urdf.read(path, **options)
+
+
+def refusal(tmp_path: Path, text: str, **options: Any) -> str:
+    """Why a text is no table."""
+    with pytest.raises(TableError) as caught:
+        read(tmp_path, text, **options)
+    return str(caught.value)
+
+
+def notices(arm: Manipulator) -> str:
+    """All notices of a manipulator."""
+    return "\n".join(map(str, arm.notices))
+
+
+class TestWhatGoesWithTheKinematics:
+    def test_limits_and_dynamics(self, tmp_path: Path) -> None:
+        more = f'{LIMITS}<dynamics damping="0.5" friction="0.25"/>'
+        arm = read(
+            tmp_path, urdf(joint("hip", "foot", "upper", more=more), joint("end", "upper", "tool0", type="fixed"))
+        )
+        (row,) = arm.rows
+        limits = dh2urdf.Limits(lower=-2, upper=2.5, effort=80, velocity=1.5)
+        assert (row.joint, row.link, row.limits) == ("hip", "upper", limits)
+        assert (row.damping, row.friction) == (0.5, 0.25)
+
+    def test_a_continuous_joint_stays_one(self, tmp_path: Path) -> None:
+        arm = read(
+            tmp_path, urdf(joint("hip", "foot", "upper", type="continuous", more='<limit effort="1" velocity="2"/>'))
+        )
+        assert arm.rows[0].type == "continuous"
+        assert arm.rows[0].limits == dh2urdf.Limits(effort=1, velocity=2)
+
+    def test_values_that_stand_for_unknown_ones_are_left_out(self, tmp_path: Path) -> None:
+        more = '<limit lower="-1" upper="1" effort="0" velocity="0"/>'
+        arm = read(tmp_path, urdf(joint("hip", "foot", "upper", more=more)))
+        assert arm.rows[0].limits == dh2urdf.Limits(lower=-1, upper=1)
+        assert "effort 0 stands for an unknown one and is left out: 'hip'" in notices(arm)
+        assert "velocity 0 stands for an unknown one" in notices(arm)
+
+    def test_masses_are_lumped_and_turned(self, tmp_path: Path) -> None:
+        """Against numpy: two bodies of one link, seen from the DH frame behind it."""
+        inertia = '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="-0.003"/>'
+        body = '<inertial><origin xyz="{}" rpy="{}"/><mass value="{}"/>' + inertia + "</inertial>"
+        links = (
+            '<link name="upper">' + body.format("0.1 0.02 0", "0 0 0", "2") + "</link>"
+            '<link name="bracket">' + body.format("0 0 0.05", "0.3 0 0", "1") + "</link>"
+        )
+        bracket = joint("weld", "upper", "bracket", xyz="0.2 0 0.1", rpy="0 0 0.5", type="fixed", more="")
+        arm = read(tmp_path, urdf(*PLAIN, END, bracket, links=links))
+        row = arm.rows[0]
+        frame = np.array(arm.fk_all([0, 0])["upper"])  # DH frame 1
+        tensor = np.array([[0.02, 0.001, 0.002], [0.001, 0.03, -0.003], [0.002, -0.003, 0.04]])
+        turned = rotation_z(0.5) @ rotation_x(0.3)
+        pieces = [
+            (2.0, np.array([0.1, 0.02, 0.1]), tensor),
+            (1.0, np.array([0.2, 0, 0.2]) + rotation_z(0.5) @ [0, 0, 0.05], turned @ tensor @ turned.T),
+        ]
+        mass = sum(piece[0] for piece in pieces)
+        com = sum(piece[0] * piece[1] for piece in pieces) / mass
+        whole = np.zeros((3, 3))
+        for piece_mass, place, piece in pieces:
+            away = place - com
+            whole += piece + piece_mass * (away @ away * np.eye(3) - np.outer(away, away))
+        R, t = frame[:3, :3], frame[:3, 3]
+        wanted = R.T @ whole @ R
+        assert row.mass == mass
+        assert np.abs(np.array(row.com) - R.T @ (com - t)).max() < 1e-9
+        found = row.inertia
+        assert found is not None
+        rows = [[found.ixx, found.ixy, found.ixz], [found.ixy, found.iyy, found.iyz], [found.ixz, found.iyz, found.izz]]
+        assert np.abs(np.array(rows) - wanted).max() < 1e-9
+        assert arm.base_mass == 0
+
+    def test_an_inertia_of_no_body_is_left_out(self, tmp_path: Path) -> None:
+        links = (
+            '<link name="upper"><inertial><mass value="2"/>'
+            '<inertia ixx="1" iyy="1" izz="5" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        )
+        arm = read(tmp_path, urdf(*PLAIN, END, links=links))
+        assert arm.rows[0].inertia is None
+        assert "leaves out the inertia of 'upper': the inertia breaks the triangle inequality" in notices(arm)
+
+    def test_a_mesh_is_where_it_was(self, tmp_path: Path) -> None:
+        mesh = tmp_path / "meshes" / "upper.stl"
+        mesh.parent.mkdir()
+        mesh.write_bytes(b"solid a\nendsolid a\n")
+        shape = '<origin xyz="0.1 0 0.2" rpy="0 0 0.4"/><geometry><mesh filename="{}" scale="2 2 2"/></geometry>'
+        links = (
+            f'<link name="upper"><visual>{shape.format("meshes/upper.stl")}</visual>'
+            f"<collision>{shape.format('package://other/upper.stl')}</collision></link>"
+        )
+        arm = read(tmp_path, urdf(*PLAIN, END, links=links))
+        visual = arm.rows[0].visual
+        assert visual is not None
+        assert Path(visual.file.path) == mesh
+        assert visual.scale == (2, 2, 2)
+        frame = np.array(arm.fk_all([0, 0])["upper"])
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = np.reshape(visual.pose.rotation, (3, 3)), visual.pose.translation
+        wanted = np.eye(4)
+        wanted[:3, :3], wanted[:3, 3] = rotation_z(0.4), [0.1, 0, 0.3]
+        assert np.abs(frame @ pose - wanted).max() < 1e-12
+        assert arm.rows[0].collision is None
+        assert "what 'upper' is touched with: there is no file 'package://other/upper.stl'" in notices(arm)
+
+    def test_shapes_are_left_out_in_words(self, tmp_path: Path) -> None:
+        box = '<visual><geometry><box size="1 1 1"/></geometry><material name="nowhere"/></visual>'
+        arm = read(tmp_path, urdf(*PLAIN, END, links=f'<link name="upper">{box}</link>'))
+        assert "leaves out what 'upper' is seen as: a shape that is no mesh" in notices(arm)
+
+    def test_names_of_every_description_are_replaced(self, tmp_path: Path) -> None:
+        arm = read(tmp_path, urdf(joint("flange", "foot", "base_link"), joint("b", "base_link", "b")), tip_link="b")
+        names = [name for row in arm.rows for name in (row.joint, row.link)]
+        assert names == ["flange_joint", "base_link_link", "b", "b_link"]
+        assert "'flange' is 'flange_joint'" in notices(arm)
+        dh2urdf.convert(arm)
+
+
+def rotation_x(angle: float) -> np.ndarray:
+    """A rotation about x."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+def rotation_z(angle: float) -> np.ndarray:
+    """A rotation about z."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+class TestTheChain:
+    BRANCHES = (*PLAIN, END, joint("pan", "upper", "camera"), joint("weld", "foot", "sign", type="fixed", more=""))
+
+    def test_a_usual_tip_is_taken(self, tmp_path: Path) -> None:
+        arm = read(tmp_path, urdf(*self.BRANCHES))
+        assert [row.joint for row in arm.rows] == ["hip", "knee"]
+        assert "the chain from 'foot' to 'tool0'" in notices(arm)
+        assert "left out, their links as they are at 0: 'pan'" in notices(arm)
+
+    def test_several_leaves_are_listed(self, tmp_path: Path) -> None:
+        text = urdf(*self.BRANCHES).replace("tool0", "hand")
+        message = refusal(tmp_path, text)
+        assert "2 leaves: hand (2 moving joints), camera (2 moving joints)" in message
+        assert "the option tip_link chooses one" in message
+        assert [row.joint for row in read(tmp_path, text, tip_link="camera").rows] == ["hip", "pan"]
+
+    def test_every_leaf_in_one_go(self, tmp_path: Path) -> None:
+        path = tmp_path / "robot.urdf"
+        path.write_text(urdf(*self.BRANCHES))
+        found = {item.name: item for item in dh2urdf.read_all(path, tip_link="*")}
+        assert list(found) == ["arm_tool0", "arm_camera", "arm_sign"]
+        nothing = found["arm_sign"]
+        assert isinstance(nothing, Rejected)
+        assert "no joint moves between link 'foot' and link 'sign'" in str(nothing.problems[0])
+
+    def test_the_chain_may_begin_inside(self, tmp_path: Path) -> None:
+        arm = read(tmp_path, urdf(*PLAIN, END), base_link="upper")
+        assert [row.joint for row in arm.rows] == ["knee"]
+
+    @pytest.mark.parametrize(
+        ("option", "words"),
+        [
+            ({"tip_link": "tool"}, ["no link 'tool'", "did you mean 'tool0'?"]),
+            ({"base_link": "tool0", "tip_link": "foot"}, ["no chain leads from link 'tool0' to link 'foot'"]),
+            ({"base_link": "fore"}, ["no joint moves between link 'fore' and link 'tool0'"]),
+        ],
+    )
+    def test_a_chain_that_is_not_there(self, tmp_path: Path, option: dict[str, str], words: list[str]) -> None:
+        message = refusal(tmp_path, urdf(*PLAIN, END), **option)
+        assert all(word in message for word in words), message
+
+    def test_a_follower_in_the_chain(self, tmp_path: Path) -> None:
+        follower = joint("finger_2", "upper", "tip", more=f'{LIMITS}<mimic joint="hip"/>')
+        message = refusal(tmp_path, urdf(PLAIN[0], follower))
+        assert "the chain holds 'finger_2', which mimics 'hip'" in message
+        assert "the option tip_link: upper ends before it" in message
+
+    def test_a_follower_beside_it(self, tmp_path: Path) -> None:
+        follower = joint("finger_2", "fore", "finger", more=f'{LIMITS}<mimic joint="hip"/>')
+        assert "mimic others are among them: 'finger_2'" in notices(read(tmp_path, urdf(*PLAIN, END, follower)))
+
+    @pytest.mark.parametrize("kind", ["floating", "planar"])
+    def test_a_joint_that_no_table_has(self, tmp_path: Path, kind: str) -> None:
+        free = joint("drift", "world", "foot", type=kind, more="")
+        message = refusal(tmp_path, urdf(free, *PLAIN, END))
+        assert f"the chain holds 'drift', which is {kind}" in message
+        assert len(read(tmp_path, urdf(free, *PLAIN, END), base_link="foot").rows) == 2
+
+    def test_a_loop(self, tmp_path: Path) -> None:
+        message = refusal(tmp_path, urdf(*PLAIN, END, joint("rod", "foot", "fore", type="fixed", more="")))
+        assert "several joints hold the link 'fore': the chain is part of a loop" in message
+
+    def test_two_roots(self, tmp_path: Path) -> None:
+        message = refusal(tmp_path, urdf(*PLAIN, joint("other", "a", "b")))
+        assert "2 links have no parent: 'foot', 'a'" in message
+
+    def test_an_axis_without_a_length(self, tmp_path: Path) -> None:
+        assert "the axis of the joint has no length" in refusal(tmp_path, urdf(joint("hip", "a", "b", axis="0 0 0")))
+
+    def test_a_long_axis_is_a_direction(self, tmp_path: Path) -> None:
+        arm = read(tmp_path, urdf(joint("hip", "a", "b", axis="0 0 2")))
+        assert "the axes of 'hip' have another length than 1" in notices(arm)
+
+    def test_limits_the_wrong_way_round(self, tmp_path: Path) -> None:
+        more = '<limit lower="1" upper="-1" effort="1" velocity="1"/>'
+        assert "lower, 1, is above upper, -1" in refusal(tmp_path, urdf(joint("hip", "a", "b", more=more)))
+
+
+class TestRoundedPi:
+    TEXT = urdf(
+        joint("hip", "foot", "upper"),
+        joint("knee", "upper", "fore", xyz="0.4 0.1 0", rpy="1.5708 0 0"),
+        joint("wrist", "fore", "hand", xyz="0.3 0 0.1", rpy="-1.5708 0 0"),
+    )
+
+    def test_it_is_kept_with_a_notice(self, tmp_path: Path) -> None:
+        arm = read(tmp_path, self.TEXT)
+        assert arm.rows[0].alpha == 1.5708
+        assert "1.5708 stands for pi/2 and the like in 2 places" in notices(arm)
+        assert "the option rounded_pi: repair reads it so" in notices(arm)
+
+    def test_it_is_repaired_when_asked(self, tmp_path: Path) -> None:
+        arm = read(tmp_path, self.TEXT, rounded_pi="repair")
+        assert [row.alpha for row in arm.rows] == [math.pi / 2, -math.pi / 2, 0]
+        assert "1.5708 was read as pi/2" in notices(arm)
+
+    def test_the_lines_are_named(self, tmp_path: Path) -> None:
+        lines = [number for number, line in enumerate(self.TEXT.splitlines(), start=1) if "1.5708" in line]
+        assert f"(lines {lines[0]}, {lines[1]})" in notices(read(tmp_path, self.TEXT))
+
+
+class TestFormats:
+    def test_all_of_our_own_read_back_as_the_table(self, tmp_path: Path, reference_robot: ReferenceRobot) -> None:
+        """Of each published table: every format gives the same table, which gives the same description again."""
+        arm = reference_robot.manipulator
+        found = {}
+        for suffix in (".urdf", ".sdf", ".xml", ".urdf.xacro"):
+            path = tmp_path / f"robot{suffix}"
+            dh2urdf.convert(arm, path)
+            table = dh2urdf.read(path, convention=str(arm.convention), base_link="base_link", tip_link="tool0")
+            found[suffix] = kinematics(table)
+            assert np.abs(table.fk(reference_robot.q) - np.array(reference_robot.poses)).max() < 2e-8
+        assert found[".urdf"] == found[".urdf.xacro"]
+        for suffix in (".sdf", ".xml"):
+            for one, other in zip(found[suffix], found[".urdf"], strict=True):
+                assert one == pytest.approx(other, abs=1e-9)
+
+    @pytest.mark.parametrize("frames", ["aligned", "dh"])
+    def test_a_table_of_a_table_is_the_table(
+        self, tmp_path: Path, reference_robot: ReferenceRobot, frames: str
+    ) -> None:
+        """To the last byte, once the first table is one that was extracted."""
+        convention = str(reference_robot.manipulator.convention)
+        path = tmp_path / "robot.urdf"
+        dh2urdf.convert(reference_robot.manipulator, path, frames=frames)
+        first = dh2urdf.read(path, convention=convention, tip_link="tool0")
+        again = tmp_path / "again.urdf"
+        dh2urdf.convert(first, again)
+        assert dh2urdf.read(again, convention=convention, tip_link="tool0").to_yaml() == first.to_yaml()
+
+    def test_arguments_of_a_xacro(self, tmp_path: Path) -> None:
+        text = urdf(joint("hip", "foot", "upper", xyz="0 0 $(arg height)"), END.replace("fore", "upper"))
+        text = text.replace("<robot ", '<robot xmlns:xacro="http://ros.org/wiki/xacro" ').replace(
+            "<link", '<xacro:arg name="height" default="0.1"/><link', 1
+        )
+        for arguments, height in ({}, 0.1), ({"arguments": {"height": "0.7"}}, 0.7):
+            assert read(tmp_path, text, ".urdf.xacro", **arguments).rows[0].d == height
+
+    def test_a_file_of_its_own_name_stays_a_description(self) -> None:
+        """The studio and `view` open a description as one, though a reader has its suffix."""
+        catalog = load()
+        assert not any(catalog.is_table(Path(f"arm{suffix}")) for suffix in (".urdf", ".sdf", ".xml", ".xacro"))
+        assert catalog.is_table(Path("arm.csv"))
+
+    def test_a_tolerance_that_no_table_has(self, tmp_path: Path) -> None:
+        with pytest.raises(dh2urdf.Dh2UrdfError, match="tolerance must be a small number greater than 0"):
+            read(tmp_path, urdf(*PLAIN, END), tolerance=0)
+
+
+def kinematics(table: Manipulator) -> list[tuple[float, ...]]:
+    """The numbers of the rows, and of base and tool."""
+    rows = [(row.a, row.alpha, row.d, row.theta) for row in table.rows]
+    return [*rows, *((*pose.rotation, *pose.translation) for pose in (table.base, table.tool))]
+
+
+def test_a_frame_of_a_split_has_no_body(tmp_path: Path) -> None:
+    """A fixed row of mass 0: no shape, no mass, in every format; and a table says it."""
+    far = urdf(
+        joint("a", "foot", "b"),
+        joint("b", "b", "c", xyz="0.4 0.2 0", rpy="3e-4 0 0"),
+        joint("c", "c", "d", xyz="0 0.3 0.1", type="fixed", more=""),
+    )
+    arm = read(tmp_path, far, near_parallel="split")
+    fixed = arm.rows[1]
+    assert (fixed.type, fixed.mass) == ("fixed", 0)
+    assert "a fixed row is between them" in notices(arm)
+    conversion = dh2urdf.convert(arm, tmp_path / "split", formats=["urdf", "sdf", "mjcf", "xacro"])
+    link = next(link for link in conversion.robot.links if link.name == fixed.link)
+    assert not link.visuals
+    assert link.inertial is not None
+    assert link.inertial.mass == 0
+    assert all(proof is not None and proof.position_error < 1e-12 for proof in conversion.proofs.values())
+    for text, reader in ((arm.to_yaml(), "yaml"), (arm.to_csv(), "csv")):
+        again = dh2urdf.read(text, reader=reader)
+        assert dataclasses.replace(again, notices=()) == dataclasses.replace(arm, notices=())

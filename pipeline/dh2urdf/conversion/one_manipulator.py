@@ -246,6 +246,7 @@ def emit_robot(
     main_file: str | None = None,
     proved: bool = True,
     sampled: bool = True,
+    alone: bool = True,
 ) -> tuple[Written, ...]:
     """Emit a robot with every emitter into a folder of its own, and prove each file there.
 
@@ -259,6 +260,7 @@ def emit_robot(
         main_file: another name for the first emitter's main file.
         proved: whether to prove the files.
         sampled: whether to prove also those whose proof is slow.
+        alone: whether no other robot is written into the same place with the same options.
 
     Raises:
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
@@ -273,6 +275,16 @@ def emit_robot(
             files = emitted_files(emitter.emit(robot, stem, call.options), in_folders=emitter.in_folders)
             if not files:
                 raise ValueError("it gave no file")
+        if not alone and emitter.in_folders and not all(file.name.startswith(stem) for file in files):
+            raise EmitterError(
+                Problem(
+                    message=f"the options of the emitter {emitter.name!r} name the folder of one robot, and the run "
+                    "has several",
+                    found=files[0].name.partition("/")[0],
+                    accepted=f"a folder whose name begins with {stem!r}",
+                    suggestion="name the tables as their packages, or convert them one by one",
+                )
+            )
         if main_file is not None and not written:
             files[0] = replace(files[0], name=main_file)
         for file in files:

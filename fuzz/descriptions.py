@@ -4,10 +4,11 @@
 
 Each file is a sound description, or a connected piece of one, with up to three faults. PyBullet, MuJoCo, Pinocchio,
 Drake, urdfdom and sdformat load it, each in a process of its own. A refusal that was predicted and does not happen is
-false, one that happens and was not predicted is missed; an exception of `check` itself is a failure too. What is
-mispredicted is made as small as it can be, grouped by reader, rules and message, and written to the folder `--found`.
-The figures and the largest groups are printed after every thousand files, and at the end, also where SIGINT (Ctrl-C)
-ends it early.
+false, one that happens and was not predicted is missed. Where neither a refusal nor a change is predicted, the loaded
+joints, limits and masses are compared with those of the file: a difference was made in silence. An exception of `check`
+itself is a failure too. What is mispredicted is made as small as it can be, grouped by reader, rules and message, and
+written to the folder `--found`. The figures and the largest groups are printed after every thousand files, and at the
+end, also where SIGINT (Ctrl-C) ends it early.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import description_faults as faults
+from description_facts import Plain, difference, plain
 from description_sources import sources, write_meshes
 from description_texts import FORMS
 from description_tree import Node, piece
@@ -39,9 +41,12 @@ from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.rules import Outcome, rules
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
 FATAL = {Outcome.REFUSES, Outcome.CRASHES}
+CHANGED = {Outcome.LOSES, Outcome.ALTERS}
+COLUMNS = ("files", "refused", "predicted", "compared")
+KINDS = ("false", "missed", "altered")
 MOST_LINKS = 6
 """Links of a piece of a description."""
 SECONDS_TO_SHRINK = 20
@@ -78,6 +83,7 @@ class Figures:
     predictions: int = 0
     predicted: Counter[str] = field(default_factory=Counter)
     refused: Counter[str] = field(default_factory=Counter)
+    compared: Counter[str] = field(default_factory=Counter)
     wrong: dict[Wrong, list[int]] = field(default_factory=dict)
 
     def count(self, consumer: str, kind: str) -> int:
@@ -92,6 +98,7 @@ class Figures:
         self.predictions += other.predictions
         self.predicted += other.predicted
         self.refused += other.refused
+        self.compared += other.compared
         for wrong, found in other.wrong.items():
             self.wrong.setdefault(wrong, []).extend(found)
 
@@ -109,25 +116,63 @@ def case(seed: int, index: int, robots: Sequence[Node]) -> Case:
     return Case(tree, form, tuple(names))
 
 
-def predicted(path: Path) -> dict[str, list[str]]:
-    """The rules by which each reader does not load a file."""
-    found: dict[str, list[str]] = {consumer: [] for consumer in READERS}
+class Prediction(NamedTuple):
+    """What is predicted of a reader: the rules by which it does not load a file, and those by which it changes it."""
+
+    fatal: list[str]
+    changing: list[str]
+
+
+def predicted(path: Path) -> dict[str, Prediction]:
+    """What is predicted of each reader."""
+    found = {consumer: Prediction([], []) for consumer in READERS}
     for finding in inspect_urdf(path).findings:
         for effect in finding.effects:
-            if effect.consumer in found and rules()[finding.rule].outcomes[effect.consumer] in FATAL:
-                found[effect.consumer].append(finding.rule)
+            if effect.consumer in found:
+                outcome = rules()[finding.rule].outcomes[effect.consumer]
+                if outcome in FATAL:
+                    found[effect.consumer].fatal.append(finding.rule)
+                if outcome in CHANGED:
+                    found[effect.consumer].changing.append(finding.rule)
     return found
 
 
-def compared(consumer: str, by: Sequence[str], behaviour: Behaviour) -> Wrong | None:
+class Tried(NamedTuple):
+    """What came of a file in a reader.
+
+    Attributes:
+        consumer: the reader.
+        wrong: what is mispredicted.
+        told: whether a refusal was predicted.
+        refused: whether there was one.
+        compared: whether the loaded model was compared with the file.
+    """
+
+    consumer: str
+    wrong: Wrong | None
+    told: bool
+    refused: bool
+    compared: bool = False
+
+
+def compared(consumer: str, prediction: Prediction, behaviour: Behaviour, file: Plain | None) -> Tried:
     """What is mispredicted of a reader, if anything is."""
-    if bool(by) == (behaviour.end != "loads"):
-        return None
-    said = str(behaviour.extra.get("raised", "")) or behaviour.printed[-400:]
-    if behaviour.end == "crashes":
-        said = f"crash {behaviour.extra.get('signal', '')} {said}"
+    told, refused = bool(prediction.fatal), behaviour.end != "loads"
+    if told != refused:
+        said = str(behaviour.extra.get("raised", "")) or behaviour.printed[-400:]
+        if behaviour.end == "crashes":
+            said = f"crash {behaviour.extra.get('signal', '')} {said}"
+        kind = "false" if told else "missed"
+        return Tried(consumer, _wrong(consumer, kind, prediction.fatal, "" if told else said), told, refused)
+    if refused or prediction.changing or file is None:
+        return Tried(consumer, None, told, refused)
+    said = difference(consumer, file, behaviour)
+    return Tried(consumer, _wrong(consumer, "altered", [], said) if said else None, told, refused, compared=True)
+
+
+def _wrong(consumer: str, kind: str, by: Sequence[str], said: str) -> Wrong:
     said = re.sub(r"/\S*/robots/\S+|0x[0-9a-f]+|[-+]?\d[\d.e+-]*|'[^']*'|\"[^\"]*\"|\[[^\]]*\]", "~", said)
-    return Wrong(consumer, "false" if by else "missed", tuple(sorted(set(by))), "" if by else said[:160])
+    return Wrong(consumer, kind, tuple(sorted(set(by))), said[:160])
 
 
 class Bench:
@@ -140,29 +185,24 @@ class Bench:
         self.path = self.folder / "arm.urdf"
         self.readers = {consumer: stack.enter_context(Reader(consumer)) for consumer in READERS}
 
-    def wrong(
-        self, tried: Case, consumers: Sequence[str] = tuple(READERS)
-    ) -> Iterator[tuple[Wrong | None, str, bool, bool]]:
-        """What is mispredicted of a description, by reader, with what was predicted and what happened."""
+    def tried(self, tried: Case, consumers: Sequence[str] = tuple(READERS)) -> Iterator[Tried]:
+        """What came of a description, by reader."""
         tried.write(self.path)
         for consumer in consumers:
             self.readers[consumer].ask(self.path)
-        told, raised = dict[str, list[str]](), ""
+        predictions, raised = dict[str, Prediction](), ""
         try:
-            told = predicted(self.path)
+            predictions = predicted(self.path)
         except Exception as error:  # noqa: BLE001 - whatever `check` raises is what is looked for
             raised = f"{type(error).__name__}: {error}"
+        file = plain(self.path.read_bytes())
         for consumer in consumers:
             behaviour = self.readers[consumer].answer()
             if raised:
-                yield Wrong(consumer, "check raised", (), raised), consumer, False, behaviour.end != "loads"
-                continue
-            yield (
-                compared(consumer, told[consumer], behaviour),
-                consumer,
-                bool(told[consumer]),
-                behaviour.end != "loads",
-            )
+                wrong = Wrong(consumer, "check raised", (), raised)
+                yield Tried(consumer, wrong, told=False, refused=behaviour.end != "loads")
+            else:
+                yield compared(consumer, predictions[consumer], behaviour, file)
 
     def shrunk(self, tried: Case, wrong: Wrong) -> Case:
         """The smallest description that is mispredicted in the same way."""
@@ -182,7 +222,7 @@ class Bench:
         return tried
 
     def _is(self, tried: Case, wrong: Wrong) -> bool:
-        return any(found == wrong for found, *_ in self.wrong(tried, [wrong.consumer]))
+        return any(found.wrong == wrong for found in self.tried(tried, [wrong.consumer]))
 
 
 def _without(tree: Node, step: int) -> Node | None:
@@ -206,12 +246,13 @@ def examine(bench: Bench, robots: Sequence[Node], seed: int, indices: Sequence[i
     figures = Figures()
     for index in indices:
         figures.files += 1
-        for wrong, consumer, told, refused in bench.wrong(case(seed, index, robots)):
+        for tried in bench.tried(case(seed, index, robots)):
             figures.predictions += 1
-            figures.predicted[consumer] += told
-            figures.refused[consumer] += refused
-            if wrong:
-                figures.wrong.setdefault(wrong, []).append(index)
+            figures.predicted[tried.consumer] += tried.told
+            figures.refused[tried.consumer] += tried.refused
+            figures.compared[tried.consumer] += tried.compared
+            if tried.wrong:
+                figures.wrong.setdefault(tried.wrong, []).append(index)
     return figures
 
 
@@ -237,25 +278,35 @@ def write_found(figures: Figures, seed: int, folders: Sequence[Path], folder: Pa
 
 def lines(figures: Figures) -> Iterator[str]:
     """The figures as a table, and the largest groups of mispredictions with the number of the first file of each."""
-    yield f"{'reader':10} {'files':>7} {'refused':>8} {'predicted':>10} {'false':>6} {'':>7} {'missed':>7}"
+    heads = [f"{name:>{max(8, len(name))}}" for name in COLUMNS]
+    yield f"{'reader':10} {' '.join(heads)}" + "".join(f" {kind:>7} {'':>6}" for kind in KINDS)
     total: Counter[str] = Counter()
     for consumer in READERS:
-        row = {"refused": figures.refused[consumer], "predicted": figures.predicted[consumer]}
-        row |= {kind: figures.count(consumer, kind) for kind in ("false", "missed")}
+        row = {
+            "files": figures.files,
+            "refused": figures.refused[consumer],
+            "predicted": figures.predicted[consumer],
+            "compared": figures.compared[consumer],
+        }
+        row |= {kind: figures.count(consumer, kind) for kind in KINDS}
         total.update(row)
-        yield _row(consumer, figures.files, row)
-    yield _row("all", figures.predictions, total)
+        yield _row(consumer, row)
+    yield _row("all", total)
     for wrong, found in sorted(figures.wrong.items(), key=lambda item: -len(item[1]))[:GROUPS_PRINTED]:
         said = " ".join(wrong.said.split())
         yield f"{len(found):6,} {wrong.kind} {wrong.consumer}, first {found[0]}: {', '.join(wrong.rules)} {said[:100]}"
 
 
-def _row(name: str, files: int, row: dict[str, int]) -> str:
-    false, missed = (row[a] / max(row[b], 1) for a, b in (("false", "predicted"), ("missed", "refused")))
-    return (
-        f"{name:10} {files:7,} {row['refused']:8,} {row['predicted']:10,} {row['false']:6,} {false:7.2%} "
-        f"{row['missed']:7,} {missed:7.2%}"
-    )
+def _row(name: str, row: Mapping[str, int]) -> str:
+    counts = " ".join(f"{row[column]:>{max(8, len(column))},}" for column in COLUMNS)
+    shares = zip(KINDS, _shares(row), strict=True)
+    return f"{name:10} {counts}" + "".join(f" {row[kind]:7,} {share:6.2%}" for kind, share in shares)
+
+
+def _shares(row: Mapping[str, int]) -> list[float]:
+    """What is mispredicted, by kind: of the predicted refusals, the refusals, and the files that were compared."""
+    of = ("predicted", "refused", "compared")
+    return [row[kind] / max(row[whole], 1) for kind, whole in zip(KINDS, of, strict=True)]
 
 
 _WORKER: dict[str, Any] = {}
@@ -281,7 +332,9 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--descriptions", type=Path, action="append", default=[], help="a folder of URDFs to spoil too")
     parser.add_argument("--found", type=Path, help="a folder for the smallest file of every group of mispredictions")
-    parser.add_argument("--allowed", type=float, default=1.0, help="mispredicted refusals that are no failure [%%]")
+    parser.add_argument(
+        "--allowed", type=float, default=1.0, help="mispredictions of each kind that are no failure [%%]"
+    )
     given = parser.parse_args()
     start, figures, chunk = time.monotonic(), Figures(), 20
     tasks = [(given.seed, range(i, min(i + chunk, given.files))) for i in range(0, given.files, chunk)]
@@ -296,10 +349,11 @@ def main() -> int:
     print(*lines(figures), f"seconds {time.monotonic() - start:.0f}", sep="\n", flush=True)
     if given.found:
         write_found(figures, given.seed, given.descriptions, given.found)
-    false, missed = (sum(figures.count(consumer, kind) for consumer in READERS) for kind in ("false", "missed"))
-    shares = (false / max(figures.predicted.total(), 1), missed / max(figures.refused.total(), 1))
+    total = {"refused": figures.refused.total(), "predicted": figures.predicted.total()}
+    total |= {"compared": figures.compared.total()}
+    total |= {kind: sum(figures.count(consumer, kind) for consumer in READERS) for kind in KINDS}
     raised = any(wrong.kind == "check raised" for wrong in figures.wrong)
-    return int(raised or max(shares) > given.allowed / 100)
+    return int(raised or max(_shares(total)) > given.allowed / 100)
 
 
 if __name__ == "__main__":

@@ -325,17 +325,19 @@ def test_modules_tell_one_story() -> None:
     """Every module begins with a docstring and is short enough to be read in one sitting."""
     texts = {relative(path): path.read_text("utf-8") for path in (*modules(HOST), *modules(PLUGINS))}
     assert [path for path, text in texts.items() if not ast.get_docstring(ast.parse(text))] == []
-    assert [path for path, text in texts.items() if len(text.splitlines()) > 450] == []
+    assert [path for path, text in texts.items() if len(text.splitlines()) > 400] == [
+        "pipeline/dh2urdf/studio/page.py"  # on its way to be divided
+    ]
 
 
 def test_packages_can_be_overlooked() -> None:
-    """No package has more than 2,500 lines of its own; those that have are on their way to be divided."""
+    """No package has more than 2,500 lines of its own, but the top level, which has the words of all, and one to divide."""
     sizes = {
         relative(package.parent): sum(len(path.read_text("utf-8").splitlines()) for path in package.parent.glob("*.py"))
         for root in (HOST, PLUGINS)
         for package in root.rglob("__init__.py")
     }
-    wide = {"pipeline/dh2urdf", "pipeline/dh2urdf/report", "pipeline/dh2urdf/studio", "plugins/dh2urdf_plugins/lint"}
+    wide = {"pipeline/dh2urdf", "plugins/dh2urdf_plugins/lint"}
     assert {name for name, size in sizes.items() if size > 2500} == wide
 
 

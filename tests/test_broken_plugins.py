@@ -213,7 +213,7 @@ CASES = [
     Broken(SWAP, "of_right(lambda *a: with_link(TRANSFORM.transform(*a), name=3))",
            f"{T}TypeError: it gave a Robot whose links[0].name is 3 (int), not str"),
     Broken(SWAP, "of_right(lambda *a: with_link(TRANSFORM.transform(*a), visuals=None))",
-           f"{T}TypeError: it gave a Robot whose links[0].visuals is None, not tuple[robot.Visual, ...]"),
+           f"{T}TypeError: it gave a Robot whose links[0].visuals is None, not tuple[shapes.Visual, ...]"),
     Broken(SWAP, "of_right(lambda table, _: row(a='1'))", f"{T}RecordTypeError: DHRow(): error: "),
     Broken(SWAP, "of_right(lambda *_: os._exit(0))", "transform 'bad' of lab 1.0 left the process (exit status 0)", workers=2),
     Broken("transform.keeps_kinematics", "giving(None)", f"{BROKEN}`keeps_kinematics` of the transform 'bad' failed: "

@@ -7,6 +7,8 @@ from contextlib import ExitStack
 import descriptions
 import pytest
 from description_sources import sources
+from description_tree import read
+from faulty_files import SOUND
 
 SEED, FILES = 3, 12
 
@@ -28,7 +30,9 @@ def test_a_wrong_rule_is_found_and_its_file_made_small(
     bench: descriptions.Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where no rule speaks, every refusal is missed, and the smallest file with it is a fraction of the first one."""
-    monkeypatch.setattr(descriptions, "predicted", lambda _: {consumer: [] for consumer in descriptions.READERS})
+    nothing = {consumer: descriptions.Prediction([], []) for consumer in descriptions.READERS}
+    monkeypatch.setattr(descriptions, "predicted", lambda _: nothing)
+    monkeypatch.setattr(descriptions, "difference", lambda *_: "")
     robots = sources()
     figures = descriptions.examine(bench, robots, SEED, range(FILES))
     assert {wrong.kind for wrong in figures.wrong} == {"missed"}
@@ -37,3 +41,18 @@ def test_a_wrong_rule_is_found_and_its_file_made_small(
     first = descriptions.case(SEED, index, robots)
     smallest = bench.shrunk(first, wrong)
     assert 2 * len(smallest.tree.written()) < len(first.tree.written())
+
+
+def test_a_change_that_no_rule_predicts_is_found(bench: descriptions.Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo takes the magnitude of a negative effort; the sound file is loaded as it is."""
+    nothing = {consumer: descriptions.Prediction([], []) for consumer in descriptions.READERS}
+    robot = read(SOUND)
+    same = list(bench.tried(descriptions.Case(robot, "plain", ())))
+    assert [tried.wrong for tried in same] == [None] * len(descriptions.READERS)
+    assert all(tried.compared for tried in same)
+    monkeypatch.setattr(descriptions, "predicted", lambda _: nothing)
+    spoilt = read(SOUND.replace('effort="20"', 'effort="-20"'))
+    found = {tried.consumer: tried.wrong for tried in bench.tried(descriptions.Case(spoilt, "plain", ()), ["mujoco"])}
+    assert found == {
+        "mujoco": descriptions.Wrong("mujoco", "altered", (), "effort of a revolute joint is ~, not ~"),
+    }

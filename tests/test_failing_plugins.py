@@ -18,8 +18,8 @@ from dh2urdf.cli import _status
 from dh2urdf.errors import InputError, StageError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import KINDS, RECORDS, load
-from dh2urdf.studio.opening import open_tables
-from dh2urdf.studio.save import table_file
+from dh2urdf.studio.editing.opening import open_tables
+from dh2urdf.studio.editing.save import table_file
 from dh2urdf.studio.viewing import load_figures
 
 if TYPE_CHECKING:
@@ -335,6 +335,22 @@ def test_where_a_foreign_description_is_viewed(lab: Callable[[str], Path], what:
         load_figures([file], load())
 
 
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("reader.leaves.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("reader.leaves.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
+        ("reader.leaves.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not dict"),
+    ],
+)
+def test_where_leaves_are_listed(
+    lab: Callable[[str], Path], cli: Callable[..., Answer], what: str, message: str
+) -> None:
+    """`dh2urdf extract --tips` names the reader, the distribution and the version."""
+    lab(what)
+    assert message in cli("extract", "arm.bad", "--tips", status=1).stderr
+
+
 def test_every_function_of_every_record_is_tried() -> None:
     """The lists above have each field of each kind of stage that may hold code of a plugin."""
     tried = set()
@@ -346,10 +362,20 @@ def test_every_function_of_every_record_is_tried() -> None:
         test_where_cells_are_asked_for,
         test_where_rows_of_cells_are_given,
         test_where_a_foreign_description_is_viewed,
+        test_where_leaves_are_listed,
     ):
         mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
-    described = {"name", "summary", "suffixes", "formats", "costly_proof", "expandable", "finds_packages"}
+    described = {
+        "name",
+        "summary",
+        "suffixes",
+        "formats",
+        "costly_proof",
+        "expandable",
+        "finds_packages",
+        "reads_descriptions",
+    }
     assert tried == {
         (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described
     }
@@ -409,7 +435,7 @@ def test_a_fault_of_the_host_is_no_executor_s(
     def fail(*_arguments: Any) -> None:
         raise LookupError("the ground is gone")
 
-    monkeypatch.setattr("dh2urdf.running.worker._Work.done", fail)
+    monkeypatch.setattr("dh2urdf.running.batch_work.Work.done", fail)
     assert "dh2urdf: internal error: LookupError: the ground is gone" in said(cli("run", "run.yaml", status=1))
 
 

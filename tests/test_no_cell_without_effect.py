@@ -906,7 +906,7 @@ def test_a_dash_where_no_standard_input_is_read_is_refused(command: str, capsys:
 def test_info_says_where_shapes_and_masses_are_said(tmp_path: Path) -> None:
     """What holds for all links has a place, as a cell has."""
     from dh2urdf.provenance import Trace
-    from dh2urdf.report.info import details
+    from dh2urdf.report.answers.info import details
     from dh2urdf_plugins.readers import yaml
     from dh2urdf_plugins.readers.statements.statements import TableOptions
 

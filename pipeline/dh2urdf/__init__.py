@@ -13,7 +13,14 @@ from dh2urdf._version import __version__ as __version__
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
 if TYPE_CHECKING:
     from dh2urdf import errors as errors, kinematics as kinematics, results as results
-    from dh2urdf.api import check as check, convert as convert, read as read, read_all as read_all, run as run
+    from dh2urdf.api import (
+        check as check,
+        convert as convert,
+        extract as extract,
+        read as read,
+        read_all as read_all,
+        run as run,
+    )
     from dh2urdf.commands.convert import Conversion as Conversion
     from dh2urdf.errors import Dh2UrdfError as Dh2UrdfError
     from dh2urdf.manipulator import (
@@ -34,7 +41,7 @@ else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "api": "check convert read read_all run",
+            "api": "check convert extract read read_all run",
             "commands.convert": "Conversion",
             "errors": "Dh2UrdfError",
             "manipulator": "Convention DHRow Inertia JointType Limits LinkGeometry Manipulator",

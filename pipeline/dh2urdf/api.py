@@ -16,7 +16,7 @@ from dh2urdf.commands.argument_words import word_of
 from dh2urdf.commands.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
 from dh2urdf.commands.convert import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, plan_conversion
 from dh2urdf.commands.given_tables import GivenRows, as_file
-from dh2urdf.commands.options_of_stages import Asker, Setting, asker_of, stage_calls
+from dh2urdf.commands.options_of_stages import Asker, asker_of, settings_of, stage_calls
 from dh2urdf.conversion.one_manipulator import checked_items, read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, TableError
@@ -90,6 +90,44 @@ def _while_open(items: Iterator[Manipulator | Rejected], stack: ExitStack) -> It
     """Items of a file that is there until the last of them."""
     with stack:
         yield from items
+
+
+def extract(
+    description: Source, out: StrPath | None = None, *, reader: str | None = None, **options: object
+) -> Manipulator:
+    """The DH table of a robot description, as `dh2urdf extract` makes it.
+
+    ::
+
+        arm = dh2urdf.extract("ur5.urdf", tip_link="tool0")
+        dh2urdf.extract("panda.urdf", "panda.yaml", convention="modified")
+
+    Args:
+        description: the file; or its text of several lines, its bytes, or a stream.
+        out: a .yaml or .csv file to write; without it nothing is written.
+        reader: name of the reader, such as ``urdf``; without it the file's suffix says it.
+        options: options of the reader: ``convention``, ``base_link``, ``tip_link``, ``tolerance``, ``near_parallel``,
+            ``rounded_pi``, ``origins``, ``package_paths``; of a xacro also ``arguments``.
+
+    Returns:
+        The manipulator. Its notices say how far the table is from the file's chain, and what it leaves out.
+
+    Raises:
+        TableError: the description cannot be read, or there is no chain, or which one is meant is not said.
+        ConfigError: an option is unknown or its value wrong, or the file is a table.
+        InputError: no installed reader takes the file.
+        OutputError: the table cannot be written.
+        PluginError: the reader's plugin is broken, or something it needs is not installed.
+    """
+    from dh2urdf.commands.extract import description_reader, the_one, write_extracted
+
+    asker, catalog = _asker("extract"), load()
+    with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
+        given = {name: word_of(value) for name, value in options.items()}
+        arm = the_one(description_reader(catalog, path, asker, reader=reader, given=given), path)
+        if out is not None:
+            write_extracted(arm, Path(out), catalog, inputs=[path])
+    return arm
 
 
 def manipulator_of(
@@ -206,7 +244,7 @@ def convert(
             transform=transform,
             formats=_names(formats),
             robot=robot,
-            settings=_settings(options),
+            settings=settings_of(options),
             meshes=meshes,
             convert_meshes=convert_meshes,
         )
@@ -310,7 +348,7 @@ def run(
         if not isinstance(value, bool):
             message = f"{flag}={value!r} is neither True nor False"
             raise ConfigError(Problem(message=message, mark=asker.mark, field=flag, accepted="True or False"))
-    overrides = [setting.text for setting in _settings(settings or {})]
+    overrides = [setting.text for setting in settings_of(settings or {})]
     catalog = _catalog(without, asker)
     if isinstance(config, Mapping):
         from dh2urdf.documents.document import load_yaml
@@ -359,9 +397,4 @@ def _check_name(name: object, argument: str, asker: Asker) -> None:
 
 
 def _names(names: str | Iterable[str]) -> tuple[str, ...]:
-    """One name or several."""
     return (names,) if isinstance(names, str) else tuple(names)
-
-
-def _settings(options: Mapping[str, object]) -> list[Setting]:
-    return [Setting(f"{key}={word_of(value)}", key, word_of(value)) for key, value in options.items()]

@@ -13,10 +13,23 @@ other robot; `Robot.arms` says besides of which arms it is composed, for emitter
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Inertia, JointType, Limits, MeshFile
-from dh2urdf.rotations import Z_AXIS, ZERO, RigidTransform, Vec3
+from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
+from dh2urdf.shapes import (
+    Box,
+    Collision,
+    Cylinder,
+    Formulas,
+    Geometry,
+    Material,
+    Mesh,
+    Origin,
+    Parameter,
+    Sphere,
+    Visual,
+)
 from dh2urdf.source import Mark, Problem
 from dh2urdf.validation.coercion import take_fields
 
@@ -28,140 +41,24 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import JointVectors
 
-Formulas: TypeAlias = tuple[str, str, str]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter:
-    """A number of the table that formulas may use.
-
-    Attributes:
-        name: an identifier such as ``a_2``.
-        value: its value.
-        unit: ``m`` or ``rad``.
-        joint: name of the joint whose row says it.
-    """
-
-    name: str
-    value: float
-    unit: str
-    joint: str
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Origin:
-    """A frame in its parent frame.
-
-    Attributes:
-        xyz: position [m].
-        rpy: fixed-axis roll, pitch, yaw [rad].
-        xyz_formula: the formulas of xyz.
-        rpy_formula: the formulas of rpy.
-    """
-
-    xyz: Vec3 = ZERO
-    rpy: Vec3 = ZERO
-    xyz_formula: Formulas | None = field(default=None, compare=False)
-    rpy_formula: Formulas | None = field(default=None, compare=False)
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-    @property
-    def transform(self) -> RigidTransform:
-        """The rigid transform from the parent frame to this one."""
-        return RigidTransform.from_xyz_rpy(self.xyz, self.rpy)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Box:
-    """A box about its origin; size along x, y, z [m]."""
-
-    size: Vec3
-    size_formula: Formulas | None = field(default=None, compare=False)
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cylinder:
-    """A cylinder about its origin, along z; radius and length [m]."""
-
-    radius: float
-    length: float
-    length_formula: str | None = field(default=None, compare=False)
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sphere:
-    """A sphere about its origin; radius [m]."""
-
-    radius: float
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mesh:
-    """A mesh file.
-
-    Attributes:
-        filename: the file as a description names it: a path from the description's folder, or a URI.
-        scale: factors along the axes of the mesh [1].
-        file: the file that is meant, where it is at hand; the pipeline then copies it, and says how it is named.
-    """
-
-    filename: str
-    scale: Vec3 = (1.0, 1.0, 1.0)
-    file: MeshFile | None = field(default=None, compare=False)
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-
-Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Material:
-    """A colour with a name; red, green, blue, alpha in 0..1."""
-
-    name: str
-    rgba: tuple[float, float, float, float]
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Visual:
-    """A shape that is seen."""
-
-    geometry: Geometry
-    origin: Origin = Origin()
-    material: Material | None = None
-
-    def __post_init__(self) -> None:
-        take_fields(self)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Collision:
-    """A shape that touches."""
-
-    geometry: Geometry
-    origin: Origin = Origin()
-
-    def __post_init__(self) -> None:
-        take_fields(self)
+__all__ = [
+    "Arm",
+    "Box",
+    "Collision",
+    "Cylinder",
+    "Formulas",
+    "Geometry",
+    "Inertial",
+    "Joint",
+    "Link",
+    "Material",
+    "Mesh",
+    "Origin",
+    "Parameter",
+    "Robot",
+    "Sphere",
+    "Visual",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import fields, replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from dh2urdf.columns import columns_of, replaced
+from dh2urdf.formula_check import formula_problems
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import inertia_problem, is_sound
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.elementwise import Condition
-    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
+    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Robot, Visual
 
 LONGEST_NAME = 1000
 """Characters of a name [1]: PyBullet crashes on longer ones, or cuts them."""
@@ -33,14 +33,11 @@ LONGEST_NAME = 1000
 UNIT = 1e-9
 """How far the length of an axis may be from 1 [1]: PyBullet takes another length for another inertia."""
 
-FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
-"""The functions that formulas may use."""
 
 # XML holds none of these, or holds them so that readers make spaces of them (XML 1.0, sections 2.2 and 3.3.3).
 # It is compiled at the first name that is not plain ASCII: that alone takes as long as checking a robot.
 _NOT_IN_NAMES = "[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]"
 _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
-_IDENTIFIER = re.compile(r"(?<![\w.])[^\W\d]\w*")
 
 
 def check_robot(robot: Robot) -> tuple[Problem, ...]:
@@ -60,7 +57,7 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
         found = [*_body_problems(link, holder, is_root=link.name not in children), *_shape_problems(link)]
         problems += (_of_joint(problem, holder) for problem in found)
     problems += _weightless_chains(robot, joint_to)
-    problems += _formula_problems(robot)
+    problems += formula_problems(robot)
     return tuple(problem.about(robot=robot.name) for problem in problems)
 
 
@@ -363,45 +360,3 @@ def _finite(field: str, numbers: Iterable[float]) -> Iterator[Problem]:
 
 
 # Formulas.
-
-
-def _formula_problems(robot: Robot) -> Iterator[Problem]:
-    """Formulas use the robot's parameters, each declared once with a finite number, and the known functions."""
-    declared: set[str] = set()
-    for parameter in robot.parameters:
-        if parameter.name in declared or not math.isfinite(parameter.value):
-            reason = "is declared twice" if parameter.name in declared else f"is {parameter.value}"
-            message = f"parameter {shown(parameter.name)} {reason}"
-            yield Problem(message=message, joint=parameter.joint, field=parameter.name)
-        declared.add(parameter.name)
-    known = declared | FUNCTIONS
-    for formula in _formulas(robot):
-        for name in _names_in(formula):
-            if name not in known:
-                message = f"the formula {shown(formula)} uses {shown(name)}, which is no parameter of the robot"
-                yield Problem(message=message, found=name, accepted=", ".join(sorted(FUNCTIONS)) + " and parameters")
-
-
-def _formulas(robot: Robot) -> Iterator[str]:
-    for joint in robot.joints:
-        yield from _origin_formulas(joint.origin)
-    for link in robot.links:
-        shapes: Iterable[Visual | Collision] = (*link.visuals, *link.collisions)
-        for shape in shapes:
-            yield from _origin_formulas(shape.origin)
-            match shape.geometry:
-                case Box(size_formula=(x, y, z)):
-                    yield from (x, y, z)
-                case Cylinder(length_formula=str(length)):
-                    yield length
-
-
-def _origin_formulas(origin: Origin) -> Iterator[str]:
-    yield from origin.xyz_formula or ()
-    yield from origin.rpy_formula or ()
-
-
-@lru_cache(maxsize=4096)
-def _names_in(formula: str) -> tuple[str, ...]:
-    """The names that a formula uses; the robots of a run share most of their formulas."""
-    return tuple(dict.fromkeys(_IDENTIFIER.findall(formula)))

@@ -10,14 +10,48 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args
+from typing import Any, Generic, Literal, TypeAlias, TypeVar
 
 from dh2urdf.columns import ManipulatorColumns, RobotColumns
+from dh2urdf.inspections import (
+    PACKAGE_FILE,
+    SEVERITIES,
+    Effect,
+    Expansion,
+    Finding,
+    Inspection,
+    Repair,
+    Severity,
+)
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import CellRow, TableText, WrittenTable
+
+__all__ = [
+    "PACKAGE_FILE",
+    "SEVERITIES",
+    "Effect",
+    "EmittedFile",
+    "Emitter",
+    "Executor",
+    "Expansion",
+    "Finding",
+    "Inspection",
+    "Kind",
+    "LoadReport",
+    "LoadRequest",
+    "Loader",
+    "Lost",
+    "NoOptions",
+    "Reader",
+    "Rejected",
+    "Repair",
+    "Severity",
+    "Stage",
+    "Transform",
+]
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 T = TypeVar("T")
@@ -65,7 +99,8 @@ class Reader(Generic[O]):
         read_cells: yields the manipulators of rows of cells that come from no file, such as those of a DataFrame, as
             `read` does those of a file. It takes the rows from the top, comments and header included, and what messages
             name as the file. `Catalog.cell_reader` finds the reader that has it; None for all others.
-        reads_descriptions: whether its files are robot descriptions, of which it reads chains as tables.
+        leaves: the links at the ends of a robot description's chains, each with the number of moving joints before it:
+            a reader that has it reads descriptions, and their chains are its tables. None for files of tables.
 
     `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
     one manipulator of several cannot.
@@ -81,7 +116,7 @@ class Reader(Generic[O]):
     texts: Callable[[Path], Iterator[TableText]] | None = None
     trace: Callable[[Path, O, Trace], Iterator[Manipulator | Rejected]] | None = None
     read_cells: Callable[[Iterable[CellRow], str, O], Iterator[Manipulator | Rejected]] | None = None
-    reads_descriptions: bool = False
+    leaves: Callable[[Path, O], Mapping[str, int]] | None = None
 
 
 def _always(_options: object) -> bool:
@@ -126,98 +161,6 @@ class EmittedFile:
 
     name: str
     content: bytes
-
-
-Severity: TypeAlias = Literal["error", "warning", "note"]
-SEVERITIES: tuple[Severity, ...] = get_args(Severity)
-"""From the worst on."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effect:
-    """What one consumer does with a file that has a fault.
-
-    Attributes:
-        consumer: its name, as `Inspection.consumers` has it.
-        severity: how bad that is.
-        text: what it does, as a sentence whose subject it is, without a full stop.
-    """
-
-    consumer: str
-    severity: Severity
-    text: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
-    """Something in a file that not every consumer takes as it is meant.
-
-    Attributes:
-        rule: name of the rule that found it, in kebab-case; it stays the same from version to version.
-        message: what stands there, as one plain sentence without its place and without a full stop.
-        mend: what to do about it.
-        effects: what the consumers do that do not just take it; empty where the finding is not about them.
-        mark: where it stands; of a file that holds macros, in the file where the element is written.
-        calls: where the macros are called that it comes from, the innermost first.
-    """
-
-    rule: str
-    message: str
-    mend: str
-    effects: tuple[Effect, ...] = ()
-    mark: Mark | None = None
-    calls: tuple[Mark, ...] = ()
-
-    @property
-    def severity(self) -> Severity:
-        """That of the worst effect."""
-        return min((effect.severity for effect in self.effects), key=SEVERITIES.index, default="error")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Inspection:
-    """What is to be said of a file of any origin.
-
-    Attributes:
-        consumers: the consumers of the format that were thought of: name, and what it stands for.
-        findings: what was found, in the order of the file.
-        robot: the links and joints of the file, as far as they can be read; None where there are none.
-    """
-
-    consumers: Mapping[str, str]
-    findings: tuple[Finding, ...]
-    robot: Robot | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Repair:
-    """A file in which something was fixed.
-
-    Attributes:
-        content: the whole file.
-        changes: what was fixed, as notices with the place in the file as it was.
-    """
-
-    content: bytes
-    changes: tuple[Problem, ...]
-
-
-PACKAGE_FILE = "package.xml"
-"""What the folder of a ROS package holds."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Expansion:
-    """How a description that holds macros is expanded.
-
-    Attributes:
-        arguments: the values of its arguments, by name.
-        package_paths: folders of ROS packages, or folders that hold some: their files may be read, and ``package://``
-            addresses are looked for there.
-    """
-
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    package_paths: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,7 +12,7 @@ import pytest
 from dh2urdf import results
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.plugin_system.catalog import KINDS
-from dh2urdf.report.command_schemas import conversions_schema, error_schema, info_schema
+from dh2urdf.report.answers.schemas import conversions_schema, error_schema, info_schema
 from dh2urdf.report.schema import manifest_schema, plugins_schema, report_schema
 
 PLAIN = {"string": str, "integer": int, "number": float, "boolean": bool}

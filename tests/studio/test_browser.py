@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import edits, gallery, save
-from dh2urdf.studio.reading import read_whole
-from dh2urdf.studio.session import Session
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import edits, save
+from dh2urdf.studio.editing.reading import read_whole
+from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:

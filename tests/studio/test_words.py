@@ -8,8 +8,9 @@ import pytest
 
 from dh2urdf.manipulator import Convention
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.studio import edits, gallery, words
-from dh2urdf.studio.session import Session
+from dh2urdf.studio import gallery, words
+from dh2urdf.studio.editing import edits
+from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:

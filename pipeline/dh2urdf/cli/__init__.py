@@ -37,6 +37,7 @@ COMMANDS = {
     "convert": "Turn one table into a robot description.",
     "info": "Print what is understood of a table, cell by cell.",
     "check": "Say what each simulator will do with a robot description.",
+    "extract": "Print or write the DH table of a robot description.",
     "studio": "Type a table in the browser, see the arm move, press Generate.",
     "view": "Show robots of URDF, xacro, tables and cells in the browser.",
     "plugins": "List every installed stage and its options.",
@@ -232,7 +233,7 @@ def _wants_json(words: list[str]) -> bool:
 
 def _print_error(error: BaseException, status: int, text: str, kind: str | None) -> None:
     from dh2urdf.conversion.outcome import kind_of, to_text
-    from dh2urdf.report.errors import error_report
+    from dh2urdf.report.answers.errors import error_report
 
     message = error.format_message() if isinstance(error, click.ClickException) else text
     name = kind_of(error) if kind is None and isinstance(error, Exception) else kind or ""

@@ -117,7 +117,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if manipulator is not None and table is not None:
         agreement = _agreement(inspection.robot, manipulator, file, base_link, tip_link)
         comparison = (agreement, manipulator, Path(NAME) if str(table) == DASH else table)
-    from dh2urdf.report.findings import as_json, as_sarif, comparison_finding
+    from dh2urdf.report.answers.findings import as_json, as_sarif, comparison_finding
 
     if comparison and (apart := comparison_finding(comparison[0], comparison[1])):
         findings.append(replace(apart, mark=Mark(file=str(file))))
@@ -171,11 +171,11 @@ def _print_several(several: Inspections, consumers: Mapping[str, str], form: str
     findings = [found for finding in several.findings if (found := _only(finding, consumers))]
     status = _settled(findings)
     if form == "sarif":
-        from dh2urdf.report.findings import as_sarif
+        from dh2urdf.report.answers.findings import as_sarif
 
         answer(as_sarif(findings))
     elif form == "json":
-        from dh2urdf.report.several_findings import as_json
+        from dh2urdf.report.answers.several_findings import as_json
 
         answer(as_json(several, findings, consumers))
     else:

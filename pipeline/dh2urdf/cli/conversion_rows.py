@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def row_of(conversion: Conversion, table: Path, file: Path | None) -> ConversionEntry:
     """What became of a table, as plain data."""
-    from dh2urdf.report.conversions import conversion_row
+    from dh2urdf.report.answers.conversions import conversion_row
 
     source = NAME if str(table) == DASH else str(table)
     in_folders = any("/" in name for name in conversion.files)
@@ -27,6 +27,6 @@ def row_of(conversion: Conversion, table: Path, file: Path | None) -> Conversion
 def print_report(rows: Sequence[ConversionEntry]) -> None:
     """Print what became of tables, as JSON."""
     from dh2urdf.conversion.outcome import to_text
-    from dh2urdf.report.conversions import conversions_report
+    from dh2urdf.report.answers.conversions import conversions_report
 
     answer(to_text(conversions_report(rows)), nl=False)

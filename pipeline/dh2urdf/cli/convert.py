@@ -16,7 +16,7 @@ from dh2urdf.cli.standard_input import DASH, files_behind, given_table
 from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, READER_OPTIONS, chain_options, settings_of, table_options
 from dh2urdf.commands.convert import DEFAULT_TRANSFORM, plan_conversion
 from dh2urdf.errors import SCREENFUL
-from dh2urdf.report.conversions import closing_line
+from dh2urdf.report.answers.conversions import closing_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

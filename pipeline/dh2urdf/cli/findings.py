@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cli.answers import answer, answers
 from dh2urdf.kinematics.comparison import changes
-from dh2urdf.report.findings import OTHER_ARM, counts
+from dh2urdf.report.answers.findings import OTHER_ARM, counts
 from dh2urdf.source import printable
 
 if TYPE_CHECKING:

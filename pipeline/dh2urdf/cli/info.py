@@ -21,8 +21,8 @@ from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.provenance import Trace
-from dh2urdf.report.info import brief, details, info_report
-from dh2urdf.report.info_text import lines, markdown, print_on_terminal
+from dh2urdf.report.answers.info import brief, details, info_report
+from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:

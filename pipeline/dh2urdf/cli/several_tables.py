@@ -138,7 +138,7 @@ def _planned(plan: Callable[[Path, Path | None], Planned], table: Path, file: Pa
 def _failed(table: Path, error: Dh2UrdfError) -> ConversionEntry:
     """Says on standard error why a table failed; its row."""
     from dh2urdf.conversion.outcome import kind_of
-    from dh2urdf.report.conversions import failed_row
+    from dh2urdf.report.answers.conversions import failed_row
 
     click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
     return failed_row(NAME if str(table) == DASH else str(table), kind_of(error), error)

@@ -119,7 +119,7 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
     is_markup = content.lstrip().startswith(b"<")
     for provided in catalog.provided("reader"):
         reader: Any = provided.stage
-        if reader.reads_descriptions and not is_markup:
+        if reader.leaves is not None and not is_markup:
             continue
         with spooled(content, NAME, reader.suffixes[0] if reader.suffixes else "") as path, suppress(Exception):
             # A reader may raise anything of what is not its own format.

@@ -13,7 +13,7 @@ from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 
 if TYPE_CHECKING:
-    from dh2urdf.studio.opening import Opened
+    from dh2urdf.studio.editing.opening import Opened
 
 
 @click.command(name="studio", epilog=EXIT_STATUS)
@@ -35,7 +35,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     """
     from dh2urdf.documents.text_files import check_file
     from dh2urdf.errors import TableError
-    from dh2urdf.studio.opening import open_tables
+    from dh2urdf.studio.editing.opening import open_tables
     from dh2urdf.studio.server import require_nicegui, serve
     from dh2urdf.studio.words import without
 

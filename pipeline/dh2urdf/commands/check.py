@@ -163,11 +163,12 @@ def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path
         return (expansion or Expansion(),)
     if expansion in (None, Expansion()):
         return ()
+    refused = "no arguments" if emitter.finds_packages else "no arguments and no package paths"
     raise ConfigError(
         Problem(
-            message=f"files of the format {emitter.name!r} have no macros: they take no arguments and no package paths",
+            message=f"files of the format {emitter.name!r} have no macros: they take {refused}",
             mark=Mark(file=str(file)),
-            accepted="NAME:=VALUE and package paths with a xacro",
+            accepted="NAME:=VALUE with a xacro, and package paths with a xacro or a URDF",
         )
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.commands.argument_words import word_of
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options
@@ -74,6 +75,11 @@ class Setting(NamedTuple):
     text: str
     key: str
     value: str | None
+
+
+def settings_of(options: Mapping[str, object]) -> list[Setting]:
+    """The options that a program gives."""
+    return [Setting(f"{key}={word_of(value)}", key, word_of(value)) for key, value in options.items()]
 
 
 def stage_calls(

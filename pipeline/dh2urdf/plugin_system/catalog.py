@@ -189,9 +189,8 @@ class Catalog:
         for plugins in (_by_right(self._plugins, "reader")[0], self._plugins):
             for kind in ("reader", "emitter"):
                 if found := self._with_suffix(kind, path.name, plugins):
-                    return any(
-                        isinstance(item.stage, Reader) and not item.stage.reads_descriptions for _, item in found
-                    )
+                    stages = [item.stage for _, item in found]
+                    return any(isinstance(stage, Reader) and stage.leaves is None for stage in stages)
         return False
 
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind

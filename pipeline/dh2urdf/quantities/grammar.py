@@ -17,11 +17,12 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.functions import FUNCTIONS, OTHER_NAMES, Function, from_degrees
 from dh2urdf.quantities.spellings import SIGNS, advice, misreading
+from dh2urdf.quantities.tokens import MAX_CHARACTERS, MAX_NESTING, TOKEN, Intermediate, Token, Variable, negative
 from dh2urdf.quantities.units import (
     UNITS,
     Decimal,
@@ -37,47 +38,6 @@ from dh2urdf.source import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-MAX_CHARACTERS = 1000
-"""Length of a number or an expression [1]: more digits than a double can use, and no work for an attacker."""
-MAX_NESTING = 30
-"""Brackets inside each other in an expression [1]."""
-
-
-class Variable(NamedTuple):
-    """The joint variable as an expression names it.
-
-    Attributes:
-        kind: ``q``, ``theta`` or ``d``.
-        row: the row that it names, counted from 1; None for ``q``, ``q_i`` and the like.
-        text: how it is written.
-    """
-
-    kind: str
-    row: int | None
-    text: str
-
-
-class Intermediate(NamedTuple):
-    """An intermediate result.
-
-    Attributes:
-        number: the number, in the unit that the text means; in SI units where it has a dimension.
-        decimal: the decimal text of a bare number.
-        dimension: what it measures, where it names a unit.
-        variable: the joint variable in it.
-        factor: of the joint variable.
-        uses_pi: whether it is a number that was made of π, so that it can only be radians.
-        foreign: whether it names a unit other than the SI unit.
-    """
-
-    number: float
-    decimal: Decimal | None = None
-    dimension: Dimension | None = None
-    variable: Variable | None = None
-    factor: float = 0.0
-    uses_pi: bool = False
-    foreign: bool = False
 
 
 def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle: Unit | None = None) -> Intermediate:
@@ -97,18 +57,7 @@ def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle
 
 # --- Tokens -----------------------------------------------------------------------------------------------------------
 
-SPACE = r"[^\S\x1c-\x1f]"
-"""White space between the parts of a number; Python counts four control characters to it, and `float` does not."""
 
-_TOKEN = re.compile(
-    f"(?P<space>{SPACE}+)"
-    r"""
-      | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)
-      | (?P<word>\\?[^\W\d]\w*(?:_?\{\w+\})?(?:\.[^\W\d]\w*)*)
-      | (?P<degree>[°º˚])
-      | (?P<sign>.)""",
-    re.VERBOSE | re.DOTALL,
-)
 _DECIMAL_COMMA = late_pattern(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
 _LONGEST_UNIT = 7
 """Tokens of the longest unit: ``N * m * s / rad``."""
@@ -118,12 +67,6 @@ _CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}
 _MODULES = ("np.", "numpy.", "math.")
 _VARIABLE = late_pattern(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
 _VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
-
-
-class _Token(NamedTuple):
-    kind: str
-    text: str
-    start: int
 
 
 # --- Parser -----------------------------------------------------------------------------------------------------------
@@ -143,9 +86,9 @@ class _Parser:
         plain = text.translate(SIGNS)
         if decimal_comma:
             plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
-        matches = (match for match in _TOKEN.finditer(plain) if match.lastgroup != "space")
-        self.tokens = [_Token(match.lastgroup or "", match.group(), match.start()) for match in matches]
-        self.tokens.append(_Token("end", "", len(plain)))
+        matches = (match for match in TOKEN.finditer(plain) if match.lastgroup != "space")
+        self.tokens = [Token(match.lastgroup or "", match.group(), match.start()) for match in matches]
+        self.tokens.append(Token("end", "", len(plain)))
         self.plain = plain
         self.position = 0
         self.depth = 0
@@ -161,7 +104,7 @@ class _Parser:
         return value
 
     @property
-    def next(self) -> _Token:
+    def next(self) -> Token:
         return self.tokens[self.position]
 
     def take(self, *signs: str) -> str | None:
@@ -194,7 +137,7 @@ class _Parser:
         value = self.product()
         while sign := self.take("+", "-"):
             other = self.product()
-            value = self.add(value, other if sign == "+" else _negative(other))
+            value = self.add(value, other if sign == "+" else negative(other))
         return value
 
     def add(self, left: Intermediate, right: Intermediate) -> Intermediate:
@@ -297,7 +240,7 @@ class _Parser:
         if sign and self.next.text in ("+", "-"):
             self.fail("two signs follow each other")
         value = self.primary()
-        return _negative(value) if sign == "-" else value
+        return negative(value) if sign == "-" else value
 
     def primary(self) -> Intermediate:
         token = self.next
@@ -329,7 +272,7 @@ class _Parser:
         self.depth -= 1
         return value
 
-    def named(self, token: _Token) -> Intermediate:
+    def named(self, token: Token) -> Intermediate:
         name = unicodedata.normalize("NFKC", token.text).casefold().removeprefix("\\")
         name = next((name.removeprefix(module) for module in _MODULES if name.startswith(module)), name)
         name = OTHER_NAMES.get(name, name)
@@ -351,7 +294,7 @@ class _Parser:
         self.position -= 1
         return self.unexpected()
 
-    def skip_variable_star(self, token: _Token) -> None:
+    def skip_variable_star(self, token: Token) -> None:
         """Passes over the star that marks a variable in textbooks (Spong): ``theta2*``, ``theta2* + pi/2``.
 
         The star may be a product's as well: ``q1*-1`` is -q1 to one person, and q1 - 1 to another.
@@ -426,11 +369,3 @@ class _Parser:
         if not math.isfinite(number):
             self.fail("it is beyond the largest number that can be held")
         return number
-
-
-def _negative(value: Intermediate) -> Intermediate:
-    decimal = value.decimal
-    if decimal is not None:
-        digits = decimal.digits[1:] if decimal.digits.startswith("-") else f"-{decimal.digits}"
-        decimal = Decimal(digits, decimal.exponent)
-    return value._replace(number=-value.number, decimal=decimal, factor=-value.factor)

@@ -11,7 +11,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable, parse
+from dh2urdf.quantities.grammar import parse
+from dh2urdf.quantities.tokens import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable
 from dh2urdf.quantities.units import (
     Decimal,
     Dimension,

@@ -10,27 +10,22 @@ from __future__ import annotations
 import glob
 import os
 import re
-from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.cells.cell import CellCall
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.documents.text_files import LONG_PATH, check_file, read_bytes
 from dh2urdf.errors import ConfigError
-from dh2urdf.meshes.files import RELATIVE, prefix_of
-from dh2urdf.meshes.forms import MeshConversion
 from dh2urdf.output.file_patterns import matching
-from dh2urdf.output.layouts import Layout
 from dh2urdf.run_file.cell_section import CellsReader
-from dh2urdf.run_file.mesh_section import MeshCall, MeshesReader
+from dh2urdf.run_file.mesh_section import MeshesReader
 from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked, with_setting
-from dh2urdf.run_file.settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, SettingsReader
+from dh2urdf.run_file.records import DEFAULT_POSES, InputCall, RunConfig, StageCall
+from dh2urdf.run_file.settings import DEFAULT_SAMPLE, SettingsReader
 from dh2urdf.run_file.variation_section import VariationsReader
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.variations.variation import VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -52,96 +47,10 @@ SECTIONS = (
 DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
 DEFAULT_EXECUTOR = "local"
-DEFAULT_POSES = 32
 MAX_POSES = 1_000_000
 """Random joint vectors of one proof [1]."""
 _SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
 """What a shell would put something else in place of."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StageCall:
-    """A stage as a run file asks for it.
-
-    Attributes:
-        stage: its name.
-        options: its options as they are written; `dh2urdf.plugin_system.options.make_options` checks them.
-        mark: where the stage is named.
-        optional: of a loader, whether what it refuses is a notice and fails nothing.
-    """
-
-    stage: str
-    options: Node | None = None
-    mark: Mark | None = None
-    optional: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class InputCall:
-    """Files that one reader reads with the same options.
-
-    Attributes:
-        paths: the files, in the order of their names where they come from a pattern.
-        stage: name of the reader; None leaves it to each file's suffix.
-        options: the reader's options as they are written.
-        mark: where the input stands.
-        notices: what there is to say of the pattern.
-    """
-
-    paths: tuple[Path, ...]
-    stage: str | None = None
-    options: Node | None = None
-    mark: Mark | None = None
-    notices: tuple[Problem, ...] = ()
-
-    def read_by(self, reader: str) -> StageCall:
-        """The call of a reader with the options of this input."""
-        return StageCall(stage=reader, options=self.options, mark=self.mark)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RunConfig:
-    """A run file.
-
-    Attributes:
-        inputs: what is read.
-        transform: what makes robots of manipulators.
-        emitters: what writes files.
-        loaders: what loads the files into simulators.
-        execution: what does the work.
-        output: where the output goes: a folder, or an address such as ``s3://bucket/prefix``.
-        layout: how it lies there.
-        cells: robots of several arms that are made besides.
-        variations: manipulators whose tables are drawn, that are made besides.
-        meshes: mesh files that links are drawn and touched as.
-        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
-        mesh_conversion: what becomes of meshes.
-        poses: random joint vectors at which each written file is compared with its table.
-        proved: whose files are compared.
-        sample: whose files go through what is slow: expansion of xacro, and simulators.
-        time_limit: how long one manipulator may take, simulators aside [s].
-        html: whether the run writes a page for people, where its packages are installed.
-        problems: what is wrong with the file; nothing may start while there is any.
-    """
-
-    inputs: tuple[InputCall, ...]
-    transform: StageCall
-    emitters: tuple[StageCall, ...]
-    loaders: tuple[StageCall, ...]
-    execution: StageCall
-    output: Path | str
-    layout: Layout = Layout()
-    cells: tuple[CellCall, ...] = ()
-    variations: tuple[VariationCall, ...] = ()
-    meshes: tuple[MeshCall, ...] = ()
-    mesh_prefix: str | None = prefix_of(RELATIVE)
-    mesh_conversion: MeshConversion = MeshConversion.NEVER
-    poses: int = DEFAULT_POSES
-    proved: Sample = Sample()
-    sample: Sample = DEFAULT_SAMPLE
-    time_limit: float = DEFAULT_TIME_LIMIT
-    html: bool = True
-    problems: tuple[Problem, ...] = ()
 
 
 RUN_SUFFIXES = (".yaml", ".yml", ".json")

@@ -25,7 +25,7 @@ from dh2urdf.variations.variation import VariationCall
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.run_file.config import RunConfig
+    from dh2urdf.run_file.records import RunConfig
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,14 +18,9 @@ from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.option_types import type_hints
 from dh2urdf.plugin_system.stage_answers import a_record
-from dh2urdf.run_file.config import (
-    DEFAULT_EMITTER,
-    DEFAULT_EXECUTOR,
-    DEFAULT_POSES,
-    DEFAULT_TRANSFORM,
-    MAX_POSES,
-)
+from dh2urdf.run_file.config import DEFAULT_EMITTER, DEFAULT_EXECUTOR, DEFAULT_TRANSFORM, MAX_POSES
 from dh2urdf.run_file.mesh_section import SHAPE_KEYS
+from dh2urdf.run_file.records import DEFAULT_POSES
 from dh2urdf.run_file.settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, MOST
 from dh2urdf.run_file.variation_section import LAWS, MOST_SEED, MOST_VALUES
 from dh2urdf.variations.sampling import MOST_POINTS, Sampling

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.run_file.config import InputCall, StageCall
+    from dh2urdf.run_file.records import InputCall, StageCall
     from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter, Loader, Reader
 

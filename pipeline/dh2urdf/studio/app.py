@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Generic, Protocol, Self, TypeVar
 
 from nicegui import app, ui
 
+from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.page import StudioPage
-from dh2urdf.studio.session import Session
 from dh2urdf.studio.view_page import ViewPage
 from dh2urdf.studio.viewing import View
 

@@ -11,15 +11,16 @@ from nicegui import run, ui
 
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import gallery, save as saving, words
-from dh2urdf.studio.opening import Opened, open_tables
+from dh2urdf.studio import gallery, words
+from dh2urdf.studio.editing import save as saving
+from dh2urdf.studio.editing.opening import Opened, open_tables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.studio.save import Saved
-    from dh2urdf.studio.session import Session
+    from dh2urdf.studio.editing.save import Saved
+    from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
 
 LARGEST_FILE = 64 * 2**20

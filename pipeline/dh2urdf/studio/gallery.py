@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import as_file, files
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.studio.opening import open_tables
+from dh2urdf.studio.editing.opening import open_tables
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import dialogs, edits, joints, words
-from dh2urdf.studio.conversions import ANGLE_UNITS, LENGTH_UNITS
+from dh2urdf.studio import dialogs, joints, words
+from dh2urdf.studio.editing import edits
+from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.scene import LAYERS
 from dh2urdf.studio.table_grid import TableGrid, all_problems
 from dh2urdf.studio.widgets import ArmView, JointSliders
@@ -16,8 +17,8 @@ from dh2urdf.studio.widgets import ArmView, JointSliders
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from dh2urdf.studio.reading import CellProblem
-    from dh2urdf.studio.session import Session
+    from dh2urdf.studio.editing.reading import CellProblem
+    from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
 
 MOST_PROBLEMS = 30

@@ -11,8 +11,8 @@ from dh2urdf.manipulator import Convention
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from dh2urdf.studio.reading import CellProblem
-    from dh2urdf.studio.session import Session
+    from dh2urdf.studio.editing.reading import CellProblem
+    from dh2urdf.studio.editing.session import Session
 
 _HEADERS = {
     "joint": "name",

@@ -15,12 +15,13 @@ from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf.run_file.config import DEFAULT_EXECUTOR, RUN_SUFFIXES, StageCall, is_run_file, load_config
+from dh2urdf.run_file.config import DEFAULT_EXECUTOR, RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
+from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
-from dh2urdf.studio.reading import transform_call
+from dh2urdf.studio.editing.reading import transform_call
 from dh2urdf.studio.scene import Drawing, Figure, extent
 from dh2urdf.tasks.batch import Expected, items
 from dh2urdf.variations.variation import Variant

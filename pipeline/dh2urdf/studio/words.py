@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.rotations import RigidTransform
-    from dh2urdf.studio.reading import CellProblem
-    from dh2urdf.studio.session import Session
+    from dh2urdf.studio.editing.reading import CellProblem
+    from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
 
 MOST_LOST = 6

@@ -14,7 +14,7 @@ from dh2urdf.rotations import norm, scale
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.extraction.bodies import Body, Carried
 from dh2urdf_plugins.extraction.measuring import RANDOM_VECTORS, chain_difference
-from dh2urdf_plugins.extraction.numbers import between_decimals
+from dh2urdf_plugins.extraction.numbers import Precision
 from dh2urdf_plugins.extraction.solving import Choices, Solution, solve
 from dh2urdf_plugins.readers.words.names import RESERVED
 
@@ -72,7 +72,7 @@ def manipulator_of(description: Description, tree: Tree, tip: str, asked: Asked)
     notices += map(about.nearly_parallel, solution.nearly_parallel)
     notices += about.left_out(carried, description)
     notices += about.axes(raw)
-    precision = between_decimals(asked.choices.tolerance / 4)
+    precision = Precision.of(asked.choices.tolerance, solution.length)
     rows, row_notices = _rows(solution, chain, carried, about, precision)
     base = carried.body(0, solution.table.base, precision)
     lost = list(about.lost(carried, base))
@@ -103,7 +103,7 @@ def _with_unit_axis(joint: Joint) -> Joint:
 
 
 def _rows(
-    solution: Solution, chain: Sequence[Joint], carried: Carried, about: _About, precision: float
+    solution: Solution, chain: Sequence[Joint], carried: Carried, about: _About, precision: Precision
 ) -> tuple[tuple[DHRow, ...], list[Problem]]:
     """The rows with all that goes with them."""
     moving = {joint.name: joint for joint in chain if joint.type is not JointType.FIXED}

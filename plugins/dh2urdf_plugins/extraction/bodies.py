@@ -6,7 +6,7 @@ Whatever is fixed to a link is part of it, and so is a branch behind joints that
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 from urllib.parse import unquote
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf.robot import Collision, Inertial, Joint, Visual
+    from dh2urdf_plugins.extraction.numbers import Precision
     from dh2urdf_plugins.extraction.trees import Tree
 
     Shape = TypeVar("Shape", Visual, Collision)
@@ -91,13 +92,13 @@ class Carried:
         order = [joint.name for joint in tree.robot.joints]
         self.left_out.sort(key=order.index)
 
-    def body(self, segment: int, frame: RigidTransform, precision: float) -> Body:
+    def body(self, segment: int, frame: RigidTransform, precision: Precision) -> Body:
         """What is carried by a joint of the chain, in its frame at q = 0.
 
         Args:
             segment: number of the joint, from 1 on; 0 for the base.
             frame: the frame of the row in the base link.
-            precision: what a centre of mass may lose [m].
+            precision: what numbers may lose.
         """
         back = frame.inverse
         names = [name for name in self._links if self.segments.get(name) == segment]
@@ -115,13 +116,13 @@ class Carried:
             mass=mass,
             com=com,
             inertia=inertia,
-            visual=self._mesh(seen, back, what, "seen as"),
-            collision=self._mesh(touching, back, what, "touched with"),
+            visual=_posed(self._mesh(seen, back, what, "seen as"), precision),
+            collision=_posed(self._mesh(touching, back, what, "touched with"), precision),
         )
 
     @staticmethod
-    def _com(body: Inertial, precision: float) -> Vec3:
-        x, y, z = (decimal_of(value, precision) for value in body.com)
+    def _com(body: Inertial, precision: Precision) -> Vec3:
+        x, y, z = (precision.length_of(value) for value in body.com)
         return (x, y, z)
 
     def _inertia(self, body: Inertial, what: str) -> Inertia | None:
@@ -153,6 +154,11 @@ class Carried:
             self.lost.append(f"what {what} is {verb}: {error.problems[0].message}")
             return None
         return MeshShape(file=file, pose=back @ self.poses[name] @ shape.origin.transform, scale=mesh.scale)
+
+
+def _posed(shape: MeshShape | None, precision: Precision) -> MeshShape | None:
+    """A mesh whose pose has the numbers of a table."""
+    return shape and replace(shape, pose=precision.pose_of(shape.pose))
 
 
 def _is_finite(body: Inertial) -> bool:

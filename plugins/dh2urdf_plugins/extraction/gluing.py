@@ -74,7 +74,7 @@ def glue(chain: Chain, convention: Convention, precision: Precision, arm_length:
         Numbers(a, alpha, precision.length_of(d), theta)
         for (a, alpha), d, theta in zip(screws, heights, thetas, strict=True)
     )
-    base = _written(_turned(chosen.base, chosen.base_turn, precision), precision)
+    base = precision.pose_of(_turned(chosen.base, chosen.base_turn, precision))
     tool = _rest(chain, rows, base, convention, precision) if last.has_tool else IDENTITY
     return Glued(rows, base, tool)
 
@@ -160,15 +160,6 @@ def _turned(base: Base, turn: float, precision: Precision) -> RigidTransform:
     return RigidTransform(multiply(r, rotation_z(*cos_sin(precision.angle_of(turn)))), t) if turn else base.transform
 
 
-def _written(pose: RigidTransform, precision: Precision) -> RigidTransform:
-    """A transform of the numbers that a table has."""
-    if pose == IDENTITY:
-        return pose
-    x, y, z = (precision.length_of(value) for value in pose.translation)
-    roll, pitch, yaw = (precision.angle_of(value) for value in pose.rpy)
-    return RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw))
-
-
 def _rest(
     chain: Chain, rows: Sequence[Numbers], base: RigidTransform, convention: Convention, precision: Precision
 ) -> RigidTransform:
@@ -184,4 +175,4 @@ def _rest(
         else:
             screws = x_screw(row.a, row.alpha) @ z_screw(row.theta, row.d)
         behind = screws.inverse @ behind @ link
-    return _written(behind, precision)
+    return precision.pose_of(behind)

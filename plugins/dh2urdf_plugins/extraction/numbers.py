@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from dh2urdf.rotations import IDENTITY, RigidTransform
+
 TOLERANCE = 1e-9
 """How far the tip of a table may be from the file's, unless somebody wants it nearer or less near [m, rad]."""
 
@@ -33,6 +35,14 @@ class Precision:
     def finer(self) -> Precision:
         """An eighth of it."""
         return Precision(between_decimals(self.length / 8), between_decimals(self.angle / 8))
+
+    def pose_of(self, pose: RigidTransform) -> RigidTransform:
+        """A transform of the numbers that a table has."""
+        if pose == IDENTITY:
+            return pose
+        x, y, z = (self.length_of(value) for value in pose.translation)
+        roll, pitch, yaw = (self.angle_of(value) for value in pose.rpy)
+        return RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw))
 
     def length_of(self, value: float) -> float:
         """A length as the table has it [m]."""

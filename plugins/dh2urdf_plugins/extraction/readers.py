@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.source import Mark, Problem
@@ -12,7 +12,7 @@ from dh2urdf.stages import Expansion, Reader, Rejected
 from dh2urdf_plugins.extraction.numbers import TOLERANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.extraction.description import Description
@@ -68,6 +68,9 @@ class DescriptionOptions:
             )
 
 
+O = TypeVar("O", bound="DescriptionOptions")  # noqa: E741 - the options type of a stage
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroOptions(DescriptionOptions):
     """The same of a description with macros, and the values of its arguments."""
@@ -84,37 +87,61 @@ def read_urdf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator |
     Raises:
         TableError: the file cannot be read, or which chain is meant is not said.
     """
-    from dh2urdf_plugins.extraction.description import urdf_description
-
-    return _arms(path, options, urdf_description)
+    return _arms(path, options, _urdf)
 
 
 def read_xacro(path: Path, options: XacroOptions) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a xacro file, as `read_urdf` has those of a URDF file."""
-    from dh2urdf_plugins.extraction.description import xacro_description
-
-    packages = tuple(map(Path, options.package_paths))
-    expansion = Expansion(arguments=options.arguments or {}, package_paths=packages)
-    return _arms(path, options, lambda file: xacro_description(file, expansion))
+    return _arms(path, options, _xacro)
 
 
 def read_sdf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
     """The manipulators of the first model in an SDF file, as `read_urdf` has those of a URDF file."""
-    from dh2urdf_plugins.extraction.description import sdf_description
-
-    return _arms(path, options, sdf_description)
+    return _arms(path, options, _sdf)
 
 
 def read_mjcf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
     """The manipulators of an MJCF file, as `read_urdf` has those of a URDF file."""
+    return _arms(path, options, _mjcf)
+
+
+def _urdf(path: Path, _options: DescriptionOptions) -> Description:
+    from dh2urdf_plugins.extraction.description import urdf_description
+
+    return urdf_description(path)
+
+
+def _xacro(path: Path, options: XacroOptions) -> Description:
+    from dh2urdf_plugins.extraction.description import xacro_description
+
+    packages = tuple(map(Path, options.package_paths))
+    return xacro_description(path, Expansion(arguments=options.arguments or {}, package_paths=packages))
+
+
+def _sdf(path: Path, _options: DescriptionOptions) -> Description:
+    from dh2urdf_plugins.extraction.description import sdf_description
+
+    return sdf_description(path)
+
+
+def _mjcf(path: Path, _options: DescriptionOptions) -> Description:
     from dh2urdf_plugins.extraction.description import mjcf_description
 
-    return _arms(path, options, mjcf_description)
+    return mjcf_description(path)
 
 
-def _arms(
-    path: Path, options: DescriptionOptions, described: Callable[[Path], Description]
-) -> Iterator[Manipulator | Rejected]:
+def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], Mapping[str, int]]:
+    """What lists the ends of a description's chains."""
+
+    def leaves(path: Path, options: O) -> Mapping[str, int]:
+        from dh2urdf_plugins.extraction.trees import Tree
+
+        return Tree.of(described(path, options), options.base_link).leaves()
+
+    return leaves
+
+
+def _arms(path: Path, options: O, described: Callable[[Path, O], Description]) -> Iterator[Manipulator | Rejected]:
     from dh2urdf.manipulator import Convention
     from dh2urdf_plugins.extraction.arms import Asked, manipulator_of
     from dh2urdf_plugins.extraction.bodies import mesh_finder
@@ -123,7 +150,7 @@ def _arms(
     from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 
     try:
-        description = described(path)
+        description = described(path, options)
         packages = with_its_own(path, packages_in(map(Path, options.package_paths)))
     except TableError:
         raise
@@ -158,31 +185,31 @@ URDF: Reader[DescriptionOptions] = Reader(
     name="urdf",
     summary="URDF: the DH table of a chain, with its limits, masses and meshes",
     read=read_urdf,
+    leaves=_leaves(_urdf),
     options=DescriptionOptions,
     suffixes=(".urdf",),
-    reads_descriptions=True,
 )
 XACRO: Reader[XacroOptions] = Reader(
     name="xacro",
     summary="xacro: the DH table of a chain, of a file that is expanded where it can do no harm",
     read=read_xacro,
+    leaves=_leaves(_xacro),
     options=XacroOptions,
     suffixes=(".urdf.xacro", ".xacro"),
-    reads_descriptions=True,
 )
 SDF: Reader[DescriptionOptions] = Reader(
     name="sdf",
     summary="SDF: the DH table of a chain of the first model",
     read=read_sdf,
+    leaves=_leaves(_sdf),
     options=DescriptionOptions,
     suffixes=(".sdf",),
-    reads_descriptions=True,
 )
 MJCF: Reader[DescriptionOptions] = Reader(
     name="mjcf",
     summary="MJCF: the DH table of a chain of a MuJoCo model",
     read=read_mjcf,
+    leaves=_leaves(_mjcf),
     options=DescriptionOptions,
     suffixes=(".xml", ".mjcf"),
-    reads_descriptions=True,
 )

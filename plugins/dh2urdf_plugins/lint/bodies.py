@@ -8,7 +8,7 @@ from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem, principal_moments
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.description import MOVING, Hit, few
-from dh2urdf_plugins.lint.gazebo import kept, merged as merged_by_gazebo
+from dh2urdf_plugins.lint.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
 from dh2urdf_plugins.lint.merged import ELEMENTS, head_of, inertial_of, merged_inertial
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.tree import Element
 
 _ROUNDING = 1e-9
-_SMALLEST = 1e-15
+_SMALLEST = 1e-14
 """Principal moment that MuJoCo takes for 0 [kg·m²]."""
 _NO_INERTIA = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
 _ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
@@ -35,7 +35,7 @@ def hits(description: Description) -> Iterator[Hit]:
         else:
             yield from _mass(description, link, link.inertial)
             yield from _inertia(description, link, link.inertial)
-        yield from _weightless_chain(description, link)
+    yield from _weightless_chains(description)
     yield from _fixed_links(description)
 
 
@@ -59,7 +59,9 @@ def _without_inertial(description: Description, link: LinkNode) -> Iterator[Hit]
         return
     message = f"link {shown(link.name)} has no inertial"
     if not _moves(description, link):
-        yield Hit("frame-without-inertial", link.element, message)
+        in_mujoco = _collides(link) and description.holder(head_of(description, link)) is not None
+        of_frame = {"pybullet", "mujoco"} if in_mujoco else {"pybullet"}
+        yield Hit("frame-without-inertial", link.element, message, of_frame)
         return
     of = set(_ALL)
     if not description.is_body_weightless(link):  # What is fixed to a link is merged into it first.
@@ -87,6 +89,8 @@ def _mass(description: Description, link: LinkNode, inertial: Element) -> Iterat
     elif value == 0.0 and _moves(description, link):
         of = _ALL if description.is_body_weightless(link) else {"drake"}
         yield Hit("zero-mass", mass, f"{about} moves and has the mass 0", of)
+    elif value == 0.0 and (body := inertial_of(inertial)) and body.inertia != _NO_INERTIA:
+        yield Hit("zero-mass", mass, f"{about} has the mass 0, and an inertia", {"drake"})
 
 
 def _inertia(description: Description, link: LinkNode, inertial: Element) -> Iterator[Hit]:
@@ -116,7 +120,8 @@ def _moments(description: Description, link: LinkNode, inertia: Element, body: I
     about, (low, middle, high) = f"link {shown(link.name)}", principal_moments(body.inertia)
     what = f"the principal moments of its inertia are {low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
     moments = f"{about}: {inertia_problem(body.inertia) or what}"
-    of = _ALL - _gazebo_takes(description, link) if body.mass > 0.0 else frozenset({"mujoco"})
+    minding = _ALL if body.mass > 0.0 else frozenset({"mujoco", "gazebo"})
+    of = minding - _gazebo_takes(description, link)
     if low < -_ROUNDING * high:
         yield Hit("inertia-not-positive-definite", inertia, moments, of)
     elif low + middle < high * (1.0 - _ROUNDING):
@@ -138,17 +143,15 @@ def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:
     return {"gazebo"}
 
 
-def _weightless_chain(description: Description, link: LinkNode) -> Iterator[Hit]:
-    """Two links fixed below each other, each with an explicit mass of 0: their common centre of mass is 0/0."""
-    holder = description.holder(link)
-    if holder is None or holder.kind != "fixed" or link.mass != 0.0:
-        return
-    above = description.link[holder.parent]
-    above_holder = description.holder(above)
-    if above.mass == 0.0 and above_holder is not None and above_holder.kind == "fixed":
-        message = (
-            f"link {shown(link.name)} weighs nothing and is fixed to link {shown(above.name)}, which weighs nothing"
-        )
+def _weightless_chains(description: Description) -> Iterator[Hit]:
+    """Links that sdformat adds up to a mass of 0: their common centre of mass is 0/0."""
+    for link in (link for body in kept(description) for link in without_centre(description, body)):
+        if (holder := description.holder(link)) is None:
+            continue
+        about, above = f"link {shown(link.name)}", f"link {shown(holder.parent)}"
+        message = f"{about} weighs nothing and is fixed to {above}, which weighs nothing"
+        if mass_of(link.inertial):
+            message = f"{about} is fixed to {above}, and what is fixed to it weighs nothing in all"
         yield Hit("weightless-chain", link.element, message)
 
 

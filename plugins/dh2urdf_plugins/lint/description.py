@@ -85,6 +85,12 @@ class JointNode:
     child: str
     element: Element
 
+    @property
+    def is_left_out_by_drake(self) -> bool:
+        """Whether its parent or child is an empty name."""
+        ends = (self.element.first("parent"), self.element.first("child"))
+        return any(end is not None and end.get("link") == "" for end in ends)
+
 
 class Description:
     """A robot description.

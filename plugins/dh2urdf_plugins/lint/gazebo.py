@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.rotations import RigidTransform
-    from dh2urdf_plugins.lint.description import Description, LinkNode
+    from dh2urdf_plugins.lint.description import Description, JointNode, LinkNode
     from dh2urdf_plugins.lint.tree import Element
 
 WORLD = "world"
@@ -36,21 +36,56 @@ def kept(description: Description) -> Iterator[list[LinkNode]]:
     """The bodies that are left, each a link with those that are fixed to it; below one that weighs nothing, none."""
     if not description.roots:
         return
+    apart = _kept_apart(description)
     root = description.roots[0]
     heads = [root]
     if root.name == WORLD:
         heads = [description.link[joint.child] for joint in description.held.get(WORLD, ())]
-    seen = set[str]()
+    seen = {WORLD} if root.name == WORLD else set[str]()
     for head in heads:
         if head.name in seen:
             continue
-        body = description.body(head)
-        seen |= {node.name for node in body}
-        if abs(sum(mass_of(node.inertial) for node in body)) <= _NOTHING:
+        body: list[LinkNode] = [head]
+        joints: list[JointNode] = []
+        seen.add(head.name)
+        for node in body:
+            for joint in description.held.get(node.name, ()):
+                if joint.kind != "fixed" or node.name == WORLD or joint.name in apart:
+                    joints.append(joint)
+                elif joint.child not in seen:
+                    seen.add(joint.child)
+                    body.append(description.link[joint.child])
+        if head.name != WORLD and abs(sum(mass_of(node.inertial) for node in body)) <= _NOTHING:
             continue
         yield body
-        joints = [joint for node in body for joint in description.held.get(node.name, ()) if joint.kind != "fixed"]
         heads.extend(description.link[joint.child] for joint in joints)
+
+
+def _kept_apart(description: Description) -> set[str]:
+    """Names of the fixed joints that an extension keeps."""
+    return {
+        extension.get("reference") or ""
+        for extension in description.root.all("gazebo")
+        for child in extension.children
+        if child.tag in {"preserveFixedJoint", "disableFixedJointLumping"} and child.text.lower() in {"true", "1"}
+    }
+
+
+def without_centre(description: Description, body: list[LinkNode]) -> Iterator[LinkNode]:
+    """Links that are added to another, where both together weigh 0: their centre of mass is 0/0.
+
+    A link is added to the one that holds it after all that is fixed to it has been, in the order of the joints' names.
+    """
+    masses = {node.name: mass_of(node.inertial) for node in body}
+    filled = {node.name for node in body if node.inertial}
+    for node in reversed(body):
+        for joint in sorted(description.held.get(node.name, ()), key=lambda joint: joint.name):
+            if joint.kind != "fixed" or joint.child not in filled:
+                continue
+            filled.add(node.name)
+            masses[node.name] += masses[joint.child]
+            if masses[node.name] == 0.0:
+                yield description.link[joint.child]
 
 
 def merged(description: Description, body: list[LinkNode]) -> Inertial | None:
@@ -74,14 +109,17 @@ def merged(description: Description, body: list[LinkNode]) -> Inertial | None:
 
 
 def _inertial(inertial: Element) -> Inertial | None:
-    pose, mass, inertia = pose_of(inertial.first("origin")), mass_of(inertial), inertial.first("inertia")
-    if pose is None or not mass:
+    """As urdfdom reads it; where one element of the inertia is no number, all are 0."""
+    pose, mass, inertia = pose_of(inertial.first("origin")), inertial.first("mass"), inertial.first("inertia")
+    if pose is None or mass is None or urdfdom_numbers(mass.get("value") or "", 1) is None:
         return None
     read = [urdfdom_numbers(inertia.get(name) or "", 1) for name in ELEMENTS] if inertia else [None]
     ixx, ixy, ixz, iyy, iyz, izz = (
         numbers[0] if numbers else 0.0 for numbers in (6 * [None] if None in read else read)
     )
-    return placed(Inertial(mass=mass, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)), pose)
+    return placed(
+        Inertial(mass=mass_of(inertial), inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)), pose
+    )
 
 
 def _has_wrong_origin(inertial: Element) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import norm
@@ -32,14 +33,33 @@ def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of every joint."""
     kinds = {joint.name: joint.kind for joint in description.joints}
     roots = {root.name for root in description.roots}
+    actuated = actuated_joints(description)
     for joint in description.joints:
-        yield from _type(joint, roots)
-        yield from _axis(joint)
-        yield from _limits(joint)
-        yield from _dynamics(joint)
+        of_itself = (
+            _type(joint, roots),
+            _axis(joint),
+            _limits(joint, is_actuated=joint.name in actuated),
+            _dynamics(joint),
+        )
+        for hit in chain(*of_itself):
+            yield _not_of(hit, "drake") if joint.is_left_out_by_drake else hit
         yield from _mimic(joint, kinds)
     yield from _transmissions(description, kinds)
     yield from _of_many(description)
+
+
+def _not_of(hit: Hit, reader: str) -> Hit:
+    return hit._replace(of=frozenset(ALL if hit.of is None else hit.of) - {reader})
+
+
+def actuated_joints(description: Description) -> set[str]:
+    """Names of the joints for which Drake reads a transmission."""
+    return {
+        joint.get("name") or ""
+        for transmission in description.root.all("transmission")
+        if (kind := transmission.first("type")) and "SimpleTransmission" in kind.text
+        if (joint := transmission.first("joint")) and transmission.first("actuator")
+    }
 
 
 def _transmissions(description: Description, kinds: dict[str, str]) -> Iterator[Hit]:
@@ -89,7 +109,7 @@ def _axis(joint: JointNode) -> Iterator[Hit]:
             yield Hit("axis-along-minus-z", axis, f"the axis of joint {shown(joint.name)} is exactly -z")
 
 
-def _limits(joint: JointNode) -> Iterator[Hit]:
+def _limits(joint: JointNode, *, is_actuated: bool) -> Iterator[Hit]:
     limit, about = joint.element.first("limit"), f"joint {shown(joint.name)}"
     needs_range = joint.kind in {"revolute", "prismatic"}
     if limit is None:
@@ -104,7 +124,8 @@ def _limits(joint: JointNode) -> Iterator[Hit]:
         if limit.get(name) is None:
             yield Hit(f"missing-{name}", limit, f"the limit of {about} has no {name}")
         elif (value := limit.number(name)) is not None and value < 0.0 and joint.kind in MOVING:
-            yield Hit(f"negative-{name}", limit, f"the {name} of {about} is {value:g}")
+            of = ALL - {"drake"} if name == "effort" and not is_actuated else None
+            yield Hit(f"negative-{name}", limit, f"the {name} of {about} is {value:g}", of)
     if joint.kind in TURNING_OR_SLIDING:
         yield from _range(joint, limit)
 

@@ -13,7 +13,7 @@ from dh2urdf_plugins.lint.tree import numbers_of
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description
+    from dh2urdf_plugins.lint.description import Description, JointNode
     from dh2urdf_plugins.lint.tree import Element
 
 _DECIMAL = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
@@ -104,14 +104,15 @@ def _said(place: _Place, text: str) -> Iterator[Hit]:
     if numbers_of(text, count) is not None:
         message = f"{place.attribute} of {element.tag} is {shown(text)}: urdfdom takes blanks between numbers alone"
         refused &= _URDFDOM
+    altering = {"coppeliasim"} if kind == "vector" and numbers_of(text, count) is None else set()
     if kind == "number" and numbers_of(text, count) is None and "pybullet" in place.readers:
         yield Hit("invalid-number", element, message, (refused & place.readers) | {"coppeliasim"})
-    elif refused & place.readers:
-        yield Hit(f"invalid-{kind}", element, message, refused & place.readers)
+    elif refused := refused & place.readers:
+        yield Hit(f"invalid-{kind}", element, message, refused | altering)
     if misread := (place.readers - refused) - (set() if is_urdfdom else _URDFDOM):
         misread &= _URDFDOM if numbers_of(text, count) is not None else _ALL
         if misread:
-            yield Hit(f"misread-{kind}", element, message, misread)
+            yield Hit(f"misread-{kind}", element, message, misread if refused else misread | altering)
 
 
 def _places(description: Description) -> Iterator[_Place]:
@@ -131,7 +132,7 @@ def _places(description: Description) -> Iterator[_Place]:
             for place in _of_shape(shape):
                 hidden = shape.tag == "visual" and not draws and place.inside != "material"
                 yield place._replace(readers=place.readers - {"mujoco"}) if hidden else place
-    for joint in description.root.all("joint"):
+    for joint in description.joints:
         yield from _of_joint(joint)
 
 
@@ -164,7 +165,12 @@ def _of_geometry(geometry: Element) -> Iterator[_Place]:
             yield _Place(body, "scale", 3, "shape", readers, required=True)
 
 
-def _of_joint(joint: Element) -> Iterator[_Place]:
+def _of_joint(joint: JointNode) -> Iterator[_Place]:
+    for place in _in_joint(joint.element):
+        yield place._replace(readers=place.readers - {"drake"}) if joint.is_left_out_by_drake else place
+
+
+def _in_joint(joint: Element) -> Iterator[_Place]:
     kind = joint.get("type")
     at_rest = {"mujoco"} if kind == "fixed" else set()
     yield from _of_origin(joint, "joint")

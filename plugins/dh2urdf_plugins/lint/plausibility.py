@@ -7,13 +7,17 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from dh2urdf.mass_properties import principal_moments
-from dh2urdf.rotations import add, rotate
+from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.description import Hit
+from dh2urdf_plugins.lint.description import ALL, TURNING_OR_SLIDING, Hit
+from dh2urdf_plugins.lint.joints import actuated_joints
 from dh2urdf_plugins.lint.merged import inertial_of, pose_of
+from dh2urdf_plugins.lint.mesh_sizes import sides_of
+from dh2urdf_plugins.lint.shapes import is_there, resolved
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from dh2urdf.rotations import Vec3
     from dh2urdf_plugins.lint.description import Description, JointNode, LinkNode
@@ -34,14 +38,17 @@ TOO_WIDE = 2.0
 """How much wider than the shapes a body may be: shapes are simplified, and motors have no shape."""
 TOO_FAR = 2.0
 """How many diagonals of its shapes a centre of mass may be outside of them."""
+MOST_BYTES = 2**27
+"""Size of all mesh files of a description that are read [B]."""
 SMALLEST = 0.05
 """What a body without larger shapes may measure [m]: a rotor that is not drawn, a frame with a placeholder."""
 
 
 def hits(description: Description) -> Iterator[Hit]:
     """What there is to say of sizes, angles and masses."""
+    actuated = actuated_joints(description)
     for joint in description.joints:
-        yield from _limits(joint)
+        yield from _limits(joint, actuated)
     for element in description.root.walk():
         if element.tag == "origin" and (angles := element.numbers("rpy", 3)) and _in_degrees(angles):
             yield Hit("angles-in-degrees", element, f"the rpy is {shown(element.get('rpy') or '')}")
@@ -51,6 +58,7 @@ def hits(description: Description) -> Iterator[Hit]:
         if origin and xyz and max(map(abs, xyz)) >= LONGEST:
             message = f"joint {shown(joint.name)} is {max(map(abs, xyz)):g} m from its parent's frame"
             yield Hit("length-in-millimetres", origin, message)
+    yield from _meshes(description)
     for link in description.links:
         yield from _link(link, is_ground=not description.joints)
 
@@ -63,7 +71,7 @@ def _in_degrees(angles: tuple[float, ...]) -> bool:
     return WHOLE_TURN < max(map(abs, angles)) <= MOST_DEGREES and all(map(_whole, angles))
 
 
-def _limits(joint: JointNode) -> Iterator[Hit]:
+def _limits(joint: JointNode, actuated: set[str]) -> Iterator[Hit]:
     limit = joint.element.first("limit")
     if limit is None:
         return
@@ -74,8 +82,41 @@ def _limits(joint: JointNode) -> Iterator[Hit]:
         if MOST_TURNS <= largest <= MOST_DEGREES and all(map(_whole, ends)) and largest not in _NO_LIMIT:
             message = f"joint {shown(joint.name)} turns from {lower:g} to {upper:g} rad"
             yield Hit("limits-in-degrees", limit, message)
-    if joint.kind in {"revolute", "continuous", "prismatic"} and limit.number("velocity") == 0.0:
+    if joint.kind in TURNING_OR_SLIDING and limit.number("velocity") == 0.0:
         yield Hit("zero-velocity", limit, f"the velocity of joint {shown(joint.name)} is 0")
+    if joint.kind in TURNING_OR_SLIDING and limit.number("effort") == 0.0:
+        of = None if joint.name in actuated else ALL - {"drake"}  # Drake reads efforts for its actuators alone.
+        yield Hit("zero-effort", limit, f"the effort of joint {shown(joint.name)} is 0", of)
+
+
+def _meshes(description: Description) -> Iterator[Hit]:
+    """Meshes that are too large, once for all of them; a single link may be the ground."""
+    sides: dict[Path, Vec3 | None] = {}
+    found: list[tuple[Element, float]] = []
+    left = MOST_BYTES
+    for mesh, path in _mesh_files(description) if description.joints else ():
+        if path not in sides:
+            left -= path.stat().st_size
+            sides[path] = sides_of(path) if left >= 0 else None
+        scale = mesh.numbers("scale", 3) or (1.0, 1.0, 1.0)
+        largest = max(abs(side * factor) for side, factor in zip(sides[path] or ZERO, scale, strict=True))
+        if largest >= LONGEST:
+            found.append((mesh, largest))
+    if found:
+        mesh, largest = found[0]
+        first = f"{shown(mesh.get('filename') or '')} measures {largest:.4g} m"
+        message = f"the mesh {first}" if len(found) == 1 else f"{len(found)} meshes are too large; the first, {first}"
+        yield Hit("length-in-millimetres", mesh, message)
+
+
+def _mesh_files(description: Description) -> Iterator[tuple[Element, Path]]:
+    """Meshes whose files are there."""
+    for link in description.links:
+        for shape in link.shapes:
+            mesh = shape.first("geometry", "mesh")
+            path = resolved(mesh.get("filename") or "", description) if mesh else None
+            if mesh and path and is_there(path, is_file=True):
+                yield mesh, path
 
 
 def _link(link: LinkNode, *, is_ground: bool) -> Iterator[Hit]:

@@ -15,7 +15,7 @@ from dh2urdf_plugins.lint.tree import numbers_of
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description
+    from dh2urdf_plugins.lint.description import Description, LinkNode
     from dh2urdf_plugins.lint.tree import Element
 
 SMALLEST = 1e-3
@@ -27,6 +27,16 @@ _TAKES = {
     "drake": {".obj", ".vtk", ".gltf"},
 }
 """The formats of meshes that a reader takes: Drake, of collisions; it draws what it can of the others."""
+CONTACTS = (
+    "inertia_scaling",
+    "lateral_friction",
+    "rolling_friction",
+    "spinning_friction",
+    "restitution",
+    "stiffness",
+    "damping",
+)
+"""Elements of a contact whose value PyBullet needs."""
 _PACKAGE, _MODEL, _FILE = "package://", "model://", "file://"
 _STL_HEADER = 84  # bytes: 80 of any text, then the number of triangles in 4
 _STL_TRIANGLE = 50
@@ -46,10 +56,9 @@ def hits(description: Description) -> Iterator[Hit]:
     compiler = description.root.first("mujoco", "compiler")
     draws = compiler is not None and compiler.get("discardvisual") == "false"
     capsules: list[Element] = []
+    touches = False
     for link in description.links:
-        friction = link.element.first("contact", "lateral_friction")
-        if friction and friction.get("value") is None:
-            yield Hit("friction-without-value", friction, f"lateral_friction of link {shown(link.name)} has no value")
+        yield from _contact(link)
         for shape in link.shapes:
             hidden: frozenset[str] = frozenset() if draws or shape.tag == "collision" else frozenset({"mujoco"})
             for hit in _of_shape(shape, f"a {shape.tag} of link {shown(link.name)}"):
@@ -59,12 +68,25 @@ def hits(description: Description) -> Iterator[Hit]:
             for body in [body for geometry in shape.all("geometry")[:1] for body in geometry.children[:1]]:
                 if body.tag == "capsule":
                     capsules.append(body)
+                    touches = touches or shape.tag == "collision"
+                if body.tag == "capsule" and shape.tag == "visual":
+                    message = f"a visual of link {shown(link.name)} is a capsule"
+                    yield Hit("unknown-geometry", body, message, {"coppeliasim"})
                 if body.tag == "mesh" and (address := body.get("filename")):
                     meshes.append(_Use(body, shape.tag == "collision", address))
     if capsules:
-        yield Hit("capsule", capsules[0], f"{len(capsules)} capsules" if len(capsules) > 1 else "a capsule")
+        message = f"{len(capsules)} capsules" if len(capsules) > 1 else "a capsule"
+        yield Hit("capsule", capsules[0], message, None if touches else ALL - {"coppeliasim"})
     yield from _tiny(description)
     yield from _meshes(description, meshes, draws=draws)
+
+
+def _contact(link: LinkNode) -> Iterator[Hit]:
+    contact = link.element.first("contact")
+    for name in CONTACTS:
+        found = contact.first(name) if contact else None
+        if found and found.get("value") is None:
+            yield Hit("friction-without-value", found, f"{name} of link {shown(link.name)} has no value")
 
 
 def _of_shape(shape: Element, about: str) -> Iterator[Hit]:
@@ -163,6 +185,8 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
             else:
                 forms.setdefault(_form(use.address), []).append(use)
             yield Hit(rule, use.element, what, rest - {"pybullet"} if in_pybullet else rest)
+            if in_pybullet and "pybullet" in _strangers(Path(use.address), use, read_by_mujoco=False):
+                formats.setdefault((Path(use.address).suffix.lower(), ("pybullet",)), []).append(use)
             continue
         forms.setdefault(_form(use.address), []).append(use)
         if not in_pybullet and not use.address.startswith(_PACKAGE):

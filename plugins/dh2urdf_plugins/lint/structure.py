@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.description import ALL, MOVING, TYPES, Hit, few
-from dh2urdf_plugins.lint.merged import head_of
+from dh2urdf_plugins.lint.gazebo import kept
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description
+    from dh2urdf_plugins.lint.description import Description, JointNode
     from dh2urdf_plugins.lint.tree import Element
 
 WORLD = "world"
@@ -21,6 +21,7 @@ LONGEST_NAME = 1000
 MOST_MOVING, MOST_JOINTS = 121, 127
 """Moving joints, and joints of any type, that PyBullet tells the state of [1]."""
 
+_RESERVED = re.compile(r"world|__.*__", re.DOTALL)
 _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 
 
@@ -71,41 +72,63 @@ def _names(description: Description) -> Iterator[Hit]:
 
 
 def _shared_names(description: Description) -> Iterator[Hit]:
-    """Joints named like links, where SDF keeps both: fixed joints are gone there, and links that are fixed."""
-    for joint in description.joints:
-        link = description.link.get(joint.name)
-        if joint.kind == "fixed" or link is None or head_of(description, link) is not link:
-            continue
-        yield Hit("joint-named-like-link", joint.element, f"joint {shown(joint.name)} has the name of a link")
+    """Names of links and joints that SDF keeps, and of the model, that collide or that SDF has for itself."""
+    heads = {body[0].name: body[0] for body in kept(description)}
+    joints = [joint for joint in description.joints if joint.child in heads and joint.parent in description.link]
+    for joint in joints:
+        if joint.name in heads:
+            yield Hit("joint-named-like-link", joint.element, f"joint {shown(joint.name)} has the name of a link")
+    named = [("joint", joint.name, joint.element) for joint in joints]
+    named += [("link", name, head.element) for name, head in heads.items() if name != WORLD]
+    for kind, name, element in [("robot", description.root.get("name") or "", description.root), *named]:
+        if _RESERVED.fullmatch(name):
+            yield Hit("reserved-name", element, f"the name of a {kind} is {shown(name)}", {"gazebo"})
+    if world := description.link.get(WORLD):
+        of = {"gazebo"} if WORLD in heads else set[str]()
+        of |= {"mujoco"} if any(joint.kind in MOVING for joint in description.holders.get(WORLD, ())) else set()
+        yield Hit("reserved-name", world.element, f"the link {shown(WORLD)} is not the root", of)
 
 
 def _ends(description: Description) -> Iterator[Hit]:
     """A joint is of a known type and between two links."""
     for joint in description.joints:
+        yield from _type(joint)
         about = f"joint {shown(joint.name)}"
-        if joint.kind not in TYPES:
-            near = did_you_mean(joint.kind, TYPES)
-            message = f"{about} has the type {shown(joint.kind)}" if joint.kind else f"{about} has no type"
-            refusing = ALL - {"pybullet", "mujoco"} if joint.kind == "spherical" else ALL
-            if joint.element.get("type") == "":
-                refusing -= {"drake"}
-            yield Hit("unknown-joint-type", joint.element, f"{message}: {near}" if near else message, refusing)
         for end, name in (("parent", joint.parent), ("child", joint.child)):
-            if not name:
-                found = joint.element.first(end)
-                of = (
-                    ALL - {"drake"} if found and found.get("link") is not None else None
-                )  # Drake takes it for its world
-                yield Hit("missing-parent-or-child", joint.element, f"{about} has no {end}", of)
+            found = joint.element.first(end)
+            if not name and (found is None or found.get("link") is None):
+                yield Hit("missing-parent-or-child", joint.element, f"{about} has no {end}")
+            elif not name:
+                is_there = any(link.get("name") == "" for link in description.root.all("link"))
+                of = ALL - {"mujoco"} if is_there else None
+                yield Hit("empty-parent-or-child", joint.element, f"the {end} of {about} is an empty name", of)
             elif name not in description.link:
                 near = did_you_mean(name, description.link)
                 message = f"the {end} of {about} is {shown(name)}, and there is no such link"
-                yield Hit(
-                    "undefined-link",
-                    joint.element.first(end) or joint.element,
-                    f"{message}: {near}" if near else message,
-                    ALL - {"drake"} if name == WORLD else None,
-                )
+                of = ALL - {"drake"} if name == WORLD else None
+                yield Hit("undefined-link", found or joint.element, f"{message}: {near}" if near else message, of)
+    for extension in description.root.all("drake:joint"):
+        if missing := [name for name in ("parent", "child") if extension.first(name) is None]:
+            message = f"a drake:joint has no {' and no '.join(missing)}"
+            yield Hit("missing-parent-or-child", extension, message, {"drake"})
+
+
+def _type(joint: JointNode) -> Iterator[Hit]:
+    if joint.kind in TYPES:
+        return
+    near = did_you_mean(joint.kind, TYPES)
+    message = f"joint {shown(joint.name)} has " + (f"the type {shown(joint.kind)}" if joint.kind else "no type")
+    refusing = ALL - {"drake"} if joint.element.get("type") == "" else ALL
+    if joint.kind == "spherical":
+        refusing -= {"pybullet"} if _is_limited(joint) else {"pybullet", "mujoco"}
+    yield Hit("unknown-joint-type", joint.element, f"{message}: {near}" if near else message, refusing)
+
+
+def _is_limited(joint: JointNode) -> bool:
+    """Whether the range of a ball joint begins elsewhere than at 0, which MuJoCo minds."""
+    limit = joint.element.first("limit")
+    lower, upper = (limit.number(name) if limit else None for name in ("lower", "upper"))
+    return bool(lower) and upper is not None and lower is not None and lower < upper
 
 
 def _tree(description: Description) -> Iterator[Hit]:

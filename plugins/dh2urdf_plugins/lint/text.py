@@ -46,7 +46,7 @@ ONCE = {
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
     "inertial": ("origin", "mass", "inertia"),
     "material": ("color", "texture"),
-    "visual": ("origin",),
+    "visual": ("origin", "material"),
     "collision": ("origin",),
 }
 _OF_NUMBERS = frozenset(
@@ -82,7 +82,9 @@ def hits(description: Description) -> Iterator[Hit]:
     for element in _elements(description.root):
         for hit in _wrong_children(element):
             is_mimic = isinstance(hit.at, Element) and hit.at.tag == "mimic" and element.get("type") == "fixed"
-            hidden = hit.rule == "repeated-element" and ((element.tag == "visual" and not draws) or is_mimic)
+            is_material = isinstance(hit.at, Element) and hit.at.tag == "material"
+            in_hidden = element.tag == "visual" and not draws and not is_material
+            hidden = hit.rule == "repeated-element" and (in_hidden or is_mimic)
             yield hit._replace(of=ALL - {"mujoco"}) if hidden else hit
     extensions = description.root.all("mujoco")
     if len(extensions) > 1:

@@ -7,9 +7,7 @@ is read as the cells of a CSV file are. What comment lines say there, metadata o
 from __future__ import annotations
 
 import json
-import math
 import re
-import struct
 from collections import Counter
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -24,12 +22,22 @@ from dh2urdf.stages import Reader
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.parquet_file.columns import (
+    DIGITS,
+    as_written,
+    holds_numbers,
+    is_accepted,
+    is_as_written,
+    is_text,
+    numbers_of,
+    texts_of,
+    unread,
+    with_unit,
+)
 from dh2urdf_plugins.readers.rows.records import make_marks
 from dh2urdf_plugins.readers.statements.comment_phrases import unit_of_measure
 from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT, STATEMENTS
 from dh2urdf_plugins.readers.table import TableOptions, read_table
-from dh2urdf_plugins.readers.words.cells import text_of
-from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -165,7 +173,7 @@ def _with_labels(headers: list[str], fields: Sequence[Any]) -> list[str]:
     """Headers with the index of a data frame as the joints' names: pandas gives it this name where it has none."""
     if any((field := read_header(header).field) and field.name == "joint" for header in headers):
         return headers
-    are_labels = [field.name == _INDEX and _is_text(field.type) for field in fields]
+    are_labels = [field.name == _INDEX and is_text(field.type) for field in fields]
     return ["joint" if labels else header for labels, header in zip(are_labels, headers, strict=True)]
 
 
@@ -196,7 +204,7 @@ class _ParquetRows:
         names = [field.name for field in self.fields]
         _refuse_twins(names, Mark(file=self.path))
         marks = [Mark(file=self.path, place=f"column {name}") for name in names]
-        headers = [_with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
+        headers = [with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
         yield CellRow(_with_labels(headers, self.fields), Mark(file=self.path), marks)
 
     def complete(self, header: CellRow) -> CellRow:
@@ -205,7 +213,7 @@ class _ParquetRows:
         Raises:
             TableError: the row of units contradicts the header.
         """
-        if not any(_is_text(field.type) for field in self.fields):
+        if not any(is_text(field.type) for field in self.fields):
             return header
         with _reporting_errors(Mark(file=self.path, line=1, place="row 1"), "the file is broken from here on"):
             first = next(self.file.iter_batches(1, use_threads=False), None)
@@ -225,17 +233,17 @@ class _ParquetRows:
         kinds = [field.type for field in self.fields]
         kept = [index for index in range(len(kinds)) if index not in columns.ignored]
         _refuse_others(columns, kinds, kept)
-        numbers = frozenset(index for index in kept if _holds_numbers(columns.fields[index], kinds[index]))
+        numbers = frozenset(index for index in kept if holds_numbers(columns.fields[index], kinds[index]))
         for index, kind in enumerate(kinds):
-            self.cells.append(_unread if index not in kept else _numbers if index in numbers else _texts)
-            if index in numbers and str(kind) in _DIGITS:
+            self.cells.append(unread if index not in kept else numbers_of if index in numbers else texts_of)
+            if index in numbers and str(kind) in DIGITS:
                 self.short[index] = str(kind)
         return replace(columns, numbers=numbers, quoted_commas=True)
 
     def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
         """Some hundred rows at a time, with their numbers."""
         names = [field.name for field in self.fields]
-        read = [name for name, cells_of in zip(names, self.cells, strict=True) if cells_of is not _unread]
+        read = [name for name, cells_of in zip(names, self.cells, strict=True) if cells_of is not unread]
         batches = self.file.iter_batches(_BATCH, columns=read, use_threads=False)
         start = 1
         while True:
@@ -247,7 +255,7 @@ class _ParquetRows:
                     return
                 none = [""] * batch.num_rows
                 cells = [
-                    none if cells_of is _unread else cells_of(batch.column(name))
+                    none if cells_of is unread else cells_of(batch.column(name))
                     for name, cells_of in zip(names, self.cells, strict=True)
                 ]
             self._look_at_digits(cells)
@@ -262,9 +270,9 @@ class _ParquetRows:
         """A notice of columns that hold other numbers than were written there: 0.1 is 0.10000000149 in 32 bits."""
         found: dict[int, float] = {}
         for index, kind in self.short.items():
-            code = _DIGITS[kind]
+            code = DIGITS[kind]
             numbers = (cell for cell in dict.fromkeys(cells[index]) if isinstance(cell, float))
-            if (number := next((number for number in numbers if not _is_as_written(number, code)), None)) is not None:
+            if (number := next((number for number in numbers if not is_as_written(number, code)), None)) is not None:
                 found[index] = number
         for index, number in found.items():
             field = self.fields[index]
@@ -272,7 +280,7 @@ class _ParquetRows:
             self.notices.append(
                 Problem(
                     message=f"the column {shown(field.name)} holds {kind}, in which "
-                    f"{_as_written(number, _DIGITS[kind])} is {number!r}: the numbers are read as they are there",
+                    f"{as_written(number, DIGITS[kind])} is {number!r}: the numbers are read as they are there",
                     severity="notice",
                     mark=Mark(file=self.path, place=f"column {field.name}"),
                     suggestion="write the column as float64",
@@ -298,49 +306,6 @@ class _ParquetRows:
 # --- Columns ----------------------------------------------------------------------------------------------------------
 
 
-_UNIT_KEYS = ("unit", "units")
-"""Keys under which the metadata of a column have its unit."""
-_DIGITS = {"float": "f", "float32": "f", "halffloat": "e", "float16": "e"}
-"""Kinds of numbers of fewer digits than a float64, as pyarrow calls them, with their codes of the module struct."""
-
-
-def _with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyarrow
-    """The header of a column: its name, and the unit that its metadata say.
-
-    Raises:
-        TableError: the name says another unit.
-    """
-    metadata = {key.decode(errors="replace").casefold(): text for key, text in (field.metadata or {}).items()}
-    units = {metadata[key].decode(errors="replace").strip() for key in _UNIT_KEYS if key in metadata} - {""}
-    name = str(field.name)
-    if not units:
-        return name
-    said = read_header(name).unit
-    if len(units) > 1 or (said and said != min(units).casefold()):
-        others = " and ".join(map(shown, sorted(units)))
-        besides = f", and its name says {said}" if said else ""
-        message = f"the metadata of the column {shown(name)} say {others}{besides}"
-        raise TableError(Problem(message=message, mark=mark, found=others, accepted="one unit for a column"))
-    return name if said else f"{name} [{min(units)}]"
-
-
-def _as_written(number: float, code: str) -> float:
-    """The shortest number that becomes this one when it is stored in fewer bits."""
-    candidates = (float(f"{number:.{digits}g}") for digits in range(1, 17))
-    return next((short for short in candidates if _stored(short, code) == number), number)
-
-
-def _stored(number: float, code: str) -> float:
-    try:
-        return float(struct.unpack(code, struct.pack(code, number))[0])
-    except OverflowError:
-        return math.inf
-
-
-def _is_as_written(number: float, code: str) -> bool:
-    return not math.isfinite(number) or _as_written(number, code) == number
-
-
 def _refuse_twins(names: Sequence[str], mark: Mark) -> None:
     """Refuses columns that cannot be told apart.
 
@@ -351,22 +316,6 @@ def _refuse_twins(names: Sequence[str], mark: Mark) -> None:
     if twins:
         message = f"two columns are called {shown(twins[0])}"
         raise TableError(Problem(message=message, mark=mark, found=twins[0], accepted="names that differ"))
-
-
-def _is_text(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
-    return str(kind) in ("string", "large_string", "string_view")
-
-
-def _is_number(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
-    from pyarrow import types
-
-    if types.is_dictionary(kind):
-        kind = kind.value_type
-    return bool(types.is_integer(kind) or types.is_floating(kind))
-
-
-def _holds_numbers(field: str | None, kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
-    return bool(field and FIELDS[field].dimension) and _is_number(kind)
 
 
 def _refuse_others(columns: Columns, kinds: Sequence[Any], kept: Sequence[int]) -> None:
@@ -384,52 +333,10 @@ def _refuse_others(columns: Columns, kinds: Sequence[Any], kept: Sequence[int]) 
             accepted="numbers or text",
         )
         for index in kept
-        if columns.fields[index] and not _is_accepted(kinds[index], columns.fields[index])
+        if columns.fields[index] and not is_accepted(kinds[index], columns.fields[index])
     ]
     if problems:
         raise TableError(problems)
-
-
-def _is_accepted(kind: Any, field: str | None) -> bool:  # noqa: ANN401 - a type of pyarrow
-    from pyarrow import types
-
-    while field in GROUPS and (types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)):
-        kind = kind.value_type
-    if types.is_dictionary(kind):
-        kind = kind.value_type
-    return bool(
-        _is_text(kind) or _is_number(kind) or types.is_decimal(kind) or types.is_boolean(kind) or types.is_null(kind)
-    )
-
-
-def _numbers(array: Any) -> Sequence[Value]:  # noqa: ANN401 - an array of pyarrow
-    import pyarrow as pa
-
-    if pa.types.is_dictionary(array.type):
-        array = array.dictionary_decode()
-
-    # A whole number that no double can hold becomes the nearest one, as it does when it is read as text.
-    numbers: list[float | None] = array.cast(pa.float64(), safe=False).to_pylist()
-    return ["" if number is None else number for number in numbers]
-
-
-def _unread(_array: Any) -> list[str]:  # noqa: ANN401 - an array of pyarrow
-    """What stands for the cells of a column that is not read."""
-    return []
-
-
-def _texts(array: Any) -> list[str]:  # noqa: ANN401 - an array of pyarrow
-    values = array.to_pylist()
-    return [value if type(value) is str else _word(value) for value in values]
-
-
-def _word(value: Any) -> str:  # noqa: ANN401 - whatever a cell holds
-    """What a cell of a column of words says: ``1`` for 1.0, which a column of whole numbers with gaps holds."""
-    if value is None or value != value:  # noqa: PLR0124 - not a number
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return text_of(value) if isinstance(value, float) else str(value)
 
 
 @contextmanager

@@ -7,10 +7,12 @@ import pytest
 
 from dh2urdf.cells.cell import ArmCall, CellCall
 from dh2urdf.robot import Origin
-from dh2urdf.run_file.config import RunConfig, load_config
+from dh2urdf.run_file.config import load_config
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from dh2urdf.run_file.records import RunConfig
 
 
 def config(folder: Path, cells: str, *settings: str) -> RunConfig:

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.run_file.config import RunConfig, StageCall, load_config
+from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.records import RunConfig, StageCall
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 

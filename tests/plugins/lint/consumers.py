@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 SECONDS = 60
 """How long a consumer may take for one file; one that is not ready then counts as crashed."""
-_OTHERS = [folder for folder in os.get_exec_path() if Path(folder) != Path(sys.executable).parent]
+_OTHERS = [folder for folder in os.get_exec_path() if not (Path(folder).parent / "pyvenv.cfg").is_file()]
 CHECK_URDF = shutil.which("check_urdf", path=os.pathsep.join(_OTHERS))
 """urdfdom's command as a system has it. Pinocchio brings a newer one along, urdfdom 6, which takes document types."""
 
@@ -42,6 +42,8 @@ class Behaviour:
         joints: moving joints: name to (lower, upper), None where it has none.
         finite: whether its numbers are.
         positions: how many numbers its position vector has.
+        extra: what else there is to know of a consumer. `told` has its joints of one value, and of each the kind,
+            `revolute` or `prismatic`, and those of lower, upper, effort and velocity that it knows.
     """
 
     end: str
@@ -109,7 +111,7 @@ def pybullet(path: str) -> Behaviour:
     found = Behaviour("loads")
     found.masses[p.getBodyInfo(robot)[0].decode()] = p.getDynamicsInfo(robot, -1)[0]
     extra = found.extra
-    extra |= {"inertias": {}, "axis": {}, "effort": {}, "start": {}, "told": True}
+    extra |= {"inertias": {}, "axis": {}, "effort": {}, "start": {}, "moves": True, "told": {}}
     numbers: list[float] = []
     for index in range(p.getNumJoints(robot)):
         info, dynamics = p.getJointInfo(robot, index), p.getDynamicsInfo(robot, index)
@@ -119,12 +121,16 @@ def pybullet(path: str) -> Behaviour:
             continue
         found.joints[joint] = (info[8], info[9])
         extra["axis"][joint], extra["effort"][joint] = info[13], info[10]
+        kind = {p.JOINT_REVOLUTE: "revolute", p.JOINT_PRISMATIC: "prismatic"}.get(info[2], "other")
+        extra["told"][joint] = {"kind": kind} | dict(
+            zip(("lower", "upper", "effort", "velocity"), info[8:12], strict=True)
+        )
         try:
             extra["start"][joint] = p.getJointState(robot, index)[0]
             p.resetJointState(robot, index, 0.3)
             numbers.extend(p.getLinkState(robot, index, computeForwardKinematics=True)[4])
         except p.error:
-            extra["told"] = False
+            extra["moves"] = False
     found.positions = len(found.joints)
     found.finite = all(map(math.isfinite, numbers))
     return found
@@ -136,9 +142,19 @@ def mujoco(path: str) -> Behaviour:
     model = mujoco.MjModel.from_xml_path(path)
     found = Behaviour("loads", positions=model.nq)
     found.masses = {model.body(i).name: float(model.body(i).mass[0]) for i in range(1, model.nbody)}
+    told = found.extra["told"] = {}
     for i in range(model.njnt):
         joint = model.joint(i)
         found.joints[joint.name] = joint.range.tolist() if model.jnt_limited[i] else None
+        lower, upper = found.joints[joint.name] or (None, None)
+        effort = float(model.jnt_actfrcrange[i][1]) if model.jnt_actfrclimited[i] else None
+        kind = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
+        told[joint.name] = {
+            "kind": kind.get(int(model.jnt_type[i]), "other"),
+            "lower": lower,
+            "upper": upper,
+            "effort": effort,
+        }
     data = mujoco.MjData(model)
     found.extra["start"] = data.qpos.tolist()
     mujoco.mj_step(model, data)
@@ -159,7 +175,7 @@ def pinocchio(path: str) -> Behaviour:
         pin.buildGeomFromUrdf(model, path, pin.GeometryType.VISUAL)
     except Exception as error:  # noqa: BLE001 - whatever it raises is the answer
         found.extra["geometry"] = str(error)
-    inertias = found.extra["inertias"] = {}
+    inertias, told = found.extra["inertias"], found.extra["told"] = {}, {}
     for index in range(1, model.njoints):
         joint = model.joints[index]
         found.masses[model.names[index]] = model.inertias[index].mass
@@ -169,6 +185,13 @@ def pinocchio(path: str) -> Behaviour:
             if joint.nq == 1
             else None
         )
+        if joint.nv == 1:
+            told[model.names[index]] = {
+                "kind": "prismatic" if "JointModelP" in joint.shortname() else "revolute",
+                **dict(zip(("lower", "upper"), found.joints[model.names[index]] or (None, None), strict=True)),
+                "effort": float(model.effortLimit[joint.idx_v]),
+                "velocity": float(model.velocityLimit[joint.idx_v]),
+            }
     data = model.createData()
     q = pin.neutral(model)
     pin.framesForwardKinematics(model, data, q)
@@ -199,13 +222,14 @@ def drake(path: str) -> Behaviour:
 
     bodies = [plant.get_body(BodyIndex(i)) for i in range(1, plant.num_bodies())]
     found.masses = {body.name(): body.default_mass() for body in bodies}
+    told = found.extra["told"] = {}
     for index in plant.GetJointIndices():
         joint = plant.get_joint(JointIndex(index))
         if joint.num_positions() == 1:
-            found.joints[joint.name()] = (
-                float(joint.position_lower_limits()[0]),
-                float(joint.position_upper_limits()[0]),
-            )
+            lower, upper = float(joint.position_lower_limits()[0]), float(joint.position_upper_limits()[0])
+            found.joints[joint.name()] = (lower, upper)
+            velocity = float(joint.velocity_upper_limits()[0])
+            told[joint.name()] = {"kind": joint.type_name(), "lower": lower, "upper": upper, "velocity": velocity}
         elif joint.num_positions():
             found.joints[joint.name()] = None
     numbers = [x for body in bodies for x in plant.EvalBodyPoseInWorld(context, body).translation()]
@@ -232,7 +256,9 @@ def check_urdf(path: str) -> Behaviour:
         timeout=SECONDS,
     )
     end = "crashes" if done.returncode < 0 else "refuses" if done.returncode else "loads"
-    return Behaviour(end, printed=done.stderr, extra={"stdout": done.stdout, "status": done.returncode})
+    links = re.findall(r"^(?:root Link: (.*) has \d+ child\(ren\)| *child\(\d+\):  (.*))$", done.stdout, re.MULTILINE)
+    extra = {"stdout": done.stdout, "status": done.returncode, "links": [root or child for root, child in links]}
+    return Behaviour(end, printed=done.stderr, extra=extra)
 
 
 SDFORMAT = next((name for v in range(15, 11, -1) if (name := ctypes.util.find_library(f"sdformat{v}"))), None)
@@ -254,12 +280,15 @@ def sdformat(path: str) -> Behaviour:
         if status or not printed.strip():
             found.end = "refuses"
     if found.end == "loads":
-        for link in re.finditer(r"<link name='(.*?)'.*?</link>", printed, re.DOTALL):
+        for link in re.finditer(r"<link name='([^\n]*?)'>.*?</link>", printed, re.DOTALL):
             mass = re.search(r"<mass>(.*?)</mass>", link[0])
             found.masses[link[1]] = float(mass[1]) if mass else math.nan
-        for joint in re.finditer(r"<joint name='(.*?)' type='(.*?)'.*?</joint>", printed, re.DOTALL):
-            ends = [re.search(rf"<{word}>(.*?)</{word}>", joint[0]) for word in ("lower", "upper")]
-            found.joints[joint[1]] = [float(end[1]) if end else None for end in ends]
+        told = found.extra["told"] = {}
+        for joint in re.finditer(r"<joint name='([^\n]*?)' type='(\w*)'>.*?</joint>", printed, re.DOTALL):
+            texts = {w: re.search(rf"<{w}>(.*?)</{w}>", joint[0]) for w in ("lower", "upper", "effort", "velocity")}
+            numbers = {word: float(text[1]) if text else None for word, text in texts.items()}
+            found.joints[joint[1]] = [numbers["lower"], numbers["upper"]]
+            told[joint[1]] = {"kind": "revolute" if joint[2] == "continuous" else joint[2], **numbers}
         found.finite = "nan" not in printed
     return found
 

@@ -56,7 +56,6 @@ NOT_SEEN_IN_OBJECTS = {
     "no-xml-declaration",
     "repeated-element",
     "unknown-element",
-    "invalid-vector",
     "mimic-joint",
     "mimic-undefined",
     "mimic-of-fixed",

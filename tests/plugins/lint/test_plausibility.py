@@ -63,6 +63,27 @@ def test_the_probable_attribute_is_told(tmp_path: Path) -> None:
     assert finding.message == "dynamics has no attribute 'frictoin': did you mean 'friction'?"
 
 
+def test_an_effort_of_0_is_no_limit_to_mujoco_and_takes_drakes_actuator(tmp_path: Path) -> None:
+    """Drake reads efforts where a transmission makes an actuator, and nothing is said of it elsewhere."""
+    drive = (
+        '<transmission name="t"><type>transmission_interface/SimpleTransmission</type><joint name="elbow"/>'
+        f'<actuator name="motor"/></transmission>{END}'
+    )
+    paths = [
+        write(tmp_path, "plain", *IMPLAUSIBLE["zero-effort"]),
+        tmp_path / "driven.urdf",
+        write(tmp_path, "with effort", END, drive),
+    ]
+    paths[1].write_text(paths[0].read_text().replace(END, drive))
+    spoken_of = [
+        "drake" in {effect.consumer for effect in finding.effects} for path in paths for finding in found(path)
+    ]
+    assert spoken_of == [False, True]
+    assert [each.extra["actuators"] for each in behaviours("drake", paths)] == [0, 0, 1]
+    efforts = [each.extra["told"]["elbow"]["effort"] for each in behaviours("mujoco", paths)]
+    assert efforts == [None, None, 20.0]
+
+
 def test_a_ground_may_be_large(tmp_path: Path) -> None:
     """A single link with a box of 200 m is where robots stand."""
     path = tmp_path / "plane.urdf"
@@ -113,6 +134,6 @@ def test_real_robots_are_plausible_but_for_what_was_looked_at() -> None:
     for path in paths:
         for finding in found(path):
             by_rule.setdefault(finding.rule, set()).add(path.name)
-    assert set(by_rule) == {*TRUE, "zero-velocity"}
+    assert set(by_rule) == {*TRUE, "zero-velocity", "zero-effort"}
     for rule, names in TRUE.items():
         assert names <= by_rule[rule]

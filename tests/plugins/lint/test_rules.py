@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from consumers import CHECK_URDF, SDFORMAT, Behaviour, behaviours
-from faulty_files import FAULTS, SOUND, write_all
+from faulty_files import BOX, FAULTS, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
 
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.lint.inspection import inspect_urdf
@@ -200,7 +200,7 @@ SAID: dict[tuple[str, str], Callable[[Behaviour], bool]] = {
     ("pybullet", "floating-joint"): lambda b: b.positions == 1,
     ("pybullet", "mimic-joint"): lambda b: b.positions == 2,
     ("pybullet", "negative-mass"): lambda b: b.masses["link_2"] == -1.0,
-    ("pybullet", "too-many-joints"): lambda b: not b.extra["told"],
+    ("pybullet", "too-many-joints"): lambda b: not b.extra["moves"],
     ("pybullet", "zero-outside-limits"): lambda b: b.extra["start"]["elbow"] == 0.0,
     ("pybullet", "inertia-not-positive-definite"): lambda b: b.extra["inertias"]["link_2"] == [0, 0, 0],
     ("pybullet", "inertia-triangle-inequality"): lambda b: b.extra["inertias"]["link_2"] == [0, 0, 0],
@@ -208,6 +208,7 @@ SAID: dict[tuple[str, str], Callable[[Behaviour], bool]] = {
     ("mujoco", "missing-limit"): lambda b: b.joints["elbow"] is None,
     ("mujoco", "missing-range"): lambda b: b.joints["elbow"] is None,
     ("mujoco", "equal-limits"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "negative-effort"): lambda b: b.extra["told"]["elbow"]["effort"] == 30.0,
     ("mujoco", "swapped-limits"): lambda b: b.joints["elbow"] is None,
     ("mujoco", "several-roots"): lambda b: b.masses["stray"] == 1.0 and b.positions == 2,
     ("mujoco", "planar-joint"): lambda b: b.positions == 4 and b.joints["elbow_TX"] == [-2, 2],
@@ -242,6 +243,7 @@ SAID: dict[tuple[str, str], Callable[[Behaviour], bool]] = {
     ("drake", "misread-number"): lambda b: b.joints["elbow"] == [-2, 1],
     ("drake", "missing-limit"): lambda b: b.joints["elbow"] == [-math.inf, math.inf],
     ("drake", "missing-range"): lambda b: b.joints["elbow"] == [-math.inf, math.inf],
+    ("drake", "empty-parent-or-child"): lambda b: "elbow" not in b.joints,
     ("drake", "several-roots"): lambda b: b.positions == 2 + 7 + 7,
     ("drake", "floating-joint"): lambda b: b.positions == 1 + 7 + 7,
     ("drake", "planar-joint"): lambda b: b.positions == 1 + 3 + 7,
@@ -273,6 +275,65 @@ def test_the_root_frame_is_noted_by_pybullet(measured: tuple[str, dict[str, Beha
     consumer, found = measured
     lines = [line for line in found["sound"].printed.splitlines() if "warn" in line.lower() or "No inertial" in line]
     assert bool(lines) == (consumer == "pybullet")
+
+
+WEIGHTLESS = '<inertial><mass value="0"/><inertia ixx="{}" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+IN_SDF = {
+    "a weightless link with an inertia that no body has": (
+        "inertia-not-positive-definite",
+        SOUND.replace(TOOL0, f'<link name="tool0">{WEIGHTLESS.format(-1)}</link>'),
+    ),
+    "a weightless link below one without an inertial": (
+        "weightless-chain",
+        SOUND.replace(TOOL0_JOINT, TOOL0_JOINT.replace("link_2", "flange")).replace(
+            f'<link name="flange">\n{ZEROS}  </link>', '<link name="flange"/>'
+        ),
+    ),
+    "a link called world that is not the root": (
+        "reserved-name",
+        SOUND.replace('<link name="link_2">', '<link name="world">').replace('link="link_2"', 'link="world"'),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", IN_SDF)
+def test_what_sdformat_merges_is_refused_as_it_is_said(tmp_path: Path, name: str) -> None:
+    """And the sound file, and its reserved name for the root, are taken."""
+    if not SDFORMAT:
+        pytest.skip("sdformat is not installed")
+    rule, text = IN_SDF[name]
+    paths = [tmp_path / "wrong.urdf", tmp_path / "sound.urdf"]
+    paths[0].write_text(text)
+    paths[1].write_text(SOUND.replace('"base_link"', '"world"'))
+    assert [each.end == "loads" for each in behaviours("gazebo", paths)] == [False, True]
+    spoken_of = [{name for name, each in by_rule(path).items() if _of_gazebo(each)} for path in paths]
+    assert spoken_of == [{rule}, set()]
+
+
+def _of_gazebo(finding: Finding) -> bool:
+    return any(effect.consumer == "gazebo" and effect.severity == "error" for effect in finding.effects)
+
+
+@pytest.mark.parametrize(("moment", "loads"), [("9e-15", False), ("1.1e-14", True)])
+def test_mujoco_takes_a_moment_below_1e_14_for_0(tmp_path: Path, moment: str, *, loads: bool) -> None:
+    if find_spec("mujoco") is None:
+        pytest.skip("mujoco is not installed")
+    path = tmp_path / "arm.urdf"
+    path.write_text(SOUND.replace('ixx="0.005"', f'ixx="{moment}"').replace('iyy="0.006"', 'iyy="0.007"'))
+    assert ("inertia-semidefinite" not in by_rule(path)) == loads
+    assert (behaviours("mujoco", [path])[0].end == "loads") == loads
+
+
+def test_a_capsule_in_a_visual_is_left_out_by_coppeliasim(tmp_path: Path) -> None:
+    """Seen in 4.10.0: the import ends well, without the shape."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(SOUND.replace(BOX, '<capsule radius="0.02" length="0.05"/>'))
+    outcomes = {
+        rules()[rule].outcomes["coppeliasim"]
+        for rule, finding in by_rule(path).items()
+        if any(effect.consumer == "coppeliasim" for effect in finding.effects)
+    }
+    assert outcomes - {Outcome.NOTE} == {Outcome.LOSES}
 
 
 # --- Other people's files ---------------------------------------------------------------------------------------------

@@ -16,27 +16,23 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from lxml import etree
-
 from dh2urdf.errors import LoaderError
-from dh2urdf.kinematics import axis_rotation
-from dh2urdf.manipulator import Inertia, JointType
+from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import placed
 from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, ZERO, RigidTransform, rotate, scale, transpose
+from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits
 from dh2urdf_plugins.loaders.comparison import Body, Comparison, Precision
+from dh2urdf_plugins.loaders.coppeliasim.texts import interval, link_frames, text_for, transform
 from dh2urdf_plugins.loaders.measures import hold_start, tensor
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from pathlib import Path
 
-    from dh2urdf.manipulator import Limits
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Joint
     from dh2urdf.stages import LoadRequest
 
 # The importer's options, by the bits that its manual gives them. Bit 128 stays off: with it, every other link collides
@@ -195,7 +191,7 @@ class Arm:
         Raises:
             LoaderError: CoppeliaSim cannot import the file; what it made of it before is taken out of the scene.
         """
-        text = _text_for(self.request.path, self.comparison)
+        text = text_for(self.request.path, self.comparison)
         importer = self.ask(self.connection.client.require, "simURDF")
         if not hasattr(importer, "importFile"):
             raise LoaderError("this CoppeliaSim is too old: its URDF importer has no `importFile`")
@@ -250,7 +246,7 @@ class Arm:
     def _restore_limits(self) -> None:
         """Give joints the limits of the table, where a file for this importer has had to widen them."""
         for joint in self.robot.moving_joints:
-            wanted, in_file = _interval(joint.limits), _interval(importable_limits(joint.limits))
+            wanted, in_file = interval(joint.limits), interval(importable_limits(joint.limits))
             if wanted == in_file or joint.name not in self.joints:
                 continue
             handle = self.joints[joint.name]
@@ -303,7 +299,7 @@ class Arm:
             moments, matrix = self.ask(self.sim.getShapeInertia, shape)
             ixx, ixy, ixz, _, iyy, iyz, _, _, izz = moments
             held = Inertial(mass=mass, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz))
-            in_link = frames[link.name].inverse @ self._frame(shape) @ _transform(matrix)
+            in_link = frames[link.name].inverse @ self._frame(shape) @ transform(matrix)
             body = placed(held, in_link)
             bodies[link.name] = Body(mass, body.com, tensor(body.inertia))
         return bodies
@@ -319,7 +315,7 @@ class Arm:
 
     def _frame(self, handle: int) -> RigidTransform:
         """The frame of an object in the world, in whose origin the root stands."""
-        return _transform(self.ask(self.sim.getObjectMatrix, handle, _WORLD))
+        return transform(self.ask(self.sim.getObjectMatrix, handle, _WORLD))
 
     def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
         """The frames of some links without shapes of their own at a joint vector."""
@@ -367,52 +363,3 @@ class Arm:
     def _is_static(self, link: str) -> bool:
         shape = self._shape(link)
         return shape is not None and bool(self.ask(self.sim.getObjectInt32Param, shape, self.sim.shapeintparam_static))
-
-
-def _text_for(path: Path, comparison: Comparison) -> str:
-    """The text of a file as the importer takes it.
-
-    By the declaration it tells a text from a path. Meshes get absolute paths: beside a text it does not look for any.
-
-    Raises:
-        LoaderError: the file cannot be read.
-    """
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
-    try:
-        tree = etree.fromstring(path.read_bytes(), parser)
-    except OSError as error:
-        raise LoaderError(comparison.problem(message=f"the file cannot be read: {error}")) from error
-    except etree.XMLSyntaxError as error:
-        raise LoaderError(comparison.problem(message=f"the file is not XML: {error}")) from error
-    for mesh in tree.iter("mesh"):
-        name = mesh.get("filename", "")
-        if "://" not in name:
-            mesh.set("filename", str((path.parent / name).resolve()))
-    return '<?xml version="1.0"?>\n' + etree.tostring(tree, encoding="unicode")
-
-
-def link_frames(robot: Robot, q: Sequence[float]) -> dict[str, RigidTransform]:
-    """The frames of all links in the root at a joint vector [rad or m]."""
-    values = dict(zip((joint.name for joint in robot.moving_joints), q, strict=True))
-    frames = {robot.root: IDENTITY}
-    for joint in robot.joints:  # Parents before children.
-        motion = IDENTITY
-        if joint.type is JointType.PRISMATIC:
-            motion = RigidTransform(IDENTITY_ROTATION, scale(values[joint.name], joint.axis))
-        elif joint.type is not JointType.FIXED:
-            motion = RigidTransform(axis_rotation(joint.axis, values[joint.name]), ZERO)
-        frames[joint.child] = frames[joint.parent] @ joint.origin.transform @ motion
-    return frames
-
-
-def _interval(limits: Limits) -> list[float] | None:
-    """Limits as CoppeliaSim has them: the lower one, and the range [rad or m]."""
-    if limits.lower is None or limits.upper is None:
-        return None
-    return [limits.lower, limits.upper - limits.lower]
-
-
-def _transform(matrix: Sequence[float]) -> RigidTransform:
-    """A rigid transform of the upper three rows of its homogeneous matrix."""
-    a, b, c, x, d, e, f, y, g, h, i, z = matrix
-    return RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import InputError
-from dh2urdf.studio import edits, gallery, save
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import edits, save
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,8 +6,8 @@ import math
 from typing import IO, TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.report.conversions import counted
-from dh2urdf.report.info import CELL, COMPUTED, DEFAULT, unit_of
+from dh2urdf.report.answers.conversions import counted
+from dh2urdf.report.answers.info import CELL, COMPUTED, DEFAULT, unit_of
 from dh2urdf.source import printable
 
 if TYPE_CHECKING:

@@ -1,49 +1,11 @@
-"""The types of plain data: what `dh2urdf.run` returns, and what commands print with ``--json``.
-
-Each class describes an object of a JSON Schema, which `dh2urdf schema` prints::
-
-    from dh2urdf.results import RunReport
-
-    report: RunReport = dh2urdf.run("ur5.yaml")
-    for entry in report["manipulators"]:
-        print(entry["name"], entry["status"])
-
-A key that is not always there is `NotRequired`, as in the schema.
-"""
+"""What commands print with `--json`, as plain data."""
 
 from __future__ import annotations
 
-from typing import Any, Literal, NotRequired, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypedDict
 
-ConventionName: TypeAlias = Literal["standard", "modified"]
-JointTypeName: TypeAlias = Literal["revolute", "continuous", "prismatic", "fixed"]
-KindName: TypeAlias = Literal["reader", "transform", "emitter", "loader", "executor"]
-
-
-class ProblemEntry(TypedDict):
-    """An error or a notice, and its place."""
-
-    file: str | None
-    line: int | None
-    column: int | None
-    place: str | None
-    joint: str | None
-    field: str | None
-    found: str | None
-    accepted: str | None
-    message: str
-
-
-class ProofEntry(TypedDict):
-    """How far a file is from the DH product: errors in m and rad; None where they are not finite."""
-
-    position_error: float | None
-    angle_error: float | None
-    q: list[float]
-    tolerance: float
-    poses: int
-    tip: NotRequired[str]
-    tips: NotRequired[dict[str, float | None]]
+if TYPE_CHECKING:
+    from dh2urdf.results.run import ConventionName, JointTypeName, KindName, ProblemEntry, ProofEntry
 
 
 class ErrorReport(TypedDict):
@@ -55,142 +17,6 @@ class ErrorReport(TypedDict):
     kind: str
     errors: list[ProblemEntry]
     notices: list[ProblemEntry]
-
-
-# --- A run ------------------------------------------------------------------------------------------------------------
-
-
-class FileEntry(TypedDict):
-    """A file that was written: its place in the output, the emitter, and its size [B]."""
-
-    path: str
-    stage: str
-    bytes: int
-    sha256: str
-    shard: NotRequired[str]
-    offset: NotRequired[int]
-
-
-class MeshEntry(TypedDict):
-    """A copy of a mesh that the files name."""
-
-    path: str
-    sha256: str
-
-
-class LoadEntry(TypedDict):
-    """What came of a loader: its verdict, and `dh2urdf.stages.LoadReport` as plain data.
-
-    Of a loader that failed nothing is measured, and `errors` says why.
-    """
-
-    verdict: Literal["passed", "failed", "missing"]
-    optional: bool
-    errors: list[ProblemEntry]
-    simulator: str
-    version: str
-    joints: list[dict[str, Any]]
-    mass: float | None
-    mass_error: float | None
-    inertia_error: float | None
-    position_error: float | None
-    angle_error: float | None
-    tolerance: float | None
-    angle_tolerance: float | None
-    q: list[float]
-    poses: int
-    hold: dict[str, Any]
-    findings: list[ProblemEntry]
-    output: str
-    picture: str | None
-
-
-class ManipulatorEntry(TypedDict):
-    """What became of one manipulator, cell or variant: a line of ``manifest.jsonl``."""
-
-    name: str
-    status: Literal["ok", "failed", "skipped"]
-    kind: str | None
-    source: str
-    key: str
-    drawn: dict[str, float | str]
-    keeps_kinematics: bool
-    files: list[FileEntry]
-    proof: dict[str, ProofEntry | None]
-    loaders: dict[str, LoadEntry]
-    notices: list[ProblemEntry]
-    errors: list[ProblemEntry]
-    meshes: NotRequired[list[MeshEntry]]
-    not_loaded: NotRequired[dict[str, Literal["not in the sample", "no file"]]]
-
-
-class CoverageEntry(TypedDict):
-    """How many manipulators of a run a loader was given, and what came of it."""
-
-    simulator: str | None
-    of: int
-    passed: int
-    failed: int
-    missing: int
-    not_in_sample: int
-    no_file: int
-    optional: bool
-
-
-class SimulatorNotice(TypedDict):
-    """What one loader has to say of several manipulators, as it says it of the first of them."""
-
-    loader: str
-    manipulators: int
-    first: str
-    place: str | None
-    joint: str | None
-    message: str
-
-
-class InputEntry(TypedDict):
-    """A file that a run read, and the hash of its bytes; None where it could not be read."""
-
-    path: str
-    sha256: str | None
-
-
-class VariationEntry(TypedDict):
-    """What a run drew: of which manipulator, how many, by which seed and sampling."""
-
-    name: str
-    of: str
-    count: int | None
-    seed: int
-    sampling: str
-
-
-class Reproduction(TypedDict):
-    """What is needed to do a run again."""
-
-    command: str | None
-    inputs: list[InputEntry]
-    inputs_left_out: int
-    versions: dict[str, str]
-    variations: list[VariationEntry]
-    joint_vectors: str
-    citation: str
-
-
-class RunReport(TypedDict):
-    """The content of ``report.json``, which `dh2urdf.run` returns."""
-
-    schema: Literal["dh2urdf-report/1"]
-    version: str
-    exit_status: Literal[0, 1]
-    reproduction: Reproduction
-    coverage: dict[str, CoverageEntry]
-    simulator_notices: list[SimulatorNotice]
-    manipulators: list[ManipulatorEntry]
-    left_out: int
-
-
-# --- Conversions ------------------------------------------------------------------------------------------------------
 
 
 class JointEntry(TypedDict):
@@ -248,9 +74,6 @@ class ConversionsReport(TypedDict):
     conversions: list[ConversionEntry]
 
 
-# --- What was understood of a table -----------------------------------------------------------------------------------
-
-
 class BriefEntry(TypedDict):
     """A manipulator of a table, in short."""
 
@@ -290,6 +113,7 @@ Placement = TypedDict(
     {"xyz": list[float], "rpy": list[float], "from": Literal["cell", "default"], "place": str | None},
 )
 """The base or the tool: translation [m], roll, pitch and yaw [rad]."""
+
 
 FieldEntry = TypedDict(
     "FieldEntry",
@@ -360,9 +184,6 @@ class InfoReport(TypedDict):
     source: str
     manipulators: list[BriefEntry]
     detail: Detail | None
-
-
-# --- Plugins ----------------------------------------------------------------------------------------------------------
 
 
 class OptionEntry(TypedDict):

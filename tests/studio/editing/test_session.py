@@ -9,8 +9,9 @@ import pytest
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import edits, gallery
-from dh2urdf.studio.session import Session
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import edits
+from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:

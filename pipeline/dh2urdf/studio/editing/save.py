@@ -21,7 +21,7 @@ from dh2urdf.kinematics.proof import Proof
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import Call, default_call
-from dh2urdf.studio.reading import READER, transform_call
+from dh2urdf.studio.editing.reading import READER, transform_call
 from dh2urdf.table_text import yaml_word
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import pytest
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.studio.conversions import with_convention, with_units
-from dh2urdf.studio.reading import make, read_whole
+from dh2urdf.studio.editing.conversions import with_convention, with_units
+from dh2urdf.studio.editing.reading import make, read_whole
 from dh2urdf.table_text import TableText, table_text
 
 if TYPE_CHECKING:

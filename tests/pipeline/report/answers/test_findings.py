@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from dh2urdf.report.findings import as_json, as_sarif, counts
+from dh2urdf.report.answers.findings import as_json, as_sarif, counts
 from dh2urdf.source import Mark
 from dh2urdf.stages import Effect, Finding
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from hypothesis import given, strategies as st
 
-from dh2urdf.studio.history import LONGEST, History
+from dh2urdf.studio.editing.history import LONGEST, History
 from dh2urdf.table_text import TableText
 
 

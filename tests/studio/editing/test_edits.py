@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.studio import edits
+from dh2urdf.studio.editing import edits
 from dh2urdf.table_text import TableText
 
 EMPTY = TableText()

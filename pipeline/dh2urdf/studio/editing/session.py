@@ -12,9 +12,10 @@ from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinema
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf.studio import conversions, edits, joints
-from dh2urdf.studio.history import History
-from dh2urdf.studio.reading import CellProblem, Reading, make, read
+from dh2urdf.studio import joints
+from dh2urdf.studio.editing import conversions, edits
+from dh2urdf.studio.editing.history import History
+from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read
 from dh2urdf.studio.scene import PAPER, Drawing, Figure, Stroke, extent
 from dh2urdf.table_text import FIELDS, TableText
 

@@ -9,14 +9,14 @@ import pytest
 
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.studio.opening import open_tables
-from dh2urdf.studio.reading import read_whole
+from dh2urdf.studio.editing.opening import open_tables
+from dh2urdf.studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
 
-REFERENCE = Path(__file__).parents[1] / "reference" / "inputs"
-TABLES = Path(__file__).parents[2] / "configs" / "tables"
+REFERENCE = Path(__file__).parents[2] / "reference" / "inputs"
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
 
 NO_TEXTS = ("header_a_mm_d_m.csv",)
 """Tables whose texts no table of the studio can hold as they stand: two units of length."""

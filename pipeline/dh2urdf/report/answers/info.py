@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from dh2urdf._version import __version__
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
 from dh2urdf.manipulator import JointType, Manipulator
-from dh2urdf.report.conversions import BASE, filled_in
+from dh2urdf.report.answers.conversions import BASE, filled_in
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 

@@ -13,7 +13,7 @@ from dh2urdf.plugin_system.stage_answers import whole_records
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
-from dh2urdf.studio.reading import read_whole
+from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import FIELDS, TableText, table_text
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
-from dh2urdf.report.findings import SCHEMA, counts, finding_entry
+from dh2urdf.report.answers.findings import SCHEMA, counts, finding_entry
 from dh2urdf.stages import SEVERITIES
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.report.conversions import FILLED_IN, SCHEMA as CONVERSIONS
-from dh2urdf.report.errors import SCHEMA as ERROR
-from dh2urdf.report.info import CELL, COMPUTED, DEFAULT, SCHEMA as INFO
+from dh2urdf.report.answers.conversions import FILLED_IN, SCHEMA as CONVERSIONS
+from dh2urdf.report.answers.errors import SCHEMA as ERROR
+from dh2urdf.report.answers.info import CELL, COMPUTED, DEFAULT, SCHEMA as INFO
 from dh2urdf.report.schema import problem_schema, proof_schema
 from dh2urdf.report.schema_words import count, list_of, object_of, or_null, text
 from dh2urdf.run_file.schema import DIALECT

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.source import in_file_order
-from dh2urdf.studio import edits
-from dh2urdf.studio.reading import make, read, read_whole
+from dh2urdf.studio.editing import edits
+from dh2urdf.studio.editing.reading import make, read, read_whole
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:

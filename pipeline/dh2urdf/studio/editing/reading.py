@@ -21,7 +21,7 @@ from dh2urdf.plugin_system.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Rejected, Transform
-from dh2urdf.studio.edits import begun
+from dh2urdf.studio.editing.edits import begun
 from dh2urdf.table_text import FIELDS, TableText, WrittenTable
 
 if TYPE_CHECKING:

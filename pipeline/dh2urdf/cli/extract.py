@@ -1,0 +1,132 @@
+"""`dh2urdf extract`: the DH table of a robot description."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli.answers import answer
+from dh2urdf.cli.convert import print_notices
+from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, chain_options, package_paths_option, settings_of
+from dh2urdf.commands.check import given_arguments
+from dh2urdf.commands.extract import description_reader, leaves_of, table_lines, the_one, write_extracted
+from dh2urdf.errors import ConfigError
+from dh2urdf.kinematics.facts import kinematic_facts
+from dh2urdf.manipulator import Convention
+from dh2urdf.plugin_system.options import COMMAND_LINE
+from dh2urdf.source import Problem, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.stages import Reader
+
+OPTIONS = ("tolerance", "near_parallel", "rounded_pi", "origins")
+
+
+@click.command(name="extract", epilog=EXIT_STATUS)
+@click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
+@click.option(
+    "-o", "--output", "output", type=click.Path(path_type=Path), metavar="TABLE", help="A .yaml or .csv file."
+)
+@click.option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
+@chain_options
+@click.option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
+@click.option("--tolerance", metavar="T", help="How far the tip may be from ROBOT's [m, rad]; 1e-9.")
+@click.option(
+    "--near-parallel", metavar="N", help="Of nearly parallel axes: auto, dh (a large d), split (a fixed row)."
+)
+@click.option("--rounded-pi", metavar="R", help="repair reads 1.5708 in an orientation as pi/2; keep by default.")
+@click.option("--origins", metavar="O", help="d of parallel axes: fewest that are not 0, or as in the file.")
+@click.option("--length-unit", default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
+@click.option("--angle-unit", default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
+@click.option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
+@package_paths_option
+@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
+@click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@without_option
+def command(  # noqa: PLR0917 - click hands everything over by name
+    words: tuple[str, ...],
+    output: Path | None,
+    convention: str | None,
+    lists_tips: bool,  # noqa: FBT001 - click hands flags over so
+    length_unit: str,
+    angle_unit: str,
+    reader_name: str | None,
+    package_paths: tuple[Path, ...],
+    settings: tuple[str, ...],
+    quiet: bool,  # noqa: FBT001
+    **flags: str | None,
+) -> int:
+    """Print the DH table of ROBOT, a URDF, xacro, SDF or MJCF of any origin, or write it.
+
+    The joints keep their names, order, directions and zeros: T(base → tip) is that of ROBOT for every joint vector. The
+    table is measured against ROBOT's chain, and the file that -o writes is read back before it is put in place. What a
+    table has no place for is named on standard error, and in the comments of the file. `dh2urdf convert` accepts ROBOT
+    and the table alike.
+
+    \b
+    dh2urdf extract ur5.urdf
+    dh2urdf extract ur5.urdf -o ur5.yaml --tip-link tool0
+    dh2urdf extract panda.urdf -o panda.csv --convention modified --length-unit mm --angle-unit deg
+    dh2urdf extract ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src
+    dh2urdf extract robot.urdf --tips
+    """
+    installed = catalog()
+    arguments = [word for word in words if ":=" in word and not Path(word).exists()]
+    robots = [Path(word) for word in words if word not in arguments]
+    if len(robots) != 1:
+        message = f"{len(robots)} files are given, and a table is of one"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
+    _check_units(length_unit, angle_unit)
+    given = {name: flags[name] for name in (*CHAIN_OPTIONS, *OPTIONS)}
+    if arguments:
+        given["arguments"] = json.dumps(given_arguments(arguments, COMMAND_LINE))
+    if package_paths:
+        given["package_paths"] = json.dumps([str(path) for path in package_paths])
+
+    def call(chosen: str | None = convention) -> Call[Reader[Any]]:
+        options: Mapping[str, str | None] = {**given, "convention": chosen}
+        return description_reader(
+            installed, robots[0], ASKER, reader=reader_name, given=options, settings=settings_of(settings)
+        )
+
+    if lists_tips:
+        leaves = leaves_of(call(), robots[0])
+        counts = (f"{name}: {count} moving joint{'' if count == 1 else 's'}" for name, count in leaves.items())
+        answer("\n".join(map(printable, counts)))
+        return 0
+    if output is not None:
+        arm = the_one(call(), robots[0])
+        lost = write_extracted(arm, output, installed, inputs=robots, length_unit=length_unit, angle_unit=angle_unit)
+        if not quiet:
+            print_notices((*arm.notices, *lost))
+            joints = len(arm.moving_rows)
+            count = f"{joints} moving joint{'' if joints == 1 else 's'}"
+            click.echo(printable(f"{arm.name}: {count}, {arm.convention} convention; written to {output}"), err=True)
+        return 0
+    arms = [the_one(call(each), robots[0]) for each in ([convention] if convention else list(Convention))]
+    if not quiet:
+        print_notices(list(dict.fromkeys(notice for arm in arms for notice in arm.notices)))
+    blocks = [[*table_lines(arm, length_unit, angle_unit)] for arm in arms]
+    if facts := kinematic_facts(arms[0]).sentences():
+        blocks.append(facts)
+    answer("\n\n".join("\n".join(map(printable, block)) for block in blocks))
+    return 0
+
+
+def _check_units(length_unit: str, angle_unit: str) -> None:
+    accepted = {"--length-unit": (length_unit, ("m", "cm", "mm")), "--angle-unit": (angle_unit, ("rad", "deg"))}
+    problems = [
+        Problem(message=f"{option} {word} is no unit of a table", mark=COMMAND_LINE, accepted=", ".join(units))
+        for option, (word, units) in accepted.items()
+        if word not in units
+    ]
+    if problems:
+        raise ConfigError(problems)

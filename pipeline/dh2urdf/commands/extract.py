@@ -1,0 +1,218 @@
+"""Tables of robot descriptions: read by the reader of the format, shown to people, written and read back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.commands.chosen_table import chosen_reader
+from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.written_tables import in_format
+from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.documents.text_files import check_file
+from dh2urdf.errors import ConfigError, InputError, OutputError, RecordValueError, TableError
+from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.output.spooled import spooled
+from dh2urdf.output.whole_files import refuse_inputs, write_whole
+from dh2urdf.plugin_system.calls import blaming, default_call
+from dh2urdf.plugin_system.stage_answers import a_record
+from dh2urdf.quantities.units import UNITS
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import Reader, Rejected
+from dh2urdf.table_text import MESHES, table_text, transform_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from dh2urdf.commands.options_of_stages import Asker, Setting
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.table_text import TableText
+
+_SAME = 1e-12
+"""How far a table that was written in other units may be from what was extracted [m, rad]."""
+_POSES = ((0.0,), (0.7, -1.1, 0.4), (-2.3, 0.9, 1.7, -0.6))
+
+
+def description_reader(
+    catalog: Catalog,
+    path: Path,
+    asker: Asker,
+    *,
+    reader: str | None = None,
+    given: Mapping[str, str | None] | None = None,
+    settings: Iterable[Setting] = (),
+) -> Call[Reader[Any]]:
+    """The reader of a robot description, with its options.
+
+    Args:
+        catalog: the stages that there are.
+        path: the description.
+        asker: who asks.
+        reader: name of the reader; without it the file's suffix says it.
+        given: options as words.
+        settings: further options.
+
+    Raises:
+        TableError: there is no such file.
+        ConfigError: the reader reads tables, or an option is unknown or its value wrong.
+        InputError: no installed reader takes the file.
+    """
+    check_file(path, TableError)
+    stage = chosen_reader(catalog, path, reader, asker)
+    if stage.leaves is None:
+        known = [item.stage for item in catalog.provided("reader")]
+        names = [each.name for each in known if isinstance(each, Reader) and each.leaves is not None]
+        raise ConfigError(
+            Problem(
+                message=f"the reader {stage.name!r} reads tables, and a table is extracted of a robot description",
+                mark=asker.mark,
+                found=str(path),
+                accepted=f"a file in the format {', '.join(names)}",
+                suggestion="`dh2urdf info` shows a table",
+            )
+        )
+    (call,) = stage_calls(catalog, {"reader": [stage]}, asker, {"reader": dict(given or {})}, settings)["reader"]
+    return call
+
+
+def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
+    """The links at the ends of a description's chains, each with the number of moving joints before it.
+
+    Raises:
+        TableError: the file cannot be read.
+        StageError: the reader is at fault.
+    """
+    if call.stage.leaves is None:
+        raise TypeError(call.stage.name)
+    with blaming(call, "leaves"):
+        return a_record(call.stage.leaves(path, call.options), dict)
+
+
+def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
+    """The manipulator of the one chain that is meant.
+
+    Raises:
+        TableError: there is none, or there are several.
+    """
+    items = list(read_items(call, path))
+    if len(items) == 1 and isinstance(items[0], Manipulator):
+        return items[0]
+    if len(items) == 1 and isinstance(items[0], Rejected):
+        raise TableError(items[0].problems, items[0].notices)
+    raise TableError(
+        Problem(
+            message=f"{len(items)} chains are asked for, and one table has one",
+            mark=Mark(file=str(path)),
+            field="tip_link",
+            accepted="the name of a link",
+        )
+    )
+
+
+def write_extracted(
+    arm: Manipulator,
+    out: Path,
+    catalog: Catalog,
+    *,
+    inputs: Iterable[Path],
+    length_unit: str = "m",
+    angle_unit: str = "rad",
+) -> tuple[Problem, ...]:
+    """Write the table of a description, with what is known of it in comments above, once it reads back as the same arm.
+
+    Args:
+        arm: what was extracted.
+        out: the file to write; its suffix chooses the format.
+        catalog: the stages that there are.
+        inputs: files that must not be overwritten.
+        length_unit: the unit of lengths.
+        angle_unit: the unit of angles.
+
+    Returns:
+        What the format has no place for, as notices.
+
+    Raises:
+        InputError: no reader that writes takes the suffix.
+        RecordValueError: what was written reads back as another arm.
+        OutputError: the file cannot be written, or is an input.
+    """
+    call = default_call(catalog, catalog.reader_for(out, "choose a name that ends in .yaml or .csv"))
+    if call.stage.write is None:
+        raise InputError(
+            Problem(
+                message=f"the format {call.stage.name!r} is only read",
+                mark=Mark(file=str(out)),
+                accepted="a name that ends in .yaml or .csv",
+            )
+        )
+    text, lost = _held(table_text(arm, length_unit, angle_unit), call, out)
+    content = _header(arm) + in_format(text, call).content
+    _refuse_another_arm(arm, content, call, out)
+    refuse_inputs([out], inputs)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"the folder {shown(str(out.parent))} cannot be made: {error.strerror}"
+        raise OutputError(Problem(message=message, mark=Mark(file=str(out)))) from error
+    write_whole(out, content)
+    return lost
+
+
+def _held(text: TableText, call: Call[Reader[Any]], out: Path) -> tuple[TableText, tuple[Problem, ...]]:
+    """A table without meshes, where they are only in rows and the format is one of cells."""
+    if not any(mesh in row for row in text.rows for mesh in MESHES) or call.stage.schema is not None:
+        return text, ()
+    rows = tuple({field: cell for field, cell in row.items() if field not in MESHES} for row in text.rows)
+    notice = Problem(
+        message=f"the format {call.stage.name!r} has no place for meshes: they are left out",
+        severity="notice",
+        mark=Mark(file=str(out)),
+        suggestion="a YAML table holds them",
+    )
+    return replace(text, rows=rows), (notice,)
+
+
+def _header(arm: Manipulator) -> bytes:
+    """What is known of a table, as comments."""
+    source = f"of {Path(arm.mark.file).name}" if arm.mark else ""
+    lines = [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
+    return "".join(f"# {' '.join(line.split())}\n" for line in lines).encode()
+
+
+def _refuse_another_arm(arm: Manipulator, content: bytes, call: Call[Reader[Any]], out: Path) -> None:
+    """Read a written table back, and compare its forward kinematics with what was extracted.
+
+    Raises:
+        RecordValueError: it is another arm.
+    """
+    with spooled(content, str(out), call.stage.suffixes[0]) as path:
+        (again,) = read_items(call, path)
+    if isinstance(again, Rejected):
+        raise RecordValueError(again.problems)
+    count = len(arm.moving_rows)
+    for pattern in _POSES:
+        q = [pattern[number % len(pattern)] for number in range(count)]
+        one, other = forward_kinematics(arm, q), forward_kinematics(again, q)
+        far = max(position_error(one, other), angle_error(one, other))
+        if not far <= _SAME * max(1.0, *(abs(row.d) for row in arm.rows)):
+            message = f"the table that was written reads back {far:.2g} m, rad from what was extracted"
+            raise RecordValueError(Problem(message=message, mark=Mark(file=str(out)), robot=arm.name))
+
+
+def table_lines(arm: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> Iterator[str]:
+    """A table as people read it: a line for each row, then base and tool where they are not the identity."""
+    text = table_text(arm, length_unit, angle_unit)
+    fields = ("joint", "type", "a", "alpha", "d", "theta")
+    units = {"a": length_unit, "d": length_unit, "alpha": angle_unit, "theta": angle_unit}
+    heads = [f"{field} [{units[field]}]" if field in units else field for field in fields]
+    cells = [heads, *([row.get(field, "") for field in fields] for row in text.rows)]
+    widths = [max(len(row[column]) for row in cells) for column in range(len(fields))]
+    yield f"{text.convention} convention"
+    for row in cells:
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    for name, pose in (("base", arm.base), ("tool", arm.tool)):
+        if place := transform_text(pose, UNITS[length_unit], UNITS[angle_unit]):
+            yield f"{name}: {place}"

@@ -1,0 +1,65 @@
+"""The rules that the formulas of a robot must keep."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from dh2urdf.robot import Box, Cylinder
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from dh2urdf.robot import Collision, Origin, Robot, Visual
+
+
+FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
+"""The functions that formulas may use."""
+
+
+_IDENTIFIER = re.compile(r"(?<![\w.])[^\W\d]\w*")
+
+
+def formula_problems(robot: Robot) -> Iterator[Problem]:
+    """Formulas use the robot's parameters, each declared once with a finite number, and the known functions."""
+    declared: set[str] = set()
+    for parameter in robot.parameters:
+        if parameter.name in declared or not math.isfinite(parameter.value):
+            reason = "is declared twice" if parameter.name in declared else f"is {parameter.value}"
+            message = f"parameter {shown(parameter.name)} {reason}"
+            yield Problem(message=message, joint=parameter.joint, field=parameter.name)
+        declared.add(parameter.name)
+    known = declared | FUNCTIONS
+    for formula in _formulas(robot):
+        for name in _names_in(formula):
+            if name not in known:
+                message = f"the formula {shown(formula)} uses {shown(name)}, which is no parameter of the robot"
+                yield Problem(message=message, found=name, accepted=", ".join(sorted(FUNCTIONS)) + " and parameters")
+
+
+def _formulas(robot: Robot) -> Iterator[str]:
+    for joint in robot.joints:
+        yield from _origin_formulas(joint.origin)
+    for link in robot.links:
+        shapes: Iterable[Visual | Collision] = (*link.visuals, *link.collisions)
+        for shape in shapes:
+            yield from _origin_formulas(shape.origin)
+            match shape.geometry:
+                case Box(size_formula=(x, y, z)):
+                    yield from (x, y, z)
+                case Cylinder(length_formula=str(length)):
+                    yield length
+
+
+def _origin_formulas(origin: Origin) -> Iterator[str]:
+    yield from origin.xyz_formula or ()
+    yield from origin.rpy_formula or ()
+
+
+@lru_cache(maxsize=4096)
+def _names_in(formula: str) -> tuple[str, ...]:
+    """The names that a formula uses; the robots of a run share most of their formulas."""
+    return tuple(dict.fromkeys(_IDENTIFIER.findall(formula)))

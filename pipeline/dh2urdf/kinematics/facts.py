@@ -1,0 +1,311 @@
+"""What the axes of an arm say of its kinematics: parallel axes, a spherical wrist, the parameters of an OPW arm.
+
+OPW: an ortho-parallel basis with a spherical wrist, as most industrial arms of six joints have it (Brandstötter,
+Angerer, Hofbaur: An analytical solution of the inverse kinematics problem of industrial serial manipulators with an
+ortho-parallel basis and a spherical wrist, 2014). Solvers of that kind take a1, a2, b, c1 … c4, and for each joint an
+offset and a sign: the angle of the model is sign·q − offset.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.kinematics.chain import forward_kinematics, row_transform
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.rotations import RigidTransform, Vec3, cos_sin, cross, norm, rotation_x, subtract
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.manipulator import Manipulator
+
+ZERO_LENGTH, ZERO_ANGLE = 1e-9, 1e-9
+"""What counts as no length [m] and no angle [rad]."""
+_OPW_JOINTS = 6
+
+
+class Line(NamedTuple):
+    """The axis of a joint.
+
+    Attributes:
+        point: a point of it [m].
+        direction: a unit vector; the joint turns about it, or slides along it, as q grows.
+    """
+
+    point: Vec3
+    direction: Vec3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpwParameters:
+    """The parameters of an arm with an ortho-parallel basis and a spherical wrist.
+
+    Attributes:
+        a1: from axis 1 to axis 2 [m].
+        a2: from axis 3 to axis 4, across [m].
+        b: from the plane of the arm to the wrist, sideways [m].
+        c1: height of axis 2 above the base link [m].
+        c2: from axis 2 to axis 3 [m].
+        c3: from axis 3 to the wrist's centre [m].
+        c4: from the wrist's centre to the tip [m].
+        offsets: of the joints [rad].
+        signs: of the joints, 1 or −1.
+    """
+
+    a1: float
+    a2: float
+    b: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    offsets: tuple[float, ...]
+    signs: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KinematicFacts:
+    """What the axes of an arm say.
+
+    Attributes:
+        parallel: runs of joints whose axes are parallel, by name.
+        spherical_wrist: the last three joints, where their axes meet in one point.
+        opw: the parameters of an OPW arm; None for any other.
+    """
+
+    parallel: tuple[tuple[str, ...], ...]
+    spherical_wrist: tuple[str, ...]
+    opw: OpwParameters | None
+
+    def sentences(self) -> list[str]:
+        """The facts, each as a sentence without a full stop."""
+        found = [f"the axes of {', '.join(names)} are parallel" for names in self.parallel]
+        if self.spherical_wrist:
+            found.append(f"spherical wrist: the axes of {', '.join(self.spherical_wrist)} meet in one point")
+        if (opw := self.opw) is not None:
+            lengths = [f"{name} = {getattr(opw, name):.6g}" for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4")]
+            offsets = ", ".join(f"{offset:.6g}" for offset in opw.offsets)
+            signs = ", ".join(map(str, opw.signs))
+            found.append(f"OPW arm: {', '.join(lengths)} [m], offsets = [{offsets}] [rad], signs = [{signs}]")
+        return found
+
+
+def kinematic_facts(arm: Manipulator) -> KinematicFacts:
+    """The facts of an arm."""
+    moving = arm.moving_rows
+    lines = axes_at(arm, (0.0,) * len(moving))
+    names = [row.joint for row in moving]
+    runs: list[list[str]] = [[names[0]]] if names else []
+    for before, line, name in zip(lines, lines[1:], names[1:], strict=False):
+        if _are_parallel(before, line):
+            runs[-1].append(name)
+        else:
+            runs.append([name])
+    wrist: tuple[str, ...] = ()
+    turning = [row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) for row in moving]
+    if len(lines) > 2 and all(turning[-3:]) and _centre(lines[-3:]) is not None:  # noqa: PLR2004
+        wrist = tuple(names[-3:])
+    opw = _opw(arm) if wrist and len(lines) == _OPW_JOINTS and all(turning) else None
+    return KinematicFacts(parallel=tuple(tuple(run) for run in runs if len(run) > 1), spherical_wrist=wrist, opw=opw)
+
+
+def axes_at(arm: Manipulator, q: Sequence[float]) -> list[Line]:
+    """The axes of the moving joints in base_link at a joint vector [rad or m]."""
+    frame, values, lines = arm.base, iter(q), list[Line]()
+    for row in arm.rows:
+        at = frame
+        if arm.convention is Convention.MODIFIED:
+            at = frame @ RigidTransform(rotation_x(*cos_sin(row.alpha)), (row.a, 0.0, 0.0))
+        value = 0.0
+        if row.type is not JointType.FIXED:
+            value = next(values)
+            r = at.rotation
+            lines.append(Line(at.translation, (row.sign * r[2], row.sign * r[5], row.sign * r[8])))
+        frame = frame @ row_transform(arm.convention, row, value)
+    return lines
+
+
+def _dot(left: Vec3, right: Vec3) -> float:
+    return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
+
+
+def _are_parallel(one: Line, other: Line) -> bool:
+    return norm(cross(one.direction, other.direction)) <= ZERO_ANGLE
+
+
+def _meeting(one: Line, other: Line) -> Vec3 | None:
+    """The point where two lines meet; None where they do not, or are parallel."""
+    normal = cross(one.direction, other.direction)
+    square = _dot(normal, normal)
+    if square <= ZERO_ANGLE**2:
+        return None
+    between = subtract(other.point, one.point)
+    if abs(_dot(between, normal)) > ZERO_LENGTH * math.sqrt(square):
+        return None
+    along = _dot(cross(between, other.direction), normal) / square
+    x, y, z = one.point
+    u, v, w = one.direction
+    return (x + along * u, y + along * v, z + along * w)
+
+
+def _centre(lines: Sequence[Line]) -> Vec3 | None:
+    """The point where three axes meet, neighbours at an angle."""
+    first, second = _meeting(lines[0], lines[1]), _meeting(lines[1], lines[2])
+    if first is None or second is None or norm(subtract(first, second)) > ZERO_LENGTH:
+        return None
+    return first
+
+
+class _OtherKindError(Exception):
+    """The arm is no OPW arm."""
+
+
+def _require(condition: bool) -> None:  # noqa: FBT001 - what is required is all there is to say
+    if not condition:
+        raise _OtherKindError
+
+
+def _opw(arm: Manipulator) -> OpwParameters | None:
+    """The parameters of an arm; None for an arm of another kind."""
+    try:
+        found = _AtZero(arm).parameters()
+    except _OtherKindError:
+        return None
+    return found if _is_right(arm, found) else None
+
+
+class _AtZero:
+    """An arm whose joints are turned to the zero of the model, one after the other from the base outwards.
+
+    There axis 1 is along z, axes 2, 3 and 5 along y, axes 4 and 6 along z, and the arm points up.
+    """
+
+    def __init__(self, arm: Manipulator) -> None:
+        self._arm = arm
+        self._q, self._signs = [0.0] * _OPW_JOINTS, [1] * _OPW_JOINTS
+
+    def parameters(self) -> OpwParameters:
+        """The parameters.
+
+        Raises:
+            _OtherKindError: the axes are not those of an OPW arm.
+        """
+        a1, c1, c2 = self._basis()
+        x, y, z = self._wrist(c1 + c2)
+        end = forward_kinematics(self._arm, self._q).translation[2]
+        offsets = [math.remainder(sign * value, math.tau) for sign, value in zip(self._signs, self._q, strict=True)]
+        return OpwParameters(
+            a1=a1,
+            a2=x - a1,
+            b=y,
+            c1=c1,
+            c2=c2,
+            c3=z - c1 - c2,
+            c4=end - z,
+            offsets=tuple(map(_plain, offsets)),
+            signs=tuple(self._signs),
+        )
+
+    def _basis(self) -> Vec3:
+        """a1, c1 and c2 [m]; the first two joints are turned."""
+        (x, y, _), (ux, uy, uz) = self._axis(1)
+        _require(math.hypot(ux, uy) <= ZERO_ANGLE and math.hypot(x, y) <= ZERO_LENGTH)
+        self._signs[0] = 1 if uz > 0 else -1
+        self._turn_along_y(2)
+        (a1, _, c1), _ = self._axis(2)
+        _require(_are_parallel(self._axis(2), self._axis(3)))
+        self._signs[2] = 1 if self._axis(3).direction[1] > 0 else -1
+        (x, _, z), _ = self._axis(3)
+        c2 = math.hypot(x - a1, z - c1)
+        _require(c2 > ZERO_LENGTH)
+        self._turn(2, -math.atan2(x - a1, z - c1))
+        return a1, c1, c2
+
+    def _wrist(self, elbow: float) -> Vec3:
+        """The wrist's centre [m]; the other joints are turned.
+
+        Args:
+            elbow: the height of axis 3 [m].
+        """
+        ux, uy, uz = self._axis(4).direction
+        _require(abs(uy) <= ZERO_ANGLE)
+        self._turn(3, -math.atan2(ux, uz))
+        centre = self._centre()
+        if centre[2] - elbow < -ZERO_LENGTH:  # The forearm is up, whichever way axis 4 points.
+            self._turn(3, math.pi)
+            self._signs[3] = -1
+            centre = self._centre()
+        self._turn_along_y(5)
+        _require(abs(_dot(self._axis(5).direction, self._axis(6).direction)) <= ZERO_ANGLE)
+        tip = forward_kinematics(self._arm, self._q).rotation
+        self._turn(5, -math.atan2(tip[2], tip[8]))
+        self._signs[5] = 1 if self._axis(6).direction[2] > 0 else -1
+        tip = forward_kinematics(self._arm, self._q).rotation
+        self._turn(6, -math.atan2(tip[3], tip[0]))
+        return centre
+
+    def _axis(self, joint: int) -> Line:
+        return axes_at(self._arm, self._q)[joint - 1]
+
+    def _centre(self) -> Vec3:
+        centre = _centre(axes_at(self._arm, self._q)[3:])
+        if centre is None:
+            raise _OtherKindError
+        return centre
+
+    def _turn(self, joint: int, angle: float) -> None:
+        """Turn a joint by an angle [rad] about its direction in the model."""
+        place = joint - 1
+        self._q[place] = math.remainder(self._q[place] + self._signs[place] * angle, math.tau)
+
+    def _turn_along_y(self, joint: int) -> None:
+        """Turn the joint before until an axis is along y, whichever way, by the smaller angle."""
+        x, y, z = self._axis(joint).direction
+        _require(abs(z) <= ZERO_ANGLE)
+        sign = self._signs[joint - 1] = 1 if y >= -ZERO_ANGLE else -1
+        self._turn(joint - 1, math.atan2(sign * x, sign * y))
+
+
+def _plain(angle: float) -> float:
+    return 0.0 if abs(angle) <= ZERO_ANGLE else angle
+
+
+def opw_pose(opw: OpwParameters, q: Sequence[float]) -> RigidTransform:
+    """T(base_link → tip) by the model's own equations.
+
+    Args:
+        opw: the parameters.
+        q: a value for each joint [rad].
+    """
+    t1, t2, t3, t4, t5, t6 = (
+        sign * value - offset for sign, value, offset in zip(opw.signs, q, opw.offsets, strict=True)
+    )
+    s1, c1, s23, c23 = math.sin(t1), math.cos(t1), math.sin(t2 + t3), math.cos(t2 + t3)
+    s4, c4, s5, c5, s6, c6 = math.sin(t4), math.cos(t4), math.sin(t5), math.cos(t5), math.sin(t6), math.cos(t6)
+    x = opw.a1 + opw.c2 * math.sin(t2) + opw.a2 * c23 + opw.c3 * s23
+    z = opw.c1 + opw.c2 * math.cos(t2) - opw.a2 * s23 + opw.c3 * c23
+    arm = RigidTransform(
+        (c1 * c23, -s1, c1 * s23, s1 * c23, c1, s1 * s23, -s23, 0.0, c23), (c1 * x - s1 * opw.b, s1 * x + c1 * opw.b, z)
+    )
+    wrist = RigidTransform(
+        (
+            *(c4 * c5 * c6 - s4 * s6, -c4 * c5 * s6 - s4 * c6, c4 * s5),
+            *(s4 * c5 * c6 + c4 * s6, -s4 * c5 * s6 + c4 * c6, s4 * s5),
+            *(-s5 * c6, s5 * s6, c5),
+        ),
+        (opw.c4 * c4 * s5, opw.c4 * s4 * s5, opw.c4 * c5),
+    )
+    return arm @ wrist
+
+
+def _is_right(arm: Manipulator, opw: OpwParameters) -> bool:
+    """Whether the model has the poses of the arm: an arm with a tool beside axis 6 has not."""
+    for q in ((0.0,) * _OPW_JOINTS, (0.3, -0.8, 1.1, 0.6, -1.3, 2.0), (-1.9, 0.4, -0.7, -2.2, 0.9, -0.5)):
+        one, other = forward_kinematics(arm, q), opw_pose(opw, q)
+        if norm(subtract(one.translation, other.translation)) > 1e-8:  # noqa: PLR2004
+            return False
+        if max(abs(a - b) for a, b in zip(one.rotation, other.rotation, strict=True)) > 1e-8:  # noqa: PLR2004
+            return False
+    return True

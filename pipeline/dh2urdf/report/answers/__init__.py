@@ -1,0 +1,1 @@
+"""What commands print: as plain data, and as text."""

@@ -1,0 +1,182 @@
+"""What there is to make in a batch, and what an earlier run has made of it."""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import orjson
+
+from dh2urdf.columns import in_columns
+from dh2urdf.conversion.keys import column_keys, key_of
+from dh2urdf.conversion.one_manipulator import Recipe
+from dh2urdf.errors import ManipulatorError
+from dh2urdf.output.layouts import Layout
+from dh2urdf.output.store import Store
+from dh2urdf.running.earlier_files import EarlierFiles
+from dh2urdf.running.mesh_copies import MeshCopies
+from dh2urdf.tasks.batch import Batch, Doomed, Single
+from dh2urdf.variations.columns import variant_columns
+from dh2urdf.variations.variation import Variant
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from dh2urdf.conversion.outcome import ManifestRow
+    from dh2urdf.source import Mark, Problem
+    from dh2urdf.variations.laws import DrawnValue
+
+
+class Depth(Enum):
+    """How far the work on a batch goes."""
+
+    LOOK = "look"
+    """Robots are made and checked."""
+    REHEARSE = "rehearse"
+    """Files are made and proved, but put nowhere: who does not survive that must not take the others along."""
+    MAKE = "make"
+    """Files are put in their place, and simulators load them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assignment:
+    """What is done with every batch of a run.
+
+    Attributes:
+        recipe: what is done with every manipulator.
+        key: the key of the recipe.
+        store: where everything goes.
+        layout: under which names.
+        journal: folder of the store for what is done so far.
+        home: the process of the run itself, which a manipulator that hangs must not end.
+        effect: what is done in earnest.
+    """
+
+    recipe: Recipe
+    key: str
+    store: Store
+    layout: Layout
+    journal: str
+    home: str
+    effect: Depth = Depth.MAKE
+
+
+class BatchContent:
+    """What a batch has to make, and what of it an earlier run has made."""
+
+    def __init__(self, maker: Assignment, batch: Batch) -> None:
+        self.maker, self.recipe, self.batch = maker, maker.recipe, batch
+        self.seconds: defaultdict[str, float] = defaultdict(float)
+        self.singles = dict(batch.singles)
+        self.drawn: dict[int, dict[str, DrawnValue]] = {}
+        self.marks: dict[int, Mark | None] = {}
+        self.groups = list(batch.columns)
+        self.faults: dict[int, tuple[Problem, ...]] = {}
+        self.earlier = EarlierFiles(maker.store, maker.layout, batch.first)
+        self.copies = MeshCopies(
+            maker.store, self.earlier, self.recipe.mesh_prefix if self.recipe.copies_meshes else None
+        )
+        with timed(self.seconds, "draw"):
+            for start, variation, numbers in batch.variants:
+                self._draw(start, [Variant(variation=variation, number=number) for number in numbers])
+        self.keys = self._keys()
+
+    # --- What there is to make
+
+    def _draw(self, start: int, variants: Sequence[Variant]) -> None:
+        """The tables of variants."""
+        for place, variant in enumerate(variants, start):
+            self.drawn[place], self.marks[place] = variant.drawn(), variant.mark
+        drawn = [self.drawn[place] for place in range(start, start + len(variants))]
+        found = variant_columns(variants[0].variation, [variant.name for variant in variants], drawn)
+        done = [start + member for member in found[0]] if found else []
+        if found and done:
+            self.groups.append((tuple(done), found[1]))
+        places, tables = [], []
+        for place in sorted(set(range(start, start + len(variants))).difference(done)):
+            variant = variants[place - start]
+            try:
+                tables.append(variant.manipulator(self.drawn[place]))
+                places.append(place)
+            except ManipulatorError as error:
+                self.singles[place] = Doomed(variant.name, error, variant.mark)
+        for members, columns in in_columns(tables):
+            self.groups.append((tuple([places[member] for member in members]), columns))
+
+    def _keys(self) -> dict[int, str]:
+        """What the files of each depend on: its table, the recipe, and where they go."""
+        keys: dict[int, str] = {}
+        for places, columns in self.groups:
+            contexts = [self._context(place) for place in places]
+            keys.update(zip(places, column_keys(columns, self.maker.key, contexts), strict=True))
+        for place, what in self.singles.items():
+            keys[place] = key_of((what, self._context(place)), self.maker.key)
+        return keys
+
+    def _context(self, place: int) -> tuple[Any, ...]:
+        index, recipe = self.batch.first + place, self.recipe
+        where = self.maker.layout.folder(index)
+        clash = self.batch.notices.get(place)
+        return (
+            where,
+            self.batch.stems[place],
+            self.batch.sources[place],
+            index in recipe.proved,
+            index in recipe.sample,
+            clash,
+        )
+
+    def key(self, place: int, *, noticed: bool, mark: Mark | None) -> str:
+        """The key of a row; where a file's lines are told in it, they count too."""
+        return key_of(str(mark), self.keys[place]) if noticed else self.keys[place]
+
+    # --- What an earlier run has made
+
+    def kept(self) -> dict[int, bytes]:
+        """The rows of manipulators that are finished, unchanged and whole."""
+        kept: dict[int, bytes] = {}
+        for place, rows in self.batch.rows.items():
+            row = next((row for row in rows if self._is_kept(place, orjson.loads(row))), None)
+            if row is not None:
+                kept[place] = row
+        return kept
+
+    def _is_kept(self, place: int, row: ManifestRow) -> bool:
+        try:
+            key = self.key(place, noticed=bool(row["notices"]), mark=self.mark(place))
+            missing = {name for name, load in row["loaders"].items() if load["verdict"] == "missing"}
+            is_same = row["status"] == "ok" and row["key"] == key and missing <= self.recipe.missing.keys()
+            return bool(is_same and self.earlier.has(self.batch.first + place, row))
+        except (KeyError, TypeError):
+            return False  # It is the manifest of something else.
+
+    def mark(self, place: int) -> Mark | None:
+        """The place of a manipulator in its file."""
+        if place in self.marks:
+            return self.marks[place]
+        if place in self.singles:
+            return self.singles[place].mark
+        return next(columns.marks[places.index(place)] for places, columns in self.groups if place in places)
+
+    def what(self, place: int) -> Single:
+        """What is to be made at a place."""
+        if place in self.singles:
+            return self.singles[place]
+        for places, columns in self.groups:
+            if place in places:
+                return columns.pick(places.index(place))
+        raise LookupError(place)
+
+
+@contextmanager
+def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
+    """Add the time that a step takes [s]."""
+    started = time.perf_counter()
+    try:
+        yield
+    finally:
+        seconds[step] += time.perf_counter() - started

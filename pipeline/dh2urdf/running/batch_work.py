@@ -1,0 +1,273 @@
+"""The work on one batch: many manipulators at once where that can be, one by one where not."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from contextlib import nullcontext
+from dataclasses import replace
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any
+
+import orjson
+
+from dh2urdf.conversion.one_manipulator import Written, emit_robot, make_item, with_copies, with_notices
+from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
+from dh2urdf.conversion.simulators import load_with_all, not_loaded
+from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
+from dh2urdf.isolation.watchdog import watched
+from dh2urdf.kinematics.proof import Proof
+from dh2urdf.kinematics.proof_columns import prove_columns
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.output.journal import Journal
+from dh2urdf.plugin_system.calls import blaming
+from dh2urdf.plugin_system.column_calls import emit_columns, read_columns, transform_columns
+from dh2urdf.running.batch_content import BatchContent, Depth, timed
+from dh2urdf.stages import EmittedFile, Emitter, Rejected
+from dh2urdf.tasks.batch import Doomed
+from dh2urdf.tasks.batch_report import BatchReport, Tally
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.columns import ManipulatorColumns, RobotColumns
+    from dh2urdf.output.layouts import Destination
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.results import FileEntry
+
+
+class Work(BatchContent):
+    """A batch on its way."""
+
+    # --- Making
+
+    def done(self) -> BatchReport:
+        """Make everything, and tell what became of it."""
+        kept = self.kept()
+        missing = [place for place in range(len(self.batch)) if place not in kept]
+        ready = self._side_by_side(set(missing))
+        report = Tally(self.batch.first)
+        journal = Journal(self.maker.store, f"{self.maker.journal}/{self.batch.first:09d}.jsonl")
+        rows: list[bytes] = []
+        makes = self.maker.effect is Depth.MAKE
+        is_whole = self.maker.layout.is_whole
+        place_of = self.maker.layout.place(self.maker.store, self.batch.first) if missing and makes else nullcontext()
+        with place_of as target:
+            for place in range(len(self.batch)):
+                if (row := kept.get(place)) is not None:
+                    report.keep()
+                    if target is not None and is_whole:
+                        row = to_line(self.earlier.moved(self.batch.first + place, orjson.loads(row), target))
+                else:
+                    outcome = ready.get(place) or self._one(place)
+                    if self.recipe.loaders and makes:
+                        sampled = self.batch.first + place in self.recipe.sample
+                        outcome = replace(outcome, not_loaded=not_loaded(self.recipe, outcome, is_sampled=sampled))
+                    row = to_line(outcome.row(*self._put(place, outcome, target)))
+                    report.note(outcome)
+                rows.append(row)
+                if makes and not is_whole:
+                    journal.add(row, now=place not in ready)
+        if makes:
+            for row in rows if is_whole else ():
+                journal.add(row)
+            journal.close()
+        return report.report(b"".join(rows), self.seconds)
+
+    def _put(self, place: int, outcome: Outcome, target: Destination | None) -> tuple[str, list[FileEntry]]:
+        """Put the files of a manipulator in their place; its key and where they are."""
+        facts: list[FileEntry] = []
+        index = self.batch.first + place
+        with timed(self.seconds, "write"):
+            if target is not None:
+                self.copies.put(outcome.meshes)
+                for written in outcome.written:
+                    for file in written.files:
+                        where = target.put(index, file.name, file.content)
+                        digest = sha256(file.content).hexdigest()
+                        facts.append({**where, "stage": written.stage, "bytes": len(file.content), "sha256": digest})
+                for name, picture in outcome.pictures.items():
+                    target.put(index, name, picture)
+        told = bool(outcome.notices or outcome.errors)
+        return self.key(place, noticed=told, mark=self.mark(place) if told else None), facts
+
+    # --- Many at once
+
+    def _side_by_side(self, missing: set[int]) -> dict[int, Outcome]:
+        """The outcomes of those that can be made so, and about which there is nothing to say."""
+        recipe = self.recipe
+        emitters = all(call.stage.emit_columns for call in recipe.emitters)
+        if self.maker.effect is Depth.LOOK or recipe.transform.stage.transform_columns is None or not emitters:
+            return {}
+        ready: dict[int, Outcome] = {}
+        for places, columns in self.groups:
+            wanted = [member for member, place in enumerate(places) if self._is_plain(place, missing)]
+            if wanted:
+                some = columns if len(wanted) == len(places) else columns.take(wanted)
+                with watched(self.maker.home, self.recipe.time_limit):
+                    ready.update(self._group([places[member] for member in wanted], some))
+        return ready
+
+    def _is_plain(self, place: int, missing: set[int]) -> bool:
+        """Whether there is nothing to do or to say but to write files and to prove them."""
+        is_loaded = self.recipe.loaders and self.batch.first + place in self.recipe.sample
+        others = self.batch.notices.keys() | self.singles.keys()
+        return place in missing and not is_loaded and place not in others
+
+    def _group(self, places: list[int], columns: ManipulatorColumns) -> dict[int, Outcome]:
+        """The outcomes of manipulators that differ in numbers only; what fails here is made one by one, to say why.
+
+        A stage that fails at many and not at one is at fault all the same, and a notice of each tells of it.
+        """
+        outcomes: dict[int, Outcome] = {}
+        try:
+            with timed(self.seconds, "transform"):
+                groups = transform_columns(self.recipe.transform, columns)
+            for members, made in groups:
+                robots = replace(made, robot=with_copies(made.robot, self.recipe))
+                some = columns if len(members) == len(columns) else columns.take(members)
+                outcomes.update(self._alike([places[member] for member in members], some, robots))
+        except StageError as error:
+            (problem,) = error.problems
+            notice = replace(problem, severity="notice", message=f"{problem.message}; it was made by itself")
+            self.faults.update(dict.fromkeys(places, (notice,)))
+            return {}
+        except ManipulatorError:
+            return {}
+        return outcomes
+
+    def _alike(self, places: list[int], columns: ManipulatorColumns, robots: RobotColumns) -> dict[int, Outcome]:
+        """The outcomes of robots that differ in numbers only."""
+        stems = [self.batch.stems[place] for place in places]
+        made: list[list[Written]] = [[] for _ in places]
+        for call in self.recipe.emitters:
+            with timed(self.seconds, "emit"):
+                files = emit_columns(call, robots, stems)
+            if files is None:
+                return {}
+            for member, proof in self._proofs(places, columns, robots, files, call).items():
+                made[member].append(Written(stage=call.stage.name, files=files[member], proof=proof))
+        meshes = self.copies.of(robots.robot)
+        notices = with_notices(robots.pick(0), self.recipe.emitters).notices
+        keeps_kinematics = self.recipe.keeps_kinematics
+        return {
+            place: Outcome(
+                name=name,
+                status="ok",
+                source=self.batch.sources[place],
+                drawn=self.drawn.get(place, {}),
+                keeps_kinematics=keeps_kinematics,
+                notices=tuple(replace(notice, robot=name) for notice in notices),
+                written=tuple(own),
+                meshes=meshes,
+            )
+            for place, name, own in zip(places, columns.names, made, strict=True)
+            if len(own) == len(self.recipe.emitters)
+        }
+
+    def _proofs(
+        self,
+        places: Sequence[int],
+        columns: ManipulatorColumns,
+        robots: RobotColumns,
+        files: Sequence[Sequence[EmittedFile]],
+        call: Call[Emitter[Any]],
+    ) -> dict[int, Proof | None]:
+        """How far the main file of each is from its table, for those that pass; None for those that nobody asks."""
+        recipe, emitter = self.recipe, call.stage
+        sure = [member for member, own in enumerate(files) if own]
+        asked = {member for member in sure if self.batch.first + places[member] in recipe.proved}
+        if emitter.read_back is None or not asked:
+            return dict.fromkeys(sure)
+        if emitter.read_columns is None:
+            return dict.fromkeys([member for member in sure if member not in asked])
+        with timed(self.seconds, "prove"), blaming(call):
+            described = read_columns(call, [own[0].content if own else b"" for own in files])
+            proofs = prove_columns(columns, robots, described, recipe.poses)
+        passed: dict[int, Proof | None] = {}
+        for member in sure:
+            proof = proofs[member]
+            if member not in asked:
+                passed[member] = None
+            elif isinstance(proof, Proof) and (proof.holds or not recipe.keeps_kinematics):
+                passed[member] = proof
+        return passed
+
+    # --- One by one
+
+    def _one(self, place: int) -> Outcome:
+        """What becomes of one manipulator, in whatever way it fails."""
+        what, batch = self.what(place), self.batch
+        index = batch.first + place
+        seconds: dict[str, float] = defaultdict(float)
+        # What its table was read with is told with the nominal manipulator, not with each of its variants.
+        own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
+        outcome = Outcome(
+            name=what.name,
+            status="skipped" if self.maker.effect is Depth.LOOK else "ok",
+            source=batch.sources[place],
+            drawn=self.drawn.get(place, {}),
+            keeps_kinematics=self.recipe.keeps_kinematics,
+            notices=(*own, *batch.notices.get(place, ()), *self.faults.get(place, ())),
+            seconds=seconds,
+        )
+        try:
+            if isinstance(what, Rejected):
+                raise TableError(what.problems)
+            if isinstance(what, Doomed):
+                raise what.error
+            loads = self.maker.effect is Depth.MAKE and index in self.recipe.sample
+            loaders = self.recipe.loaders if loads else ()
+            with watched(self.maker.home, self.recipe.time_limit, loaders):
+                with timed(seconds, "transform"):
+                    robot, truth = make_item(what, self.recipe.transform)
+                    robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
+                outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
+                if self.maker.effect is Depth.LOOK:
+                    return outcome
+                with self.copies.workplace(robot, loads=bool(loaders)) as folder:
+                    with timed(seconds, "emit"):
+                        written = emit_robot(
+                            truth,
+                            robot,
+                            self.recipe,
+                            folder=folder,
+                            stem=batch.stems[place],
+                            place=f"{self.maker.store}/{self.maker.layout.path(index, '')}".rstrip("/"),
+                            proved=index in self.recipe.proved,
+                            sampled=index in self.recipe.sample,
+                            alone=index == 0,
+                        )
+                    outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
+                    if loaders:
+                        stem = batch.stems[place]
+                        loaded = load_with_all(truth, robot, self.recipe, written, folder, stem, seconds)
+                        outcome = replace(outcome, loads=loaded.verdicts, pictures=loaded.pictures)
+                        if loaded.failures:
+                            outcome = self._failed(outcome, place, loaded.failures)
+        except OutputError:
+            raise
+        except (ManipulatorError, InputError) as error:
+            outcome = self._failed(outcome, place, (error,))
+        finally:
+            for step, time_taken in seconds.items():
+                self.seconds[step] += time_taken
+        return outcome
+
+    def _failed(self, outcome: Outcome, place: int, errors: Sequence[ManipulatorError | InputError]) -> Outcome:
+        """The outcome of a manipulator that failed, of the kind of the first error."""
+        what = self.what(place)
+        was_read = not isinstance(what, Rejected)
+        # Who rejected it has said whom each problem is about: it may be a file, or a section of the run file.
+        name = what.name if was_read else None
+        problems = [problem.about(robot=name, mark=self.mark(place)) for error in errors for problem in error.problems]
+        if place in self.drawn:  # Its table says nothing of it, and many variants have the same joints.
+            problems = [replace(problem, message=f"{what.name}: {problem.message}") for problem in problems]
+        tracebacks = [text for error in errors if (text := getattr(error, "traceback", ""))]
+        return replace(
+            outcome,
+            status="failed",
+            kind=kind_of(errors[0]),
+            was_read=was_read,
+            errors=tuple(problems),
+            traceback=tracebacks[0] if tracebacks else self.batch.tracebacks.get(place, ""),
+        )

@@ -1,0 +1,161 @@
+"""`dh2urdf extract` and `dh2urdf.extract()`: tables of descriptions, printed and written."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import ConfigError, InputError, OutputError, TableError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer  # type: ignore[import-not-found]
+
+    Cli = Callable[..., Answer]
+
+UR5 = """# convention: standard
+joint, a,        alpha, d,        lower, upper, velocity, effort
+pan,   0,        pi/2,  0.089159, -6,    6,     3.15,     150
+lift,  -0.425,   0,     0,        -6,    6,     3.15,     150
+elbow, -0.39225, 0,     0,        -3,    3,     3.15,     150
+w1,    0,        pi/2,  0.10915,  -6,    6,     3.2,      28
+w2,    0,        -pi/2, 0.09465,  -6,    6,     3.2,      28
+w3,    0,        0,     0.0823,   -6,    6,     3.2,      28
+"""
+TREE = """<robot name="tree">
+  <link name="foot"/> <link name="a"/> <link name="b"/> <link name="c"/>
+  <joint name="j1" type="continuous"><parent link="foot"/><child link="a"/><axis xyz="0 0 1"/></joint>
+  <joint name="j2" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>
+  <joint name="j3" type="continuous"><parent link="a"/><child link="c"/><axis xyz="1 0 0"/></joint>
+</robot>
+"""
+
+
+@pytest.fixture
+def ur5(tmp_path: Path) -> Path:
+    """The description of a table."""
+    table = tmp_path / "ur5.csv"
+    table.write_text(UR5)
+    path = tmp_path / "ur5.urdf"
+    dh2urdf.convert(table, path)
+    return path
+
+
+class TestPrinted:
+    def test_both_conventions_and_the_facts(self, cli: Cli, ur5: Path) -> None:
+        answer = cli("extract", str(ur5))
+        standard, modified, facts = answer.stdout.strip().split("\n\n")
+        assert standard.splitlines()[0] == "standard convention"
+        assert standard.splitlines()[1].split() == [
+            "joint",
+            "type",
+            "a",
+            "[m]",
+            "alpha",
+            "[rad]",
+            "d",
+            "[m]",
+            "theta",
+            "[rad]",
+        ]
+        assert standard.splitlines()[3].split() == ["lift", "revolute", "-0.425", "0", "0", "0"]
+        assert modified.splitlines()[5].split() == ["w1", "revolute", "-0.39225", "0", "0.10915", "0"]
+        assert facts == "the axes of lift, elbow, w1 are parallel"
+        assert "the table is the chain from 'base_link' to 'tool0'" in answer.stderr
+
+    def test_one_convention_in_other_units(self, cli: Cli, ur5: Path) -> None:
+        answer = cli(
+            *("extract", str(ur5), "--convention", "standard", "--length-unit", "mm", "--angle-unit", "deg", "-q")
+        )
+        assert answer.stdout.splitlines()[2].split() == ["pan", "revolute", "0", "90", "89.159", "0"]
+        assert "modified" not in answer.stdout
+        assert not answer.stderr
+
+    def test_tips(self, cli: Cli, tmp_path: Path) -> None:
+        path = tmp_path / "tree.urdf"
+        path.write_text(TREE)
+        assert cli("extract", str(path), "--tips").stdout == "b: 2 moving joints\nc: 2 moving joints\n"
+        refused = cli("extract", str(path), status=2)
+        assert "2 leaves: b (2 moving joints), c (2 moving joints)" in refused.stderr
+        assert "j3" in cli("extract", str(path), "--tip-link", "c").stdout
+
+
+class TestWritten:
+    @pytest.mark.parametrize("name", ["arm.yaml", "arm.csv"])
+    @pytest.mark.parametrize("units", [(), ("--length-unit", "mm", "--angle-unit", "deg")])
+    def test_convert_reads_it(self, cli: Cli, ur5: Path, tmp_path: Path, name: str, units: tuple[str, ...]) -> None:
+        table = tmp_path / name
+        answer = cli("extract", str(ur5), "-o", str(table), *units)
+        assert f"6 moving joints, standard convention; written to {table}" in answer.stderr
+        text = table.read_text()
+        assert text.startswith("# ur5 of ur5.urdf\n# the table is the chain from 'base_link' to 'tool0'")
+        again = dh2urdf.read(table)
+        assert [row.a for row in again.rows] == pytest.approx([0, -0.425, -0.39225, 0, 0, 0], abs=1e-15)
+        assert [row.alpha for row in again.rows] == [math.pi / 2, 0, 0, math.pi / 2, -math.pi / 2, 0]
+        assert again.rows[0].limits.velocity == pytest.approx(3.15, abs=1e-12)
+        assert not [notice for notice in again.notices if "comment" in notice.message]
+        back = tmp_path / "back.urdf"
+        cli("convert", str(table), "-o", str(back))
+
+    def test_extract_of_its_description_is_the_same_file(self, cli: Cli, ur5: Path, tmp_path: Path) -> None:
+        """extract ∘ convert ∘ extract = extract, but for the comments, which name the file."""
+        (tmp_path / "again").mkdir()
+        first, again = tmp_path / "first.yaml", tmp_path / "again" / "first.yaml"
+        cli("extract", str(ur5), "-o", str(first))
+        cli("convert", str(first), "-o", str(tmp_path / "again" / "ur5.urdf"))
+        cli("extract", str(tmp_path / "again" / "ur5.urdf"), "-o", str(again))
+        assert _rows(again) == _rows(first)
+
+    def test_the_description_stays(self, ur5: Path) -> None:
+        with pytest.raises((OutputError, InputError)):
+            dh2urdf.extract(ur5, ur5)
+
+    @pytest.mark.parametrize(
+        ("words", "message"),
+        [
+            (["-o", "arm.xlsx"], "only read"),
+            (["-o", "arm.docx"], "no reader is known for the file 'arm.docx'"),
+            (["--length-unit", "ft"], "--length-unit ft is no unit of a table"),
+            (["--near-parallel", "never"], "near_parallel"),
+            (["--tip-link", "*"], "is asked for"),
+            (["other.urdf"], "2 files are given, and a table is of one"),
+        ],
+    )
+    def test_what_cannot_be(self, cli: Cli, ur5: Path, words: list[str], message: str) -> None:
+        answer = cli("extract", str(ur5), *words, status=2)
+        if words[0] == "--tip-link":  # our descriptions have two ends: flange and tool0
+            message = "2 chains are asked for, and one table has one"
+        assert message in answer.stderr
+
+    def test_a_table_is_no_description(self, cli: Cli, ur5: Path) -> None:
+        answer = cli("extract", str(ur5.with_suffix(".csv")), status=2)
+        assert "the reader 'csv' reads tables" in answer.stderr
+        assert "accepted: a file in the format mjcf, sdf, urdf, xacro" in answer.stderr
+
+
+def _rows(path: Path) -> list[str]:
+    return [line for line in path.read_text().splitlines() if not line.startswith("#")]
+
+
+class TestPython:
+    def test_a_manipulator(self, ur5: Path, tmp_path: Path) -> None:
+        arm = dh2urdf.extract(ur5, tmp_path / "arm.yaml", convention="modified")
+        assert arm.convention == "modified"
+        assert [row.joint for row in arm.rows] == ["pan", "lift", "elbow", "w1", "w2", "w3"]
+        assert dh2urdf.read(tmp_path / "arm.yaml").rows == arm.rows
+
+    def test_a_text(self) -> None:
+        assert len(dh2urdf.extract(TREE, reader="urdf", tip_link="b").rows) == 2
+
+    def test_an_option_that_is_none(self, ur5: Path) -> None:
+        with pytest.raises(ConfigError, match="tip_lnk"):
+            dh2urdf.extract(ur5, tip_lnk="tool0")
+
+    def test_a_file_that_is_not_there(self, tmp_path: Path) -> None:
+        with pytest.raises(TableError):
+            dh2urdf.extract(tmp_path / "none.urdf")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @hookimpl
 def dh2urdf_readers() -> Iterable[Reader[Any]]:
     """Tables as CSV, as Parquet, as workbooks and as YAML, and the chains of robot descriptions."""
-    from dh2urdf_plugins.extraction import readers as descriptions
+    from dh2urdf_plugins.descriptions import readers as descriptions
     from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 
     tables = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)

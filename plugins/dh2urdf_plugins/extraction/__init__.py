@@ -1,1 +1,1 @@
-"""The way back: the Denavit-Hartenberg table of a chain of any robot description."""
+"""The mathematics of the way back: the Denavit-Hartenberg table of a chain of joints."""

@@ -31,7 +31,11 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         TransformError: no arm can be made of the table; all its problems are named.
     """
     manipulator, raised = with_inertia_floor(manipulator, options.inertia_floor)
-    problems = table_problems(manipulator)
+    given, problems = manipulator, table_problems(manipulator)
+    if options.near_parallel == "split" and options.variant == "exact" and not problems:
+        from dh2urdf_plugins.extraction.split_tables import with_split_links
+
+        manipulator, problems = with_split_links(manipulator)
     if options.variant == "paper":
         problems += [*paper_problems(manipulator, options.snap), *unplaced_meshes(manipulator)]
         problems += unused_in_paper(manipulator)
@@ -43,15 +47,18 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         robot = paper(manipulator, options)
     else:
         robot = exact(manipulator, options)
-        problems += [*raised, *angle_notices(manipulator)]
+        problems += [*raised, *angle_notices(given)]
     return replace(robot, notices=tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems))
 
 
 def alpha_swap_columns(
     columns: ManipulatorColumns, options: AlphaSwapOptions
 ) -> list[tuple[list[int], RobotColumns]] | None:
-    """The robots of many manipulators, in groups; None for the paper's variant, which nobody makes by the thousand."""
-    if options.variant == "paper":
+    """The robots of many manipulators, in groups.
+
+    None for the paper's variant and for split rows, which nobody makes by the thousand.
+    """
+    if options.variant == "paper" or options.near_parallel == "split":
         return None
     from dh2urdf_plugins.transforms.columns import exact_columns
 

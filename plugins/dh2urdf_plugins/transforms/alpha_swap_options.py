@@ -26,6 +26,13 @@ class AlphaSwapOptions:
             "or the frames of the DH table (dh)"
         },
     )
+    near_parallel: Literal["dh", "split"] = field(
+        default="dh",
+        metadata={
+            "help": "exact variant: nearly parallel axes as the table has them (dh), or with a fixed row between them, "
+            "so that links are of the arm's own size (split): for tables of calibrated arms"
+        },
+    )
     shape: Shape = field(
         default="cylinder",
         metadata={"help": "exact variant: what links are drawn as; a capsule is a cylinder with sphere caps"},

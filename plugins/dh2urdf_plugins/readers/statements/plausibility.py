@@ -20,6 +20,7 @@ from dh2urdf_plugins.readers.words.bounds import (
     LONG_ROW,
     LONGEST_ARM,
     NARROWEST_RANGE,
+    NEARLY_PARALLEL,
     RESISTANCES,
     SHORTEST_ARM,
     SHORTEST_STROKE,
@@ -109,7 +110,8 @@ def _of_the_arm(rows: Sequence[DHRow], statements: Statements, units: Units, rea
     declare = "if its lengths are in mm, declare it: `a [mm]`, `units: {length: mm}` or `--length-unit mm`"
     if length > longest_plain(len(rows)):
         known = Dimension.LENGTH in statements.stated
-        yield _of_all(f"the arm is {length:.4g} m long", rows, None, None if known else declare)
+        advice = _CALIBRATED if _is_calibrated(rows) else None if known else declare
+        yield _of_all(f"the arm is {length:.4g} m long", rows, None, advice)
     elif 0 < reach < SHORTEST_ARM:
         yield _of_all(f"the arm is {1000 * reach:.4g} mm long", rows, None, "are its numbers in metres?")
     else:
@@ -124,6 +126,19 @@ def _of_the_arm(rows: Sequence[DHRow], statements: Statements, units: Units, rea
         if 0 < reach < distance > least and distance <= LONGEST_ARM / 10:
             message = f"{what} is {distance:.4g} m away, and the arm is {reach:.4g} m long"
             yield _of_all(message, rows, what, "is one of them in another unit?")
+
+
+_CALIBRATED = (
+    "if this is the table of a calibrated arm, whose nearly parallel axes have their normals far away, `--set "
+    "near_parallel=split` keeps links and masses of the arm's own size"
+)
+
+
+def _is_calibrated(rows: Sequence[DHRow]) -> bool:
+    """Whether the longest d is that of a joint whose axis is nearly parallel to one beside it."""
+    number = max(range(len(rows)), key=lambda place: abs(rows[place].d))
+    beside = rows[max(0, number - 1) : number + 2]
+    return any(0.0 < abs(math.remainder(row.alpha, math.pi)) < NEARLY_PARALLEL for row in beside)
 
 
 def _of_the_payload(statements: Statements, reach: float) -> Iterator[Problem]:

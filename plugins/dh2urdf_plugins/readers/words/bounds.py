@@ -24,6 +24,8 @@ LONG_ARM = 50.0
 """The same of an arm whose rows are longer than `LONG_ROW` on average [m]."""
 LONG_ROW = 2.0
 """Length of a row, a + d [m]: the space station's arm has 8 m in its longest, and 18 m in all seven."""
+NEARLY_PARALLEL = 0.01
+"""Angle between axes that are parallel but for a calibration [rad]."""
 SHORTEST_ARM = 0.01
 """Length of an arm below which it may be one whose numbers are metres in a table of millimetres [m]."""
 SMALLEST_LENGTH = 0.002

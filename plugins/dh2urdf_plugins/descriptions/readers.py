@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf_plugins.extraction.description import Description
+    from dh2urdf_plugins.descriptions.description import Description
 
 # What reads and what computes is imported where a description is read: a run of tables pays for none of it.
 
@@ -106,26 +106,26 @@ def read_mjcf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator |
 
 
 def _urdf(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.extraction.description import urdf_description
+    from dh2urdf_plugins.descriptions.description import urdf_description
 
     return urdf_description(path)
 
 
 def _xacro(path: Path, options: XacroOptions) -> Description:
-    from dh2urdf_plugins.extraction.description import xacro_description
+    from dh2urdf_plugins.descriptions.description import xacro_description
 
     packages = tuple(map(Path, options.package_paths))
     return xacro_description(path, Expansion(arguments=options.arguments or {}, package_paths=packages))
 
 
 def _sdf(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.extraction.description import sdf_description
+    from dh2urdf_plugins.descriptions.description import sdf_description
 
     return sdf_description(path)
 
 
 def _mjcf(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.extraction.description import mjcf_description
+    from dh2urdf_plugins.descriptions.description import mjcf_description
 
     return mjcf_description(path)
 
@@ -134,7 +134,7 @@ def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], 
     """What lists the ends of a description's chains."""
 
     def leaves(path: Path, options: O) -> Mapping[str, int]:
-        from dh2urdf_plugins.extraction.trees import Tree
+        from dh2urdf_plugins.descriptions.trees import Tree
 
         return Tree.of(described(path, options), options.base_link).leaves()
 
@@ -143,10 +143,10 @@ def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], 
 
 def _arms(path: Path, options: O, described: Callable[[Path, O], Description]) -> Iterator[Manipulator | Rejected]:
     from dh2urdf.manipulator import Convention
-    from dh2urdf_plugins.extraction.arms import Asked, manipulator_of
-    from dh2urdf_plugins.extraction.bodies import mesh_finder
+    from dh2urdf_plugins.descriptions.arms import Asked, manipulator_of
+    from dh2urdf_plugins.descriptions.bodies import mesh_finder
+    from dh2urdf_plugins.descriptions.trees import Tree
     from dh2urdf_plugins.extraction.solving import Choices
-    from dh2urdf_plugins.extraction.trees import Tree
     from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 
     try:

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf.robot import Collision, Inertial, Joint, Visual
+    from dh2urdf_plugins.descriptions.trees import Tree
     from dh2urdf_plugins.extraction.numbers import Precision
-    from dh2urdf_plugins.extraction.trees import Tree
 
     Shape = TypeVar("Shape", Visual, Collision)
 

@@ -12,7 +12,7 @@ from dh2urdf.documents import read_bytes
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf_plugins.extraction.rounded_pi import Rounded, repaired
+from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
 
 if TYPE_CHECKING:

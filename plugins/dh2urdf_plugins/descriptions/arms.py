@@ -12,7 +12,7 @@ from dh2urdf.kinematics import dh_frames
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import norm, scale
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.extraction.bodies import Body, Carried
+from dh2urdf_plugins.descriptions.bodies import Body, Carried
 from dh2urdf_plugins.extraction.measuring import RANDOM_VECTORS, chain_difference
 from dh2urdf_plugins.extraction.numbers import Precision
 from dh2urdf_plugins.extraction.solving import Choices, Solution, solve
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Joint
-    from dh2urdf_plugins.extraction.description import Description
+    from dh2urdf_plugins.descriptions.description import Description
+    from dh2urdf_plugins.descriptions.trees import Tree
     from dh2urdf_plugins.extraction.splitting import NearlyParallel
-    from dh2urdf_plugins.extraction.trees import Tree
 
 _FEW = 6
 _UNIT = 1e-9

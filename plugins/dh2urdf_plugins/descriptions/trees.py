@@ -10,7 +10,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Joint
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf_plugins.extraction.description import Description
+from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
 if TYPE_CHECKING:

@@ -1,0 +1,99 @@
+"""The extracted table against engines that share nothing with this project, on the description as it is written."""
+
+from __future__ import annotations
+
+import random
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from random_chains import random_chain
+
+import dh2urdf
+from dh2urdf.manipulator import Convention, JointType
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+CHAINS = 12
+
+
+def description(draw: random.Random) -> tuple[str, int]:
+    """The URDF of a random chain, written here; and how many joints move."""
+    joints = random_chain(draw)
+    text = ['<robot name="arm"><link name="base"/>']
+    parent = "base"
+    for joint in joints:
+        xyz, rpy, axis = (" ".join(map(repr, each)) for each in (joint.origin.xyz, joint.origin.rpy, joint.axis))
+        kind = "fixed" if joint.type is JointType.FIXED else joint.type.value
+        limit = '<limit lower="-3" upper="3" effort="1" velocity="1"/>' if kind != "fixed" else ""
+        text.append(
+            f'<link name="{joint.child}"><inertial><mass value="1"/>'
+            '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+            f'<joint name="{joint.name}" type="{kind}"><parent link="{parent}"/><child link="{joint.child}"/>'
+            f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/>{limit}</joint>'
+        )
+        parent = joint.child
+    return "".join([*text, "</robot>"]), sum(joint.type is not JointType.FIXED for joint in joints)
+
+
+@pytest.mark.skipif(not find_spec("pinocchio"), reason="pinocchio is not installed")
+@pytest.mark.parametrize("convention", list(Convention))
+def test_pinocchio(tmp_path: Path, convention: Convention) -> None:
+    """Its pose of the tip is that of the table; it reads rpy with 1e-15 and a continuous joint as cosine and sine."""
+    import pinocchio
+
+    for number in range(CHAINS):
+        draw = random.Random(f"pinocchio {number}")  # noqa: S311 - reproducible on purpose
+        text, moving = description(draw)
+        path = tmp_path / f"{number}.urdf"
+        path.write_text(text)
+        arm = dh2urdf.extract(path, convention=str(convention), tolerance=1e-12)
+        model = pinocchio.buildModelFromUrdf(str(path))
+        data = model.createData()
+        tip = model.nframes - 1
+        for _ in range(4):
+            q = [draw.uniform(-2, 2) for _ in range(moving)]
+            wanted: list[float] = []
+            for value, joint in zip(q, list(model.joints)[1:], strict=True):
+                wanted += [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
+            pinocchio.framesForwardKinematics(model, data, np.array(wanted))
+            size = max(1.0, np.abs(data.oMf[tip].homogeneous).max())
+            assert np.abs(data.oMf[tip].homogeneous - arm.fk(q)).max() < 2e-12 * size, f"chain {number}"
+
+
+@pytest.mark.skipif(not find_spec("mujoco"), reason="mujoco is not installed")
+def test_mujoco(tmp_path: Path) -> None:
+    """MuJoCo's pose of the tip, of an MJCF whose joints are apart from their bodies' origins."""
+    import mujoco
+
+    text = """<mujoco model="arm"><compiler angle="radian"/><worldbody>
+  <body name="a" pos="0.1 0 0.3" euler="0.3 0 0.2">
+    <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+    <joint name="j1" axis="0 1 0" pos="0.02 0 0.1"/>
+    <body name="b" pos="0 0.4 0" quat="0.6 0 0.8 0">
+      <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+      <joint name="j2" type="slide" axis="1 0 0" range="-1 1"/>
+      <body name="c" pos="0.2 0 0.1" euler="0 1.5707963267948966 0">
+        <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+        <joint name="j3" axis="0 0.6 0.8"/>
+        <site name="tool0" pos="0 0.1 0.2" euler="0.1 0.2 0.3"/>
+      </body>
+    </body>
+  </body>
+</worldbody></mujoco>
+"""
+    path = tmp_path / "arm.xml"
+    path.write_text(text)
+    arm = dh2urdf.extract(path)
+    assert [row.joint for row in arm.rows] == ["j1", "j2", "j3"]
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    draw = random.Random("mujoco")  # noqa: S311 - reproducible on purpose
+    for _ in range(10):
+        data.qpos[:] = [draw.uniform(-1, 1) for _ in range(3)]
+        mujoco.mj_kinematics(model, data)
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = data.site("tool0").xmat.reshape(3, 3), data.site("tool0").xpos
+        assert np.abs(pose - arm.fk(data.qpos)).max() < 1e-9

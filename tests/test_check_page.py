@@ -12,7 +12,7 @@ import pytest
 from dh2urdf.cli.check import command
 from dh2urdf.kinematics import comparison as agreement
 from dh2urdf_plugins.lint.inspection import inspect_urdf
-from dh2urdf_plugins.lint.models import CONSUMERS as MODEL_CONSUMERS, model_rules
+from dh2urdf_plugins.lint.models.models import CONSUMERS as MODEL_CONSUMERS, model_rules
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 
 if TYPE_CHECKING:

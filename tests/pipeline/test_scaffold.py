@@ -120,7 +120,7 @@ def test_a_name_that_a_stage_has_is_told(cli: Callable[..., Answer], name: str) 
     refused = cli("new-plugin", name, "--kind", "emitter", status=2).stderr
     assert f"the emitter 'urdf' is provided by dh2urdf {__version__}" in refused
     assert "accepted: a name besides mjcf, sdf, urdf, xacro" in refused
-    cli("new-plugin", name, "--kind", "reader")
+    cli("new-plugin", name, "--kind", "loader")
 
 
 def test_nothing_is_overwritten(cli: Callable[..., Answer], tmp_path: Path) -> None:

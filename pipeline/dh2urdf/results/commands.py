@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypedDict
+from typing import Any, Literal, NotRequired, TypedDict
 
-if TYPE_CHECKING:
-    from dh2urdf.results.run import ConventionName, JointTypeName, KindName, ProblemEntry, ProofEntry
+from dh2urdf.results.run import ConventionName, JointTypeName, KindName, ProblemEntry, ProofEntry
 
 
 class ErrorReport(TypedDict):

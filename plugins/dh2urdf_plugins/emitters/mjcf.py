@@ -272,7 +272,7 @@ def check(path: Path) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    from dh2urdf_plugins.lint.mjcf import inspect_mjcf
+    from dh2urdf_plugins.lint.models.mjcf import inspect_mjcf
 
     return inspect_mjcf(path)
 

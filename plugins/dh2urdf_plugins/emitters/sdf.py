@@ -250,7 +250,7 @@ def check(path: Path) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    from dh2urdf_plugins.lint.sdf import inspect_sdf
+    from dh2urdf_plugins.lint.models.sdf import inspect_sdf
 
     return inspect_sdf(path)
 

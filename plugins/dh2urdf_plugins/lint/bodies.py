@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem, principal_moments
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.description import MOVING, Hit, few
+from dh2urdf_plugins.lint.document.description import MOVING, Hit, few
 from dh2urdf_plugins.lint.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
 from dh2urdf_plugins.lint.merged import ELEMENTS, head_of, inertial_of, merged_inertial
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.robot import Inertial
-    from dh2urdf_plugins.lint.description import Description, LinkNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, LinkNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 _ROUNDING = 1e-9
 _SMALLEST = 1e-14

@@ -6,12 +6,12 @@ import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.description import Hit, few
+from dh2urdf_plugins.lint.document.description import Hit, few
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description
+    from dh2urdf_plugins.lint.document.description import Description
 
 LARGEST_SCALE = 0.99999
 """Scales whose factors have a product above this are ignored; seen: 0.999995 is, 0.99998 is not."""

@@ -13,9 +13,9 @@ from dh2urdf.quantities import format_numbers
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Repair
+from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.inspection import LONGEST
 from dh2urdf_plugins.lint.joints import UNIT
-from dh2urdf_plugins.lint.tree import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

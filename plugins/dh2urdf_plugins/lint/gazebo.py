@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.rotations import RigidTransform
-    from dh2urdf_plugins.lint.description import Description, JointNode, LinkNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, JointNode, LinkNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 WORLD = "world"
 _NOTHING = 1e-6

@@ -21,11 +21,11 @@ from dh2urdf_plugins.lint import (
     structure,
     text,
 )
-from dh2urdf_plugins.lint.description import Description, Hit
-from dh2urdf_plugins.lint.parsing import NotXmlError, parse
-from dh2urdf_plugins.lint.reading import robot_of
+from dh2urdf_plugins.lint.document.description import Description, Hit
+from dh2urdf_plugins.lint.document.parsing import NotXmlError, parse
+from dh2urdf_plugins.lint.document.reading import robot_of
+from dh2urdf_plugins.lint.document.tree import Element
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
-from dh2urdf_plugins.lint.tree import Element
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import ALL, MOVING, TURNING_OR_SLIDING, Hit, few
+from dh2urdf_plugins.lint.document.description import ALL, MOVING, TURNING_OR_SLIDING, Hit, few
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description, JointNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, JointNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 UNIT = 1e-5
 """How far the length of an axis may be from 1 [1]: what rounding to six digits makes of it."""

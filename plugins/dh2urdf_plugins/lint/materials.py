@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import Hit
+from dh2urdf_plugins.lint.document.description import Hit
 from dh2urdf_plugins.lint.numbers import drake_numbers
 from dh2urdf_plugins.lint.shapes import is_there, resolved
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description
+    from dh2urdf_plugins.lint.document.tree import Element
 
 
 def hits(description: Description) -> Iterator[Hit]:

@@ -10,8 +10,8 @@ from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform
 
 if TYPE_CHECKING:
-    from dh2urdf_plugins.lint.description import Description, LinkNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, LinkNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 ELEMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

@@ -7,14 +7,14 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.description import SHAPES, Hit
-from dh2urdf_plugins.lint.tree import numbers_of
+from dh2urdf_plugins.lint.document.description import SHAPES, Hit
+from dh2urdf_plugins.lint.document.tree import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description, JointNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, JointNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 _DECIMAL = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _WHOLE = re.compile(rf"\s*({_DECIMAL})", re.ASCII)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.description import ALL, TURNING_OR_SLIDING, Hit
+from dh2urdf_plugins.lint.document.description import ALL, TURNING_OR_SLIDING, Hit
+from dh2urdf_plugins.lint.document.mesh_sizes import sides_of
 from dh2urdf_plugins.lint.joints import actuated_joints
 from dh2urdf_plugins.lint.merged import inertial_of, pose_of
-from dh2urdf_plugins.lint.mesh_sizes import sides_of
 from dh2urdf_plugins.lint.shapes import is_there, resolved
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.rotations import Vec3
-    from dh2urdf_plugins.lint.description import Description, JointNode, LinkNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, JointNode, LinkNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 MOST_TURNS = 20.0
 """A limit of so many radians, more than three turns, that is a whole number is taken for degrees [rad]."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import Hit, few
+from dh2urdf_plugins.lint.document.description import Hit, few
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description
+    from dh2urdf_plugins.lint.document.tree import Element
 
 ATTRIBUTES = {
     "link": ("name", "type"),

@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import ALL, SHAPES, Hit
+from dh2urdf_plugins.lint.document.description import ALL, SHAPES, Hit
+from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.numbers import drake_numbers, mujoco_numbers
 from dh2urdf_plugins.lint.rules import rules
-from dh2urdf_plugins.lint.tree import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description, LinkNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, LinkNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 SMALLEST = 1e-3
 """The size that CoppeliaSim makes of a smaller one [m]."""

@@ -6,14 +6,14 @@ import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import ALL, MOVING, TYPES, Hit, few
+from dh2urdf_plugins.lint.document.description import ALL, MOVING, TYPES, Hit, few
 from dh2urdf_plugins.lint.gazebo import kept
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description, JointNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, JointNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 WORLD = "world"
 LONGEST_NAME = 1000

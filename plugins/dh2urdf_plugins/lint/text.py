@@ -6,14 +6,14 @@ import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.description import ALL, Hit
+from dh2urdf_plugins.lint.document.description import ALL, Hit
+from dh2urdf_plugins.lint.document.tree import Element
 from dh2urdf_plugins.lint.numbers import XACRO
-from dh2urdf_plugins.lint.tree import Element
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.description import Description
+    from dh2urdf_plugins.lint.document.description import Description
 
 LONGEST_LINE = 8191
 """Bytes of a line that PyBullet reads at once [1]."""

@@ -15,9 +15,9 @@ from dh2urdf.errors import InputError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
 from dh2urdf.source import Mark
 from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.lint.document.parsing import NotXmlError, parse
+from dh2urdf_plugins.lint.document.tree import DEEPEST, numbers_of
 from dh2urdf_plugins.lint.inspection import inspect_urdf, inspect_xacro
-from dh2urdf_plugins.lint.parsing import NotXmlError, parse
-from dh2urdf_plugins.lint.tree import DEEPEST, numbers_of
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.xacro_fence import expansion
 

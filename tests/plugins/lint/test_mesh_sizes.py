@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import pytest
 from faulty_files import BOX, SOUND, write_meshes
 
-from dh2urdf_plugins.lint import mesh_sizes
+from dh2urdf_plugins.lint.document import mesh_sizes
+from dh2urdf_plugins.lint.document.mesh_sizes import sides_of
 from dh2urdf_plugins.lint.inspection import inspect_urdf
-from dh2urdf_plugins.lint.mesh_sizes import sides_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -12,10 +12,10 @@ import pytest
 from faulty_models import MJCF, MJCF_FAULTS, SDF, SDF_FAULTS, write_models
 from model_consumers import outcomes
 
-from dh2urdf_plugins.lint.mjcf import inspect_mjcf, schema
-from dh2urdf_plugins.lint.models import CONSUMERS, model_rules
+from dh2urdf_plugins.lint.models.mjcf import inspect_mjcf, schema
+from dh2urdf_plugins.lint.models.models import CONSUMERS, model_rules
+from dh2urdf_plugins.lint.models.sdf import inspect_sdf
 from dh2urdf_plugins.lint.rules import Outcome
-from dh2urdf_plugins.lint.sdf import inspect_sdf
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Inspection

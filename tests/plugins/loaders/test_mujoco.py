@@ -14,7 +14,8 @@ from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.robot import Collision, Cylinder, Origin
 from dh2urdf_plugins.emitters import mjcf
 from dh2urdf_plugins.emitters.urdf import EMITTER
-from dh2urdf_plugins.loaders.mujoco.loader import LOADER, MuJoCoOptions, arm as mujoco_arm, load, read_output
+from dh2urdf_plugins.loaders.mujoco import arm as mujoco_arm
+from dh2urdf_plugins.loaders.mujoco.loader import LOADER, MuJoCoOptions, load, read_output
 from dh2urdf_plugins.loaders.mujoco.picture import graphics
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 

@@ -15,8 +15,8 @@ from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.mjcf_names import hits as hits_of_names
-from dh2urdf_plugins.lint.models import (
+from dh2urdf_plugins.lint.models.mjcf_names import hits as hits_of_names
+from dh2urdf_plugins.lint.models.models import (
     FILE,
     LONGEST,
     Hit,

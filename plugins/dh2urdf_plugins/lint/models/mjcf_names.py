@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.models import Hit, Model, elements_of
+from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,8 +16,8 @@ from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
+from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.rules import Rule, rule_of
-from dh2urdf_plugins.lint.tree import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.tree import Element
+from dh2urdf_plugins.lint.document.tree import Element
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping

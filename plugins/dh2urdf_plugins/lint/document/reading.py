@@ -11,8 +11,8 @@ from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
     from dh2urdf.rotations import Vec3
-    from dh2urdf_plugins.lint.description import Description, JointNode
-    from dh2urdf_plugins.lint.tree import Element
+    from dh2urdf_plugins.lint.document.description import Description, JointNode
+    from dh2urdf_plugins.lint.document.tree import Element
 
 _TYPES = {kind.value: kind for kind in JointType}
 

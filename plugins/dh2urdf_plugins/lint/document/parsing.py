@@ -11,7 +11,7 @@ from bisect import bisect_right
 from typing import NamedTuple
 from xml.parsers import expat
 
-from dh2urdf_plugins.lint.tree import DEEPEST, Element
+from dh2urdf_plugins.lint.document.tree import DEEPEST, Element
 
 _SPACE = re.compile(r"[ \t\r\n\f\v]*")
 _NAME = re.compile(r"[A-Za-z_:\x80-\U0010ffff][-.\w:\x80-\U0010ffff]*", re.ASCII)

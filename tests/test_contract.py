@@ -190,6 +190,11 @@ class TestMjcf(EmitterContract):
     stage = CATALOG.get("emitter", "mjcf")
 
 
+class TestRos2(EmitterContract):
+    stage = CATALOG.get("emitter", "ros2")
+    stem = "arm_7"
+
+
 class TestPyBullet(LoaderContract):
     stage = CATALOG.get("loader", "pybullet")
 

@@ -154,7 +154,8 @@ class EmittedFile:
     """A file that an emitter wants written.
 
     Attributes:
-        name: its name in the output folder, without a folder of its own.
+        name: its name in the output folder. Of an emitter with `Emitter.in_folders` it is a path of several parts with
+            ``/`` between them; of all others it has no folder.
         content: what stands in it.
     """
 
@@ -180,6 +181,9 @@ class Emitter(Generic[O]):
         expandable: whether files of the format hold macros: then `read_foreign` and `check` take an `Expansion` as
             their second argument.
         finds_packages: whether `check` takes an `Expansion` though files hold no macros: for its `package_paths`.
+        in_folders: whether its files lie in folders of their own, as those of a ROS package do. The name of such a
+            folder begins with the stem, or with a name that the options give. Then `suffixes` is empty, `dh2urdf
+            convert` writes into a folder, and the files bring the meshes that they name.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
         emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
@@ -210,6 +214,7 @@ class Emitter(Generic[O]):
     read_foreign: Callable[..., Robot] | None = None
     expandable: bool = False
     finds_packages: bool = False
+    in_folders: bool = False
     one_file: Callable[[O], O] | None = None
     costly_proof: bool = False
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None

@@ -20,7 +20,8 @@ def row_of(conversion: Conversion, table: Path, file: Path | None) -> Conversion
     from dh2urdf.report.answers.conversions import conversion_row
 
     source = NAME if str(table) == DASH else str(table)
-    return conversion_row(conversion, source, None if file is None else file.parent)
+    in_folders = any("/" in name for name in conversion.files)
+    return conversion_row(conversion, source, file if file is None or in_folders else file.parent)
 
 
 def print_report(rows: Sequence[ConversionEntry]) -> None:

@@ -48,9 +48,10 @@ def files_of(
         found = "" if folder is None else f", and {shown(str(folder))} is a file"
         raise _wrong(f"{len(tables)} tables go into a folder{found}", accepted="-o FOLDER, with any name")
     emitter = catalog.get("emitter", format_name or DEFAULT_EMITTER)
-    if not folder.is_dir() and folder.name.lower().endswith(emitter.suffixes):
+    if emitter.suffixes and not folder.is_dir() and folder.name.lower().endswith(emitter.suffixes):
         message = f"-o {shown(str(folder))} names one file, and there are {len(tables)} tables"
         raise _wrong(message, accepted=f"-o FOLDER, such as -o {folder.stem}")
+    suffix = emitter.suffixes[0] if emitter.suffixes else ""
     files: dict[Path, Path] = {}
     taken: dict[str, Path] = {}
     problems: list[Problem] = []
@@ -59,7 +60,7 @@ def files_of(
         key = unicodedata.normalize("NFC", stem).casefold()  # as on file systems that ignore case
         if key in taken:
             same = "is given twice" if table in files else f"and {shown(str(taken[key]))} would both become"
-            message = f"{shown(str(table))} {same}{'' if table in files else f' {stem}{emitter.suffixes[0]}'}"
+            message = f"{shown(str(table))} {same}{'' if table in files else f' {stem}{suffix}'}"
             problems.append(
                 Problem(
                     message=message,
@@ -71,7 +72,7 @@ def files_of(
             )
             continue
         taken[key] = table
-        files[table] = folder / f"{stem}{emitter.suffixes[0]}"
+        files[table] = folder if emitter.in_folders else folder / f"{stem}{suffix}"
     if problems:
         raise ConfigError(problems)
     return files

@@ -90,11 +90,21 @@ def _table(rows: Sequence[ManipulatorEntry]) -> Table:
         cells = [_asked(asked.get(name)) for name in (*emitters, *loaders)]
         if loaders:
             cells.append(_holds(row))
-        files = [file["path"] for file in row["files"]]
+        files = _main_files(row)
         files += [report["picture"] for report in row["loaders"].values() if report["picture"]]
         colour = {"ok": "green", "failed": "red", "skipped": "yellow"}[row["status"]]
         table.add_row(_plain(row["name"]), f"[{colour}]{row['status']}[/]", *cells, _plain(", ".join(files)))
     return table
+
+
+def _main_files(row: ManipulatorEntry) -> list[str]:
+    """The main file of each emitter, and those beside it: an emitter may write whole folders of files."""
+    folders: dict[str, str] = {}
+    return [
+        file["path"]
+        for file in row["files"]
+        if folders.setdefault(file["stage"], file["path"].rpartition("/")[0]) == file["path"].rpartition("/")[0]
+    ]
 
 
 def _asked(facts: ProofEntry | LoadEntry | None) -> str:

@@ -211,7 +211,20 @@ def plan_conversion(
     else:
         _refuse_choice(asker, {asker.reader: reader, asker.robot: robot})
     stages["transform"] = [catalog.get("transform", transform)]
-    if target is not None and len(formats) <= 1 and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
+    if formats or target is None:
+        stages["emitter"] = [catalog.get("emitter", name) for name in formats or (DEFAULT_EMITTER,)]
+    in_folders = [emitter.name for emitter in stages.get("emitter", ()) if emitter.in_folders]
+    if in_folders and target is None:
+        raise ConfigError(
+            Problem(
+                message=f"{asker.format}{in_folders[0]} writes a folder of files, and {asker.nowhere}",
+                mark=asker.mark,
+                found=in_folders[0],
+                accepted=f"{asker.out}FOLDER",
+            )
+        )
+    one_file = len(formats) <= 1 and not in_folders
+    if target is not None and one_file and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
         stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
         raise ConfigError(
             Problem(
@@ -221,9 +234,7 @@ def plan_conversion(
                 accepted=f"a file name, such as {target / stem}.urdf",
             )
         )
-    if formats or target is None:
-        stages["emitter"] = [catalog.get("emitter", name) for name in formats or (DEFAULT_EMITTER,)]
-    else:
+    if target is not None and not formats:
         stages["emitter"] = [catalog.emitter_for(target, f"`{asker.format}NAME` chooses an emitter")]
     calls = stage_calls(catalog, stages, asker, given or {}, settings)
     if target is None:
@@ -254,7 +265,7 @@ def _other_suffix(
     target: Path | None, emitters: Sequence[Emitter[Any]], catalog: Catalog, asker: Asker
 ) -> Iterator[Problem]:
     """A notice of a file whose name is that of another format than what it holds."""
-    if target is None or len(emitters) != 1:
+    if target is None or len(emitters) != 1 or emitters[0].in_folders:
         return
     try:
         named = catalog.emitter_for(target)
@@ -283,7 +294,7 @@ def _write(
     if target is None:
         with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
             return write_robot(truth, robot, recipe, directory=Path(folder), stem=stem)
-    if len(recipe.emitters) > 1:
+    if len(recipe.emitters) > 1 or recipe.emitters[0].stage.in_folders:
         return write_robot(truth, robot, recipe, directory=target, stem=stem, inputs=inputs)
     stem = _stem(target, recipe.emitters[0].stage)
     directory, name = target.parent, target.name

@@ -82,6 +82,11 @@ class Recipe:
     mesh_conversion: MeshConversion = MeshConversion.NEVER
 
     @property
+    def copies_meshes(self) -> bool:
+        """Whether meshes are copied beside the descriptions; files in folders of their own bring theirs."""
+        return self.mesh_prefix is not None and not all(call.stage.in_folders for call in self.emitters)
+
+    @property
     def keeps_kinematics(self) -> bool:
         """Whether a difference from the DH product is a failure."""
         with depending_on(self.transform, "keeps_kinematics"):
@@ -218,7 +223,7 @@ def write_robot(
     """
     originals = [Path(mesh.path) for mesh in mesh_files(robot)]
     robot = with_copies(robot, recipe)
-    copies = mesh_files(robot) if recipe.mesh_prefix is not None else ()
+    copies = mesh_files(robot) if recipe.copies_meshes else ()
     with staging(directory) as folder:
         written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
         names = [file.name for emitted in written for file in emitted.files]
@@ -241,6 +246,7 @@ def emit_robot(
     main_file: str | None = None,
     proved: bool = True,
     sampled: bool = True,
+    alone: bool = True,
 ) -> tuple[Written, ...]:
     """Emit a robot with every emitter into a folder of its own, and prove each file there.
 
@@ -254,6 +260,7 @@ def emit_robot(
         main_file: another name for the first emitter's main file.
         proved: whether to prove the files.
         sampled: whether to prove also those whose proof is slow.
+        alone: whether no other robot is written into the same place with the same options.
 
     Raises:
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
@@ -265,9 +272,19 @@ def emit_robot(
     for call in recipe.emitters:
         emitter = call.stage
         with blaming(call):
-            files = emitted_files(emitter.emit(robot, stem, call.options))
+            files = emitted_files(emitter.emit(robot, stem, call.options), in_folders=emitter.in_folders)
             if not files:
                 raise ValueError("it gave no file")
+        if not alone and emitter.in_folders and not all(file.name.startswith(stem) for file in files):
+            raise EmitterError(
+                Problem(
+                    message=f"the options of the emitter {emitter.name!r} name the folder of one robot, and the run "
+                    "has several",
+                    found=files[0].name.partition("/")[0],
+                    accepted=f"a folder whose name begins with {stem!r}",
+                    suggestion="name the tables as their packages, or convert them one by one",
+                )
+            )
         if main_file is not None and not written:
             files[0] = replace(files[0], name=main_file)
         for file in files:

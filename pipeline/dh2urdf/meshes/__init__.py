@@ -8,6 +8,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.meshes.files import (
         REMEDY as REMEDY,
+        copy_name as copy_name,
         find_mesh as find_mesh,
         has_meshes as has_meshes,
         read_mesh as read_mesh,
@@ -24,7 +25,7 @@ else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "files": "REMEDY find_mesh has_meshes read_mesh",
+            "files": "REMEDY copy_name find_mesh has_meshes read_mesh",
             "triangles": "Asset FORMATS asset_of enclosed load_scene to_metres",
         },
     )

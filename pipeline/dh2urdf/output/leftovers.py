@@ -22,7 +22,7 @@ from dh2urdf.output.seen_names import SeenNames
 from dh2urdf.output.store import checked
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
     from dh2urdf.output.store import Store
 
@@ -80,9 +80,9 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
             names = _left(row.names(), named)
             if not row.shards.isdisjoint(names):
                 for shard in row.shards.intersection(names):
-                    shards[shard] = shards.get(shard, True) and row.is_whole(store, shard)
+                    shards[shard] = shards.get(shard, True) and row.is_whole_in(store, shard)
             elif row.files and not names.isdisjoint(row.files):
-                whole = row.is_whole(store)
+                whole = row.is_whole(store, names)
                 _clear(store, names.difference(row.meshes), found, keep=keep, whole=whole)
     for shard, whole in shards.items():
         _clear(store, [shard], found, keep=keep, whole=whole)
@@ -180,7 +180,8 @@ class _LastRow:
         inside = [(checked(m["shard"]), range(m["offset"], m["offset"] + m["bytes"]), m["sha256"]) for m in members]
         meshes = {checked(mesh["path"]): str(mesh["sha256"]) for mesh in row.get("meshes", ())}
         pictures = [report["picture"] for report in row["loaders"].values() if report["picture"]]
-        beside = "".join(next(iter(own), "").rpartition("/")[:2])  # In a shard, pictures are members.
+        # In a shard, pictures are members. Files in folders of their own lie below the pictures.
+        beside = "".join(min(own, key=lambda name: name.count("/"), default="").rpartition("/")[:2])
         self.pictures = {checked(f"{beside}{name}") for name in pictures} if own else set()
         self.name, self.failed = str(row["name"]), row["status"] != "ok"
         self.files, self.meshes, self._members = own, meshes, inside
@@ -193,10 +194,12 @@ class _LastRow:
         yield from self.pictures
         yield from self.meshes
 
-    def is_whole(self, store: Store, shard: str | None = None) -> bool:
-        """Whether the files have the bytes that they were written with: its own, or those in a shard."""
-        if shard is None:
-            return all(_digest(store, name) in (digest, None) for name, digest in self.files.items())
+    def is_whole(self, store: Store, names: Collection[str]) -> bool:
+        """Whether some of its own files have the bytes that they were written with."""
+        return all(_digest(store, name) in (digest, None) for name, digest in self.files.items() if name in names)
+
+    def is_whole_in(self, store: Store, shard: str) -> bool:
+        """Whether its files in a shard have the bytes that they were written with."""
         return all(
             _digest(store, name, part.start, part.stop - part.start) == digest
             for name, part, digest in self._members

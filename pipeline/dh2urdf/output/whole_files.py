@@ -8,7 +8,7 @@ import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EISDIR
 from hashlib import sha256
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import OutputError
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 LONGEST_STEM = 120
 """Bytes of a file name's stem [1]: file systems take 255 for the whole name, and suffixes need their share."""
+_NO_NAMES = frozenset(("", ".", ".."))
 _STAGING = ".dh2urdf-"
 _SAFE = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
@@ -111,13 +112,16 @@ def staging(directory: Path) -> Iterator[Path]:
 
 
 def _remove(folder: Path) -> None:
-    """Remove a staging folder, which holds files alone; an interrupt meanwhile goes its way as what it is.
+    """Remove a staging folder; an interrupt meanwhile goes its way as what it is.
 
     (In `shutil.rmtree` it may become an OSError, and it costs twice the time.)
     """
     with suppress(OSError):
         for name in os.listdir(folder):  # noqa: PTH208 - a few microseconds for each manipulator of a million
-            os.unlink(folder / name)  # noqa: PTH108
+            try:
+                os.unlink(folder / name)  # noqa: PTH108
+            except (IsADirectoryError, PermissionError):  # the second, of a folder, on macOS and Windows
+                _remove(folder / name)
         folder.rmdir()
 
 
@@ -130,12 +134,15 @@ def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> 
         place: where they will stand in the end, for messages; by default the folder above.
 
     Raises:
-        OutputError: a file cannot be written, or its name is not a plain file name.
+        OutputError: a file cannot be written, or its name leads out of the folder.
     """
     for file in files:
-        if Path(file.name).name != file.name or file.name in ("", ".", ".."):
+        path = PurePosixPath(file.name)
+        if "\\" in file.name or path.is_absolute() or not _NO_NAMES.isdisjoint(file.name.split("/")):
             raise OutputError(Problem(message=f"{shown(file.name)} is not a plain file name", found=file.name))
         with reporting_os_errors(f"{place}/{file.name}" if place else folder.parent / file.name):
+            if len(path.parts) > 1:
+                (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / file.name).write_bytes(file.content)
 
 
@@ -192,6 +199,8 @@ def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
                 raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
     for name in names:
         with reporting_os_errors(directory / name):
+            if "/" in name:
+                (directory / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).replace(directory / name)
 
 

@@ -71,18 +71,27 @@ def whole_records(value: Iterable[T] | None, kind: type[T]) -> list[T]:
     return [a_whole_record(each, kind) for each in items_of(value, kind)]
 
 
-def emitted_files(value: Iterable[EmittedFile] | None) -> list[EmittedFile]:
+def emitted_files(value: Iterable[EmittedFile] | None, *, in_folders: bool = False) -> list[EmittedFile]:
     """The files that an emitter gave.
+
+    Args:
+        value: what it gave.
+        in_folders: whether the files lie in folders of their own.
 
     Raises:
         TypeError: one of them is no file, its name is no text, or its content is not bytes.
-        ValueError: a name is not that of a file in the output folder itself.
+        ValueError: a name is not that of a file in the output folder itself, or, of an emitter whose files lie in
+            folders, in such a folder.
     """
     files = list(items_of(value, EmittedFile))
     for file in files:
         if type(file) is not EmittedFile or type(file.name) is not str or type(file.content) is not bytes:
             a_whole_record(file, EmittedFile)
-        a_plain_name(file.name)
+        parts = file.name.split("/") if in_folders else [file.name]
+        if in_folders and len(parts) == 1:
+            raise ValueError(f"{shown(file.name)} lies in no folder; accepted: the path of a file in one")
+        for part in parts:
+            a_plain_name(part)
     return files
 
 

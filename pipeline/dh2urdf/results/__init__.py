@@ -18,6 +18,7 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.results.commands import (
+        AxesEntry as AxesEntry,
         BriefEntry as BriefEntry,
         BrokenPluginEntry as BrokenPluginEntry,
         ClashEntry as ClashEntry,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
         JointEntry as JointEntry,
         MassEntry as MassEntry,
         OptionEntry as OptionEntry,
+        OpwEntry as OpwEntry,
         Placement as Placement,
         PluginEntry as PluginEntry,
         PluginsReport as PluginsReport,
@@ -66,8 +68,8 @@ else:
         __name__,
         {
             "commands": "BriefEntry BrokenPluginEntry ClashEntry ConversionEntry ConversionsReport ConvertedFileEntry "
-            "Detail DistanceEntry ErrorReport FieldEntry FilledInEntry InfoReport JointDetail JointEntry "
-            "MassEntry OptionEntry Placement PluginEntry PluginsReport RefusedPluginEntry ShadowedEntry "
+            "AxesEntry Detail DistanceEntry ErrorReport FieldEntry FilledInEntry InfoReport JointDetail JointEntry "
+            "MassEntry OpwEntry OptionEntry Placement PluginEntry PluginsReport RefusedPluginEntry ShadowedEntry "
             "StageEntry StatedConvention StatedValue UnitEntry",
             "run": "ConventionName CoverageEntry FileEntry InputEntry JointTypeName KindName LoadEntry "
             "ManipulatorEntry MeshEntry ProblemEntry ProofEntry Reproduction RunReport SimulatorNotice "

@@ -156,6 +156,28 @@ class MassEntry(TypedDict):
     computed: list[str]
 
 
+class OpwEntry(TypedDict):
+    """The parameters of an arm with an ortho-parallel basis and a spherical wrist [m, rad]."""
+
+    a1: float
+    a2: float
+    b: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    offsets: list[float]
+    signs: list[int]
+
+
+class AxesEntry(TypedDict):
+    """What the axes of an arm say of its kinematics, by the names of the joints."""
+
+    parallel: list[list[str]]
+    spherical_wrist: list[str]
+    opw: OpwEntry | None
+
+
 class Detail(TypedDict):
     """All that was understood of one manipulator."""
 
@@ -169,6 +191,7 @@ class Detail(TypedDict):
     joints: list[JointDetail]
     pose_at_zero: list[list[float]]
     largest_distance: DistanceEntry
+    axes: AxesEntry
     mass: MassEntry
     notices: list[ProblemEntry]
     errors: list[ProblemEntry]

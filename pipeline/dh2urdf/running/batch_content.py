@@ -80,7 +80,9 @@ class BatchContent:
         self.groups = list(batch.columns)
         self.faults: dict[int, tuple[Problem, ...]] = {}
         self.earlier = EarlierFiles(maker.store, maker.layout, batch.first)
-        self.copies = MeshCopies(maker.store, self.earlier, self.recipe.mesh_prefix)
+        self.copies = MeshCopies(
+            maker.store, self.earlier, self.recipe.mesh_prefix if self.recipe.copies_meshes else None
+        )
         with timed(self.seconds, "draw"):
             for start, variation, numbers in batch.variants:
                 self._draw(start, [Variant(variation=variation, number=number) for number in numbers])

@@ -235,6 +235,7 @@ class Work(BatchContent):
                             place=f"{self.maker.store}/{self.maker.layout.path(index, '')}".rstrip("/"),
                             proved=index in self.recipe.proved,
                             sampled=index in self.recipe.sample,
+                            alone=index == 0,
                         )
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     if loaders:

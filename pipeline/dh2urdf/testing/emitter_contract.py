@@ -34,11 +34,13 @@ class EmitterContract(StageContract):
 
     Attributes:
         robots: the robots that it is tested with; by default the reference arms.
+        stem: the stem that it is given.
     """
 
     kind = "emitter"
     stage: ClassVar[Emitter[Any]]
     robots: ClassVar[Sequence[Robot] | None] = None
+    stem: ClassVar[str] = STEM
 
     # --- The clauses
 
@@ -55,11 +57,13 @@ class EmitterContract(StageContract):
                     remedy="return [EmittedFile(name=f'{stem}.suffix', content=text.encode())]",
                 )
             for file in files:
-                if Path(file.name).name != file.name or not file.name.startswith(STEM):
+                is_plain = (Path(file.name).name == file.name) is not self.stage.in_folders
+                if not is_plain or not file.name.startswith(self.stem):
                     self.breach(
                         self.test_files_have_plain_names_and_content,
-                        found=f"a file named {file.name!r} for the stem {STEM!r}",
-                        accepted="a name without a folder that begins with the stem",
+                        found=f"a file named {file.name!r} for the stem {self.stem!r}",
+                        accepted=f"a name {'in' if self.stage.in_folders else 'without'} a folder that begins with "
+                        "the stem",
                         remedy="make names of the stem that `emit` is given: the pipeline has made it safe and unique",
                     )
                 if not isinstance(file.content, bytes):
@@ -76,7 +80,7 @@ class EmitterContract(StageContract):
                     accepted="names that differ, also where upper and lower case are one",
                     remedy="give each file a name of its own",
                 )
-            if not files[0].name.lower().endswith(self.stage.suffixes):
+            if not self.stage.in_folders and not files[0].name.lower().endswith(self.stage.suffixes):
                 self.breach(
                     self.test_files_have_plain_names_and_content,
                     found=f"the main file {files[0].name!r}",
@@ -91,8 +95,7 @@ class EmitterContract(StageContract):
                 files = self._emit(robot)
             except (EmitterError, PluginError):  # It may refuse what its format cannot hold.
                 continue
-            for file in files:
-                (tmp_path / file.name).write_bytes(file.content)
+            _write(tmp_path, files)
             for file in files:
                 if fault := _fault(file):
                     self.breach(
@@ -106,7 +109,7 @@ class EmitterContract(StageContract):
     def test_writes_nothing_itself(self) -> None:
         """It writes no file, starts no process and leaves nothing running: the pipeline writes what it gives."""
         clause = self.test_writes_nothing_itself
-        seen = self.in_child(clause, each, self.stage.emit, self._robots(), STEM, self.given())
+        seen = self.in_child(clause, each, self.stage.emit, self._robots(), self.stem, self.given())
         if seen.traces:
             self.breach(
                 clause,
@@ -119,7 +122,7 @@ class EmitterContract(StageContract):
         """The same robot gives the same bytes, or the same refusal, in every process."""
         robots = (*self._robots(), *self._awkward())
         self.same_in_every_process(
-            self.test_is_deterministic, each_outcome, self.stage.emit, robots, STEM, self.given()
+            self.test_is_deterministic, each_outcome, self.stage.emit, robots, self.stem, self.given()
         )
 
     def test_keeps_its_input(self) -> None:
@@ -182,8 +185,7 @@ class EmitterContract(StageContract):
         for manipulator in reference_manipulators():
             robot, truth = plain_robot(manipulator), Truth.of(manipulator)
             files = self._emit(robot)
-            for file in files:
-                (tmp_path / file.name).write_bytes(file.content)
+            _write(tmp_path, files)
             try:
                 found = self.stage.read_back(tmp_path / files[0].name)
             except Dh2UrdfError as error:
@@ -210,8 +212,7 @@ class EmitterContract(StageContract):
             return  # `dh2urdf check` does not know the format.
         for robot in self._robots():
             files = self._emit(robot)
-            for file in files:
-                (tmp_path / file.name).write_bytes(file.content)
+            _write(tmp_path, files)
             inspection = self.stage.check(tmp_path / files[0].name, *self._checked_with)
             errors = [finding for finding in inspection.findings if finding.severity == "error"]
             refusing = {effect.consumer for each in errors for effect in each.effects if effect.severity == "error"}
@@ -228,7 +229,7 @@ class EmitterContract(StageContract):
         if self.stage.emit_columns is None:
             return  # It makes them one by one.
         columns = _columns(self._robots()[0])
-        stems = [f"{STEM}-{number}" for number in range(len(columns))]
+        stems = [f"{self.stem}-{number}" for number in range(len(columns))]
         found = self.stage.emit_columns(columns, stems, self.given())
         for number, files in enumerate(found or ()):
             if files:  # It may leave out what it does not surely write so.
@@ -243,7 +244,7 @@ class EmitterContract(StageContract):
         return tuple(deepcopy(cls.robots) if cls.robots is not None else map(plain_robot, reference_manipulators()))
 
     def _emit(self, robot: Robot) -> Sequence[EmittedFile]:
-        return self.stage.emit(robot, STEM, self.given())
+        return self.stage.emit(robot, self.stem, self.given())
 
     def _awkward(self) -> Iterator[Robot]:
         """Robots that the pipeline lets pass and that an emitter may stumble over."""
@@ -267,6 +268,12 @@ class EmitterContract(StageContract):
         shapes = (Visual(geometry=Box(size=(0.1, 0.2, 0.3))), Visual(geometry=Sphere(radius=0.05)))
         yield replace(robot, name="shapes", links=tuple(_with(link, shapes) for link in robot.links))
         yield replace(robot, name="bare", links=tuple(_with(link, ()) for link in robot.links))
+
+
+def _write(folder: Path, files: Sequence[EmittedFile]) -> None:
+    for file in files:
+        (folder / file.name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / file.name).write_bytes(file.content)
 
 
 def _with(link: Link, visuals: tuple[Visual, ...]) -> Link:

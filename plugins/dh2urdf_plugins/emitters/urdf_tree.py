@@ -21,7 +21,6 @@ from dh2urdf.source import Problem, shown
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
 
 LONGEST_LINE = 8000
@@ -34,7 +33,10 @@ LONGEST_COMMENT = 1000
 # them (section 3.3.3), and minidom, which writes xacro's output, does not escape them.
 _NOT_FOR_XML = re.compile("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
-_LIMITS_OF = {
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+"""The elements of an inertia, as URDF names and orders them."""
+
+LIMITS_OF = {
     JointType.REVOLUTE: ("lower", "upper", "effort", "velocity"),
     JointType.PRISMATIC: ("lower", "upper", "effort", "velocity"),
     JointType.CONTINUOUS: ("effort", "velocity"),
@@ -76,6 +78,28 @@ class Notation:
     def angles(self, angles: Sequence[float], _formulas: Sequence[str] | None = None) -> str:
         """Angles [rad], each with the formula that it follows."""
         return self.numbers(angles)
+
+    def limit(self, joint: Joint, name: str, value: float) -> str:
+        """A limit of a joint: lower, upper, velocity or effort."""
+        is_angle = joint.type is not JointType.PRISMATIC and name != "effort"
+        return self.angles((value,)) if is_angle else self.numbers((value,))
+
+    def resistance(self, _joint: Joint, _name: str, value: float) -> str:
+        """The damping or the friction of a joint."""
+        return self.numbers((value,))
+
+    def mass(self, _link: str, inertial: Inertial) -> str:
+        """The mass of a link."""
+        return self.numbers((inertial.mass,))
+
+    def com(self, _link: str, inertial: Inertial) -> str:
+        """The centre of mass of a link."""
+        return self.numbers(inertial.com)
+
+    def inertia(self, _link: str, inertial: Inertial) -> dict[str, str]:
+        """The inertia of a link by the names of its elements."""
+        texts = self.numbers(getattr(inertial.inertia, name) for name in INERTIA)
+        return dict(zip(INERTIA, texts.split(" "), strict=True))
 
 
 def urdf_tree(
@@ -123,12 +147,12 @@ def append_mujoco_options(parent: etree._Element, robot: Robot) -> None:
     etree.SubElement(etree.SubElement(parent, "mujoco"), "compiler", options)
 
 
-def append_inertial(parent: etree._Element, inertial: Inertial, notation: Notation) -> None:
-    """Appends mass properties, which follow no parameter."""
+def append_inertial(parent: etree._Element, link: str, inertial: Inertial, notation: Notation) -> None:
+    """Appends the mass properties of a link."""
     element = etree.SubElement(parent, "inertial")
-    etree.SubElement(element, "origin", {"xyz": notation.numbers(inertial.com), "rpy": "0 0 0"})
-    etree.SubElement(element, "mass", {"value": notation.numbers((inertial.mass,))})
-    etree.SubElement(element, "inertia", _elements(inertial.inertia, notation))
+    etree.SubElement(element, "origin", {"xyz": notation.com(link, inertial), "rpy": "0 0 0"})
+    etree.SubElement(element, "mass", {"value": notation.mass(link, inertial)})
+    etree.SubElement(element, "inertia", notation.inertia(link, inertial))
 
 
 def append_comment(parent: etree._Element, text: str) -> None:
@@ -190,7 +214,7 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> N
         etree.SubElement(element, "axis", {"xyz": notation.numbers(joint.axis)})
         etree.SubElement(element, "limit", _limits(joint, notation))
     dynamics = {
-        name: notation.numbers((value,))
+        name: notation.resistance(joint, name, value)
         for name, value in (("damping", joint.damping), ("friction", joint.friction))
         if value is not None
     }
@@ -201,7 +225,7 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> N
 def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
     """The limits that URDF requires of a joint of its type: an incomplete one is refused by most readers."""
     attributes = {}
-    for name in _LIMITS_OF[joint.type]:
+    for name in LIMITS_OF[joint.type]:
         value = getattr(joint.limits, name)
         if value is None:
             raise EmitterError(
@@ -212,24 +236,18 @@ def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
                     field=f"limits.{name}",
                 )
             )
-        is_angle = joint.type is not JointType.PRISMATIC and name != "effort"
-        attributes[name] = notation.angles((value,)) if is_angle else notation.numbers((value,))
+        attributes[name] = notation.limit(joint, name, value)
     return attributes
 
 
 def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shared_materials: bool) -> None:
     element = etree.SubElement(parent, "link", {"name": notation.name(link.name)})
     if link.inertial:
-        append_inertial(element, link.inertial, notation)
+        append_inertial(element, link.name, link.inertial, notation)
     for visual in link.visuals:
         _append_visual(element, visual, notation, shared_materials=shared_materials)
     for collision in link.collisions:
         _append_shape(etree.SubElement(element, "collision"), collision, notation)
-
-
-def _elements(inertia: Inertia, notation: Notation) -> dict[str, str]:
-    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    return dict(zip(names, notation.numbers(getattr(inertia, name) for name in names).split(" "), strict=True))
 
 
 def _append_visual(parent: etree._Element, visual: Visual, notation: Notation, *, shared_materials: bool) -> None:

@@ -148,16 +148,16 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
     """
     notation, profile = XacroNotation(), PROFILES[options.profile]
     robot = adapted(robot, profile)
-    macros = _macros(robot, stem)
+    macros = macros_of(robot, stem)
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
-        _append(top, "arg", name="prefix", default="")
+        append_element(top, "arg", name="prefix", default="")
     if profile.mujoco_element:
         append_mujoco_options(top, robot)
     library = top if options.single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
     if not options.single_file:
         # xacro takes a file name for a pattern.
-        _append(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
+        append_element(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
     for name, kind in macros.items():
         _append_macro(library, kind, name, profile)
     if robot.arms:
@@ -175,7 +175,7 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
     )
 
 
-def _macros(robot: Robot, stem: str) -> dict[str, Robot]:
+def macros_of(robot: Robot, stem: str) -> dict[str, Robot]:
     """The macros that a robot needs, by their names: its own, or one for every kind of its arms."""
     if not robot.arms:
         return {macro_name(robot.name, stem): robot}
@@ -191,24 +191,24 @@ def _macros(robot: Robot, stem: str) -> dict[str, Robot]:
     return macros
 
 
-def _append(parent: etree._Element, tag: str, /, **attributes: str) -> etree._Element:
+def append_element(parent: etree._Element, tag: str, /, **attributes: str) -> etree._Element:
     """Appends an element of xacro's."""
     return etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}", attributes)
 
 
 def _append_call(parent: etree._Element, macro: str) -> None:
-    call = _append(parent, macro, prefix="$(arg prefix)")
+    call = append_element(parent, macro, prefix="$(arg prefix)")
     etree.SubElement(call, "origin", {"xyz": "0 0 0", "rpy": "0 0 0"})
 
 
 def _append_placed_call(parent: etree._Element, macro: str, arm: Arm, notation: XacroNotation) -> None:
-    words = {"prefix": _as_text(notation.text(arm.prefix)), "parent": _as_text(notation.text(arm.parent))}
-    call = _append(parent, macro, **words)
+    words = {"prefix": as_text(notation.text(arm.prefix)), "parent": as_text(notation.text(arm.parent))}
+    call = append_element(parent, macro, **words)
     origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
     etree.SubElement(call, "origin", origin)
 
 
-def _as_text(text: str) -> str:
+def as_text(text: str) -> str:
     """A text as the value of a macro's parameter, where xacro makes numbers and truth values of what looks like them.
 
     It does so unless there is a ``_`` in it, or quotes around it, which it takes off.
@@ -223,16 +223,16 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Prof
         f'Call it as <xacro:{name} prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:{name}>; '
         "without a parent the arm is mounted on nothing, and origin is not used.",
     )
-    macro = _append(parent, "macro", name=name, params=MACRO_PARAMETERS)
+    macro = append_element(parent, "macro", name=name, params=MACRO_PARAMETERS)
     _append_properties(macro, robot)
-    _append_mounting(macro, robot, notation)
+    append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation, shared_materials=profile.shared_materials)
     if profile.transmissions:
         append_transmissions(macro, robot, notation)
     if robot.links[0].inertial is None and profile.frame_inertials:
         # A link without an inertial weighs 1 kg in PyBullet, unless it is the root, and KDL warns of a root with one.
         mounted = etree.Element(f"{{{NAMESPACE}}}unless", {"value": "${parent == ''}"})
-        append_inertial(mounted, Inertial(mass=0.0), notation)
+        append_inertial(mounted, robot.root, Inertial(mass=0.0), notation)
         next(macro.iterchildren("link")).insert(0, mounted)
 
 
@@ -253,10 +253,15 @@ def _append_properties(macro: etree._Element, robot: Robot) -> None:
         append_comment(macro, f"joint {shown(joint)}: {listed}")
         for parameter in row:
             value = angle_text(parameter.value) if parameter.unit == "rad" else format_number(parameter.value)
-            _append(macro, "property", name=_property_name(parameter), value=value)
+            append_element(macro, "property", name=property_name(parameter), value=value)
 
 
-def _property_name(parameter: Parameter) -> str:
+def property_name(parameter: Parameter) -> str:
+    """The name of a parameter as that of a property.
+
+    Raises:
+        EmitterError: xacro cannot have a property of the name, or a formula would take it for something else.
+    """
     name = parameter.name
     if not name.isidentifier() or iskeyword(name) or name.startswith("__") or name in _WORDS_IN_USE:
         raise EmitterError(
@@ -271,11 +276,11 @@ def _property_name(parameter: Parameter) -> str:
     return name
 
 
-def _append_mounting(macro: etree._Element, robot: Robot, notation: XacroNotation) -> None:
+def append_mounting(macro: etree._Element, robot: Robot, notation: XacroNotation) -> None:
     """Appends the joint between the caller's link and the arm, which is written where there is a parent."""
-    condition = _append(macro, "unless", value="${parent == ''}")
+    condition = append_element(macro, "unless", value="${parent == ''}")
     joint = etree.SubElement(condition, "joint", {"name": notation.name(robot.mounting), "type": "fixed"})
-    _append(joint, "insert_block", name="origin")
+    append_element(joint, "insert_block", name="origin")
     etree.SubElement(joint, "parent", {"link": "${parent}"})
     etree.SubElement(joint, "child", {"link": notation.name(robot.root)})
 

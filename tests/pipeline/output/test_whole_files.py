@@ -195,9 +195,16 @@ class TestWriteFiles:
         write_files(tmp_path, [EmittedFile(name="a.urdf", content=b"<a/>\n"), EmittedFile(name="b", content=b"\r\n\0")])
         assert tree(tmp_path) == {"a.urdf": b"<a/>\n", "b": b"\r\n\0"}
 
-    @pytest.mark.parametrize("name", ["", ".", "..", "../x.urdf", "sub/x.urdf", "/tmp/x.urdf", "x/"])  # noqa: S108
+    def test_a_file_may_lie_in_a_folder_which_is_put_in_place_and_gone_from_staging(self, tmp_path: Path) -> None:
+        """The folders are made, here and where the file belongs."""
+        with staging(tmp_path / "out") as folder:
+            write_files(folder, [EmittedFile(name="p/q/a.urdf", content=b"<a/>"), EmittedFile(name="p/b", content=b"")])
+            put_in_place(folder, ["p/q/a.urdf"], tmp_path / "out")
+        assert tree(tmp_path / "out") == {"p/q/a.urdf": b"<a/>"}
+
+    @pytest.mark.parametrize("name", ["", ".", "..", "../x.urdf", "sub/../../x.urdf", "sub//x", "/tmp/x.urdf", "x/"])  # noqa: S108
     def test_a_name_that_leaves_the_folder_is_refused(self, tmp_path: Path, name: str) -> None:
-        """An emitter's file has a plain name: nothing is written outside the folder, or to a folder."""
+        """Nothing is written outside the folder, or to a folder."""
         inside = tmp_path / "out" / "staging"
         inside.mkdir(parents=True)
         with pytest.raises(OutputError, match="is not a plain file name"):

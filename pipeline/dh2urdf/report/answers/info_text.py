@@ -13,7 +13,7 @@ from dh2urdf.source import printable
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from dh2urdf.results import Detail, DistanceEntry, FieldEntry, InfoReport, MassEntry, Placement
+    from dh2urdf.results import AxesEntry, Detail, DistanceEntry, FieldEntry, InfoReport, MassEntry, Placement
 
 HEAD = ("joint", "field", "value", "as typed", "read in", "place")
 MOST_ARMS = 40
@@ -140,6 +140,7 @@ def _facts(source: str, detail: Detail) -> Iterator[str]:
         at = f" ({said['place']})" if said["place"] else ""
         yield printable(f"{_STATED.get(key, key)}: {_stated(key, said['value'])}{at}")
     yield _distance(detail["largest_distance"])
+    yield from _axes(detail["axes"])
     yield _weight(detail["mass"])
     yield "T(base_link → tool0) at q = 0:"
     for row in detail["pose_at_zero"]:
@@ -175,6 +176,19 @@ def _distance(distance: DistanceEntry) -> str:
         f"reach: tool0 is never further than {_number(distance['bound'])} m from the origin of the first DH frame "
         "(the sum of √(a² + d²) of all rows, and of the tool)"
     )
+
+
+def _axes(axes: AxesEntry) -> Iterator[str]:
+    """What the axes of the arm say."""
+    for names in axes["parallel"]:
+        yield f"parallel axes: {', '.join(map(printable, names))}"
+    if axes["spherical_wrist"]:
+        yield f"spherical wrist: {', '.join(map(printable, axes['spherical_wrist']))}"
+    if (opw := axes["opw"]) is not None:
+        lengths = {name: opw[name] for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4")}
+        shown = ", ".join(f"{name} {_number(length)}" for name, length in lengths.items())
+        offsets, signs = (", ".join(map(_number, opw[name])) for name in ("offsets", "signs"))
+        yield f"OPW arm: {shown} m, offsets {offsets} rad, signs {signs}"
 
 
 def _weight(mass: MassEntry) -> str:

@@ -67,8 +67,9 @@ def table_formats(catalog: Catalog) -> tuple[str, ...]:
 
 
 def robot_formats(catalog: Catalog) -> tuple[str, ...]:
-    """The formats in which robots can be saved, by the names of their emitters."""
-    return tuple(item.stage.name for item in catalog.provided("emitter"))
+    """The formats in which a robot can be saved as a file, by the names of their emitters."""
+    stages = [item.stage for item in catalog.provided("emitter")]
+    return tuple(stage.name for stage in stages if not getattr(stage, "in_folders", False))
 
 
 def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalog) -> Saved:

@@ -1,0 +1,1 @@
+"""The emitter `ros2`: packages that a ROS 2 workspace builds as they are."""

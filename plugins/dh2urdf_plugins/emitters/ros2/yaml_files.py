@@ -1,0 +1,167 @@
+"""The YAML files of a description package: the numbers that a person replaces without touching a xacro.
+
+ROS parameters are typed, and xacro reads YAML as numbers: each real number is written as a float, ``3.0`` and not
+``3``.
+"""
+
+from __future__ import annotations
+
+import re
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.manipulator import JointType
+from dh2urdf_plugins.emitters.urdf_tree import INERTIA, LIMITS_OF
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from dh2urdf.robot import Joint, Parameter, Robot
+
+LIMIT_KEYS = {"lower": "min_position", "upper": "max_position", "velocity": "max_velocity", "effort": "max_effort"}
+"""The key of each limit in joint_limits.yaml, as MoveIt and ros2_control name it."""
+UPDATE_RATE = 100
+"""Cycles of the controller manager [1/s]."""
+STATE_BROADCASTER = "joint_state_broadcaster"
+
+_OF_A_ROW = re.compile(r"(.+)_[0-9]+")
+
+
+def yaml_file(content: Mapping[str, Any], *comment: str) -> bytes:
+    """A YAML file with lines of comment above its content."""
+    import yaml
+
+    text = yaml.safe_dump(_plain(content), sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+    return "".join([*(f"# {line}\n" for line in comment), text]).encode()
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - what YAML has
+    """A value in which each number that is a float has its own type, and 0.0 has no sign."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    return float(value) + 0.0 if isinstance(value, float) else value
+
+
+# --- The table --------------------------------------------------------------------------------------------------------
+
+
+def parameter_key(parameter: Parameter) -> str:
+    """The key of a parameter in the row of its joint: ``a`` for ``a_1``."""
+    match = _OF_A_ROW.fullmatch(parameter.name)
+    return match[1] if match else parameter.name
+
+
+def follows_whole_table(robot: Robot) -> bool:
+    """Whether the origins of a robot are formulas over lengths and angles, so that another table can take their place.
+
+    Where the angles are in the axes, as in aligned frames, a table with other angles would give a wrong arm.
+    """
+    return any(parameter.unit == "rad" for parameter in robot.parameters)
+
+
+def dh_file(robot: Robot) -> bytes:
+    """``dh.yaml``: the rows of the table, by the names of their joints, with a hash of their numbers."""
+    rows: dict[str, dict[str, float]] = {}
+    for parameter in robot.parameters:
+        rows.setdefault(parameter.joint, {})[parameter_key(parameter)] = parameter.value
+    return yaml_file(
+        {"dh": {"hash": table_hash(rows), "joints": rows}},
+        f"The Denavit-Hartenberg rows of {robot.name}: a and d in m, alpha and theta in rad. Joint offsets, the",
+        "base and the tool are in the macro. A file of the same form with the numbers of a calibration takes the place",
+        "of this one: pass its path as `dh_file`. `hash` identifies the numbers, so that a driver can compare them.",
+    )
+
+
+def table_hash(rows: Mapping[str, Mapping[str, float]]) -> str:
+    """A hash of the numbers of a table, which changes with each of them."""
+    text = ";".join(f"{joint}:{key}={value!r}" for joint, row in rows.items() for key, value in row.items())
+    return f"dh_{sha256(text.encode()).hexdigest()[:20]}"
+
+
+# --- Limits and bodies ------------------------------------------------------------------------------------------------
+
+
+def joint_limits(robot: Robot) -> bytes:
+    """``joint_limits.yaml``: the limits of each joint, with the keys that MoveIt and ros2_control use."""
+    limits = {
+        joint.name: {LIMIT_KEYS[name]: getattr(joint.limits, name) for name in LIMITS_OF[joint.type]}
+        for joint in robot.moving_joints
+    }
+    return yaml_file(
+        {"joint_limits": limits},
+        "Limits of the joints: positions in rad or m, velocities in rad/s or m/s, efforts in N·m or N.",
+    )
+
+
+def physical_parameters(robot: Robot) -> bytes:
+    """``physical_parameters.yaml``: the mass properties of links, and what resists the motion of joints."""
+    links = {
+        link.name: {
+            "mass": link.inertial.mass,
+            "com": link.inertial.com,
+            "inertia": {name: getattr(link.inertial.inertia, name) for name in INERTIA},
+        }
+        for link in robot.links
+        if link.inertial and link.inertial.mass
+    }
+    joints = {joint.name: resistances(joint) for joint in robot.moving_joints if resistances(joint)}
+    return yaml_file(
+        {"links": links, "joints": joints},
+        "Masses in kg, centres of mass in m in the frame of the link, inertias in kg·m² about the centre of mass with",
+        "the axes of that frame; damping in N·m·s/rad or N·s/m, friction in N·m or N.",
+    )
+
+
+def resistances(joint: Joint) -> dict[str, float]:
+    """The damping and the friction of a joint, where the table gives them."""
+    given = {"damping": joint.damping, "friction": joint.friction}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+# --- ros2_control -----------------------------------------------------------------------------------------------------
+
+
+def initial_position(joint: Joint) -> float:
+    """Where a joint starts: at 0, or in the middle of its limits where 0 is outside [rad or m]."""
+    lower, upper = joint.limits.lower, joint.limits.upper
+    if joint.type is JointType.CONTINUOUS or lower is None or upper is None or lower <= 0.0 <= upper:
+        return 0.0
+    return 0.5 * lower + 0.5 * upper
+
+
+def initial_positions(robot: Robot) -> bytes:
+    """``initial_positions.yaml``: where the joints start."""
+    positions = {joint.name: initial_position(joint) for joint in robot.moving_joints}
+    return yaml_file({"initial_positions": positions}, "Where the joints start, in rad or m; inside their limits.")
+
+
+def controller_name(prefix: str) -> str:
+    """The name of the trajectory controller of an arm."""
+    return f"{prefix}joint_trajectory_controller"
+
+
+def controllers(arms: Sequence[tuple[str, Sequence[Joint]]]) -> bytes:
+    """``ros2_controllers.yaml``: a trajectory controller for each arm, and the broadcaster of joint states.
+
+    Args:
+        arms: the prefix and the moving joints of each arm.
+    """
+    manager: dict[str, Any] = {
+        "update_rate": UPDATE_RATE,
+        STATE_BROADCASTER: {"type": "joint_state_broadcaster/JointStateBroadcaster"},
+    }
+    for prefix, _ in arms:
+        manager[controller_name(prefix)] = {"type": "joint_trajectory_controller/JointTrajectoryController"}
+    content: dict[str, Any] = {"controller_manager": {"ros__parameters": manager}}
+    for prefix, joints in arms:
+        content[controller_name(prefix)] = {
+            "ros__parameters": {
+                "joints": [f"{prefix}{joint.name}" for joint in joints],
+                "command_interfaces": ["position"],
+                "state_interfaces": ["position", "velocity"],
+                "allow_nonzero_velocity_at_trajectory_end": False,
+            }
+        }
+    return yaml_file(content, "The controllers of the robot, for the controller manager of ros2_control.")

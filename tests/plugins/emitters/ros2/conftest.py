@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+import dh2urdf
+from dh2urdf_plugins.emitters.ros2.emitter import EMITTER
+from dh2urdf_plugins.emitters.ros2.options import Ros2Options
+from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+
+TABLES = Path(__file__).parents[4] / "configs" / "tables"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Callable[..., tuple[Path, Robot, Manipulator]]:
+    """Writes the description package of a table; its folder, the robot and the table."""
+    numbers = count()
+
+    def written(table: str, frames: str, options: Ros2Options | None = None) -> tuple[Path, Robot, Manipulator]:
+        manipulator = dh2urdf.read(TABLES / table)
+        robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames))
+        top = tmp_path / str(next(numbers))
+        files = EMITTER.emit(robot, manipulator.name, options or Ros2Options())
+        for file in files:
+            path = top / file.name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(file.content)
+        return top / files[0].name.partition("/")[0], robot, manipulator
+
+    return written

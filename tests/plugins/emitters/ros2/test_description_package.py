@@ -1,0 +1,279 @@
+"""The files of a description package, held against the table by an oracle of its own."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import yaml
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.stages import Expansion
+from dh2urdf.testing.oracle import robot_pose
+from dh2urdf_plugins.emitters.ros2.emitter import EMITTER
+from dh2urdf_plugins.emitters.ros2.options import Ros2Options
+from dh2urdf_plugins.emitters.urdf import EMITTER as URDF, UrdfOptions
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+
+TABLES = ["ur5.csv", "panda.yaml", "scara.csv", "stanford.csv"]
+
+
+def dh_product(manipulator: Manipulator, rows: Mapping[str, Mapping[str, float]], q: list[float]) -> Any:
+    """T(base → tool) as the textbooks have it, of rows whose numbers may be others than those of the table."""
+    values = iter(q)
+    pose = matrix(manipulator.base)
+    for row in manipulator.rows:
+        a, alpha, d, theta = (rows[row.joint][name] for name in ("a", "alpha", "d", "theta"))
+        if row.type is not JointType.FIXED:
+            value = row.sign * next(values) + row.offset
+            d, theta = (d + value, theta) if row.type is JointType.PRISMATIC else (d, theta + value)
+        screw_x, screw_z = screw(0, alpha, a), screw(2, theta, d)
+        pose = pose @ (screw_z @ screw_x if manipulator.convention is Convention.STANDARD else screw_x @ screw_z)
+    return pose @ matrix(manipulator.tool)
+
+
+def screw(axis: int, angle: float, length: float) -> Any:
+    """A turn about x (0) or z (2) and a shift along it."""
+    result = np.eye(4)
+    i, j = [k for k in range(3) if k != axis]
+    result[[i, j], [i, j]] = math.cos(angle)
+    result[i, j], result[j, i] = -math.sin(angle), math.sin(angle)
+    result[axis, 3] = length
+    return result
+
+
+def matrix(transform: Any) -> Any:
+    result = np.eye(4)
+    result[:3, :3] = np.reshape(transform.rotation, (3, 3))
+    result[:3, 3] = transform.translation
+    return result
+
+
+def numbers_of(manipulator: Manipulator) -> dict[str, dict[str, float]]:
+    return {row.joint: {"a": row.a, "alpha": row.alpha, "d": row.d, "theta": row.theta} for row in manipulator.rows}
+
+
+def joint_values(robot: Robot, count: int) -> list[list[float]]:
+    random = np.random.default_rng(17)
+    bounds = [(joint.limits.lower, joint.limits.upper) for joint in robot.moving_joints]
+    ends = [(-3.0 if low is None else low, 3.0 if high is None else high) for low, high in bounds]
+    return [[float(random.uniform(low, high)) for low, high in ends] for _ in range(count)]
+
+
+def check_poses(found: Robot, manipulator: Manipulator, rows: Mapping[str, Any], prefix: str = "") -> None:
+    for q in joint_values(found, 20):
+        pose = np.array(robot_pose(found, q, f"{prefix}base_link", f"{prefix}tool0"))
+        assert np.abs(pose - dh_product(manipulator, rows, q)).max() < 1e-12
+
+
+@pytest.mark.parametrize("frames", ["dh", "aligned"])
+@pytest.mark.parametrize("table", TABLES)
+def test_the_expanded_description_is_the_urdf_for_ros(package: Any, table: str, frames: str) -> None:
+    """Link by link and joint by joint, to the last bit, though its numbers come from YAML files."""
+    folder, robot, _ = package(table, frames)
+    (plain,) = URDF.emit(robot, "arm", UrdfOptions(profile="ros"))
+    expected = parse_urdf(plain.content, "urdf")
+    found = read_foreign_xacro(next(folder.glob("urdf/*.urdf.xacro")))
+    assert (found.links, found.joints) == (expected.links, expected.joints)
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_tool0_is_where_the_table_has_it_with_a_prefix_and_on_a_parent(package: Any, table: str) -> None:
+    """Within 1e-12 of the DH product at random joint vectors, mounted where xyz and rpy say."""
+    folder, _, manipulator = package(table, "dh")
+    arguments = {"prefix": "left_", "parent": "table", "xyz": "1 2 3", "rpy": "0 0 0.5"}
+    found = read_foreign_xacro(next(folder.glob("urdf/*.urdf.xacro")), Expansion(arguments=arguments))
+    assert found.root == "table"
+    assert all(
+        name.startswith("left_") for name in (*(j.name for j in found.joints), *(k.name for k in found.links[1:]))
+    )
+    check_poses(found, manipulator, numbers_of(manipulator), "left_")
+    mounted = np.array(robot_pose(found, [], "table", "left_base_link"))
+    assert np.allclose(mounted, [[math.cos(0.5), -math.sin(0.5), 0, 1], [math.sin(0.5), math.cos(0.5), 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])  # fmt: skip
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_a_calibrated_table_takes_the_place_of_a_file(package: Any, table: str) -> None:
+    """Other lengths and angles in a YAML file of the same form, and the arm is the one of these rows; both conventions."""
+    folder, _, manipulator = package(table, "dh")
+    random = np.random.default_rng(3)
+    rows = {
+        joint: {name: float(value + random.normal(scale=2e-3)) for name, value in row.items()}
+        for joint, row in numbers_of(manipulator).items()
+    }
+    content = yaml.safe_load((folder / "config" / "dh.yaml").read_text())
+    assert content["dh"]["joints"] == numbers_of(manipulator)
+    content["dh"]["joints"] = rows
+    calibrated = folder / "config" / "calibrated.yaml"
+    calibrated.write_text(yaml.safe_dump(content))
+    arguments = {"dh_file": str(calibrated), "prefix": "a_"}
+    found = read_foreign_xacro(next(folder.glob("urdf/*.urdf.xacro")), Expansion(arguments=arguments))
+    check_poses(found, manipulator, rows, "a_")
+
+
+def test_limits_and_masses_come_from_files(package: Any) -> None:
+    """Another file of limits changes the limits, another one of masses the masses."""
+    folder, robot, _ = package("ur5.csv", "dh")
+    limits = yaml.safe_load((folder / "config" / "joint_limits.yaml").read_text())
+    limits["joint_limits"]["elbow_joint"] = {
+        "min_position": -1.0,
+        "max_position": 2.0,
+        "max_velocity": 0.5,
+        "max_effort": 7.0,
+    }
+    bodies = yaml.safe_load((folder / "config" / "physical_parameters.yaml").read_text())
+    bodies["links"][robot.links[4].name]["mass"] = 99.5
+    for name, content in (("limits", limits), ("bodies", bodies)):
+        (folder / "config" / f"{name}.yaml").write_text(yaml.safe_dump(content))
+    arguments = {
+        "limits_file": str(folder / "config" / "limits.yaml"),
+        "physical_file": str(folder / "config" / "bodies.yaml"),
+    }
+    found = read_foreign_xacro(folder / "urdf" / "ur5.urdf.xacro", Expansion(arguments=arguments))
+    elbow = next(joint for joint in found.joints if joint.name == "elbow_joint")
+    assert (elbow.limits.lower, elbow.limits.upper, elbow.limits.velocity, elbow.limits.effort) == (-1.0, 2.0, 0.5, 7.0)
+    assert 99.5 in [link.inertial.mass for link in found.links if link.inertial]
+
+
+def test_two_arms_are_called_by_hand_one_of_them_without_an_origin(package: Any) -> None:
+    """One macro, two prefixes and two calibrations: nothing of the first arm is in the second."""
+    folder, _, manipulator = package("ur5.csv", "dh")
+    rows = numbers_of(manipulator)
+    rows["elbow_joint"]["a"] -= 0.01
+    content = {"dh": {"hash": "x", "joints": rows}}
+    (folder / "config" / "other.yaml").write_text(yaml.safe_dump(content))
+    scene = folder / "urdf" / "scene.urdf.xacro"
+    scene.write_text(
+        """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="scene">
+  <xacro:include filename="$(find ur5_description)/urdf/ur5_macro.xacro"/>
+  <link name="world"/>
+  <xacro:ur5_at prefix="l_" parent="world" dh_file="$(find ur5_description)/config/other.yaml"/>
+  <xacro:ur5 prefix="r_" parent="world"><origin xyz="0 1 0" rpy="0 0 0"/></xacro:ur5>
+</robot>"""
+    )
+    found = read_foreign_xacro(scene)
+    assert len(found.moving_joints) == 12
+    q = [0.1 * place for place in range(6)]
+    for prefix, numbers, y in (("l_", rows, 0.0), ("r_", numbers_of(manipulator), 1.0)):
+        expected = dh_product(manipulator, numbers, q)
+        expected[1, 3] += y
+        assert np.abs(np.array(robot_pose(found, q, "world", f"{prefix}tool0")) - expected).max() < 1e-12
+
+
+# --- YAML -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_all_files_have_the_same_joints_and_typed_numbers(package: Any, table: str) -> None:
+    """The moving joints in their order, each real a float, initial positions inside the limits."""
+    folder, robot, _ = package(table, "dh")
+    read = {path.name: yaml.safe_load(path.read_text()) for path in folder.glob("config/*.yaml")}
+    names = [joint.name for joint in robot.moving_joints]
+    positions = read["initial_positions.yaml"]["initial_positions"]
+    limits = read["joint_limits.yaml"]["joint_limits"]
+    controller = read["ros2_controllers.yaml"]["joint_trajectory_controller"]["ros__parameters"]
+    assert list(positions) == list(limits) == controller["joints"] == names
+    numbers = [*positions.values(), *(value for row in limits.values() for value in row.values())]
+    numbers += [value for row in read["dh.yaml"]["dh"]["joints"].values() for value in row.values()]
+    for body in read["physical_parameters.yaml"]["links"].values():
+        numbers += [body["mass"], *body["com"], *body["inertia"].values()]
+    assert {type(number) for number in numbers} == {float}
+    for name, value in positions.items():
+        assert limits[name].get("min_position", -math.inf) <= value <= limits[name].get("max_position", math.inf)
+
+
+def test_ros2_control_has_the_joints_and_the_chosen_hardware(package: Any) -> None:
+    """Command and state interfaces for each joint; the plugin of Gazebo comes with its hardware alone."""
+    folder, robot, _ = package("ur5.csv", "aligned")
+    from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+
+    top = folder / "urdf" / "ur5.urdf.xacro"
+    for hardware, has_gazebo in (("mock_components/GenericSystem", False), ("gz_ros2_control/GazeboSimSystem", True)):
+        arguments = {"hardware": hardware, "prefix": "p_"}
+        root = etree.fromstring(expand_foreign(top, Expansion(arguments=arguments)).content)
+        (control,) = root.findall("ros2_control")
+        assert control.get("name") == "p_ur5"
+        assert control.findtext("hardware/plugin") == hardware
+        joints = control.findall("joint")
+        assert [each.get("name") for each in joints] == [f"p_{joint.name}" for joint in robot.moving_joints]
+        assert [float(each.findtext("state_interface/param[@name='initial_value']")) for each in joints] == [0.0] * 6
+        assert (root.find("gazebo/plugin") is not None) is has_gazebo
+
+
+def test_without_hardware_there_is_no_ros2_control(package: Any) -> None:
+    """No element, no controllers, no dependency on them."""
+    folder, _, _ = package("ur5.csv", "aligned", Ros2Options(hardware="none"))
+    names = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert not [name for name in names if "control" in name or "initial" in name]
+    assert b"controller" not in (folder / "package.xml").read_bytes()
+    assert b"ros2_control" not in (folder / "urdf" / "ur5.urdf.xacro").read_bytes()
+
+
+def test_aligned_frames_have_no_table_to_replace(package: Any) -> None:
+    """The angles of the table are in the axes: a table with others would be another arm, and no file invites it."""
+    folder, _, _ = package("ur5.csv", "aligned")
+    assert not (folder / "config" / "dh.yaml").exists()
+    assert "dh_file" not in (folder / "urdf" / "ur5_macro.xacro").read_text()
+    assert "run dh2urdf on the calibrated table" in (folder / "README.md").read_text().replace("\n", " ")
+
+
+# --- Names ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("stem", "proposed"), [("UR5", "ur5"), ("7dof", "arm_7dof"), ("my__arm", "my_arm"), ("x", "arm_x"), ("é", "my_arm")]
+)
+def test_a_name_that_rep_144_does_not_allow_gets_a_proposal(arm: Robot, stem: str, proposed: str) -> None:
+    """The error names the option and a name that is allowed; with it the package is made."""
+    with pytest.raises(EmitterError) as caught:
+        EMITTER.emit(arm, stem, Ros2Options())
+    assert f"`package: {proposed}`" in str(caught.value)
+
+
+def test_names_of_links_that_ros_cannot_use_get_proposals(package: Any) -> None:
+    """All of them at once."""
+    from dataclasses import replace
+
+    _, robot, _ = package("ur5.csv", "aligned")
+    last = robot.links[-1]
+    renamed = replace(robot, links=(*robot.links[:-1], replace(last, name="tool 0")))
+    with pytest.raises(EmitterError, match=r"(?s)the link 'tool 0'.*rename it to 'tool_0'"):
+        EMITTER.emit(renamed, "ur5", Ros2Options())
+
+
+def test_a_version_is_three_numbers(arm: Robot) -> None:
+    """As REP 149 has it."""
+    with pytest.raises(EmitterError, match="three numbers"):
+        EMITTER.emit(arm, "arm", Ros2Options(version="1.0"))
+
+
+def test_what_a_person_gives_is_in_package_xml(package: Any) -> None:
+    """Maintainer, address, license and version; the license has a file then."""
+    options = Ros2Options(maintainer="A & B", email="a@b.org", license="BSD-3-Clause", version="2.1.0", package="lab")
+    folder, _, _ = package("ur5.csv", "aligned", options)
+    root = etree.parse(folder / "package.xml").getroot()
+    assert folder.name == root.findtext("name") == "lab_description"
+    assert (root.findtext("maintainer"), root.find("maintainer").get("email")) == ("A & B", "a@b.org")
+    assert (root.findtext("license"), root.findtext("version")) == ("BSD-3-Clause", "2.1.0")
+    assert (folder / "LICENSE").read_text() == "SPDX-License-Identifier: BSD-3-Clause\n"
+    assert (folder / "urdf" / "lab.urdf.xacro").is_file()
+
+
+def test_the_same_bytes_twice(package: Any) -> None:
+    """Nothing of a package depends on when or where it was made."""
+    first, second = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        for folder, _, _ in (package("panda.yaml", "dh"), package("panda.yaml", "dh"))
+    )
+    assert first == second

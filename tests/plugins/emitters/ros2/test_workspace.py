@@ -1,0 +1,162 @@
+"""Packages in a workspace: the command that makes them, and Debian's ament, colcon and catkin_pkg, the real ones."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import xacro
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Cli = Callable[..., Any]
+
+TABLES = Path(__file__).parents[4] / "configs" / "tables"
+SYSTEM_PYTHON = "/usr/bin/python3"
+"""The interpreter that Debian's ament and colcon are installed for."""
+CELL = """
+inputs: [{tables}/ur5.csv, {tables}/track.csv]
+transform: {{stage: alpha-swap, options: {{frames: dh}}}}
+cells:
+  - name: workshop
+    arms:
+      - {{name: track, of: track}}
+      - {{name: rider, of: ur5, prefix: r_, parent: track/tool0, xyz: [0, 0, 50 mm]}}
+      - {{name: fixed, of: ur5, prefix: f_, xyz: [-1.5, 0, 0], rpy: [0, 0, pi]}}
+emitters: [ros2]
+"""
+
+
+def has_ament() -> bool:
+    return shutil.which("colcon") is not None and Path("/usr/share/ament_cmake_pytest").is_dir()
+
+
+needs_ament = pytest.mark.skipif(not has_ament(), reason="colcon and ament_cmake_pytest are not installed")
+
+
+def system(*command: str | Path, cwd: Path, **environment: str) -> str:
+    """What a program of the system prints, which sees no environment of these tests."""
+    known = {"PATH": "/usr/bin:/bin", "HOME": str(cwd), "LANG": "C.UTF-8", **environment}
+    done = subprocess.run(command, cwd=cwd, env=known, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture
+def modules(tmp_path: Path) -> Path:
+    """A folder with the package xacro for the system's interpreter, and nothing else of this environment."""
+    folder = tmp_path / "modules"
+    folder.mkdir()
+    (folder / "xacro").symlink_to(Path(xacro.__file__).parent)
+    return folder
+
+
+@needs_ament
+def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules: Path) -> None:
+    """A UR5, a Panda in the modified convention, a SCARA and a cell: built, installed, found, and their tests pass."""
+    source = tmp_path / "src"
+    for table, frames in (("panda.yaml", "dh"), ("scara.csv", "aligned")):
+        cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "-o", source)
+    run_file = tmp_path / "cell.yaml"
+    run_file.write_text(CELL.format(tables=TABLES))
+    cli("run", run_file, "-o", source / "made")
+    names = [f"{name}_description" for name in ("panda", "scara", "ur5", "track", "workshop")]
+    system("colcon", "build", cwd=tmp_path, PYTHONPATH=str(modules))
+    system("colcon", "test", "--return-code-on-test-failure", cwd=tmp_path, PYTHONPATH=str(modules))
+    results = system("colcon", "test-result", "--all", cwd=tmp_path)
+    assert "0 errors, 0 failures, 0 skipped" in results.splitlines()[-1]
+    for name in names:
+        assert f"build/{name}/test_results/{name}/test_description.xunit.xml" in results
+        prefix = tmp_path / "install" / name
+        index = prefix / "share" / "ament_index" / "resource_index" / "packages" / name
+        assert index.is_file()
+        top = prefix / "share" / name / "urdf" / f"{name.removesuffix('_description')}.urdf.xacro"
+        code = f"import xacro; print(xacro.process_file({str(top)!r}).documentElement.getAttribute('name'))"
+        printed = system(
+            SYSTEM_PYTHON, "-c", code, cwd=tmp_path, PYTHONPATH=str(modules), AMENT_PREFIX_PATH=str(prefix)
+        )
+        assert printed.strip() == name.removesuffix("_description")
+
+
+@needs_ament
+def test_catkin_pkg_accepts_package_xml_without_a_warning(cli: Cli, tmp_path: Path) -> None:
+    """It is the parser that colcon, bloom and rosdep read the file with."""
+    options = ["maintainer=Ada", "email=ada@lab.org", "license=MIT"]
+    given = [word for option in options for word in ("--set", option)]
+    cli("convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path, *given)
+    code = (
+        "import sys; from catkin_pkg.package import parse_package; warnings = []; "
+        "package = parse_package(sys.argv[1], warnings=warnings); "
+        "package.validate(warnings=warnings); print(warnings, package.name, package.get_build_type())"
+    )
+    printed = system(SYSTEM_PYTHON, "-c", code, str(tmp_path / "ur5_description"), cwd=tmp_path)
+    assert printed.strip() == "[] ur5_description ament_cmake"
+
+
+def test_a_package_goes_into_a_folder(cli: Cli, tmp_path: Path) -> None:
+    """-o names the folder of packages, which need not be there; the package holds nothing of the run."""
+    cli("convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path / "src")
+    assert [path.name for path in (tmp_path / "src").iterdir()] == ["ur5_description"]
+    cli("convert", TABLES / "ur5.csv", TABLES / "scara.csv", "--to", "ros2", "-o", tmp_path / "src")
+    assert {path.name for path in (tmp_path / "src").iterdir()} == {"ur5_description", "scara_description"}
+    told = cli("convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path / "src", "--json")
+    (row,) = json.loads(told.stdout)["conversions"]
+    assert all(Path(file["path"]).is_file() for file in row["files"])
+
+
+def test_a_package_cannot_go_to_standard_output(cli: Cli) -> None:
+    """The error names the option."""
+    result = cli("convert", TABLES / "ur5.csv", "--to", "ros2", status=2)
+    assert "--to ros2 writes a folder of files, and this goes to standard output" in result.stderr
+    assert "-o FOLDER" in result.stderr
+
+
+def test_a_run_of_several_robots_does_not_write_them_into_one_package(cli: Cli, tmp_path: Path) -> None:
+    """The option `package` is for one robot: the second one fails, and the first package is whole."""
+    run_file = tmp_path / "run.yaml"
+    stage = {"stage": "ros2", "options": {"package": "lab"}}
+    inputs = [str(TABLES / name) for name in ("ur5.csv", "scara.csv")]
+    run_file.write_text(yaml.safe_dump({"inputs": inputs, "emitters": [stage]}))
+    result = cli("run", run_file, "-o", tmp_path / "out", status=1)
+    assert "name the folder of one robot, and the run has several" in result.stdout + result.stderr
+    assert b"The description of ur5" in (tmp_path / "out" / "lab_description" / "package.xml").read_bytes()
+
+
+def test_a_second_run_removes_the_files_that_it_has_no_part_in(cli: Cli, tmp_path: Path) -> None:
+    """Without its hardware a package has fewer files, and none of the first run is left in it."""
+    run_file = tmp_path / "run.yaml"
+    run_file.write_text(yaml.safe_dump({"inputs": [str(TABLES / "ur5.csv")], "emitters": ["ros2"]}))
+    cli("run", run_file, "-o", tmp_path / "out")
+    control = tmp_path / "out" / "ur5_description" / "config" / "ros2_controllers.yaml"
+    assert control.is_file()
+    stage = {"stage": "ros2", "options": {"hardware": "none"}}
+    run_file.write_text(yaml.safe_dump({"inputs": [str(TABLES / "ur5.csv")], "emitters": [stage]}))
+    cli("run", run_file, "-o", tmp_path / "out")
+    assert not control.exists()
+    assert (tmp_path / "out" / "ur5_description" / "package.xml").is_file()
+
+
+def test_meshes_are_files_of_the_package(cli: Cli, tmp_path: Path) -> None:
+    """They are named by package:// addresses, and no copies lie beside the package."""
+    triangle = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    (tmp_path / "part.obj").write_text(triangle)
+    table = {
+        "convention": "standard",
+        "joints": [{"name": "hip", "a": 0.4, "alpha": 0.0, "d": 0.1, "visual": "part.obj", "collision": "part.obj", "mass": 1.0, "com": [0, 0, 0], "inertia": {"ixx": 0.1, "iyy": 0.1, "izz": 0.1}}],
+    }  # fmt: skip
+    (tmp_path / "arm.yaml").write_text(yaml.safe_dump(table))
+    cli("convert", tmp_path / "arm.yaml", "--to", "ros2", "-o", tmp_path / "src")
+    folder = tmp_path / "src" / "arm_description"
+    assert [path.name for path in (tmp_path / "src").iterdir()] == ["arm_description"]
+    text = (folder / "urdf" / "arm_macro.xacro").read_text()
+    for kind in ("visual", "collision"):
+        (mesh,) = (folder / "meshes" / kind).iterdir()
+        assert mesh.read_text() == triangle
+        assert f'filename="package://arm_description/meshes/{kind}/{mesh.name}"' in text
+    assert "install(DIRECTORY config launch meshes rviz urdf" in (folder / "CMakeLists.txt").read_text()

@@ -230,14 +230,7 @@ class LoaderContract(StageContract):
     def _load(
         self, clause: Callable[..., Any], request: LoadRequest, kept: Children = None, *, refusal: bool = False
     ) -> LoadReport:
-        """The report, made in a child process as in a run.
-
-        Args:
-            clause: what is broken where it cannot be made.
-            request: what to load.
-            refusal: whether a refusal is the caller's to judge.
-            kept: children that are kept; without them the child is for this load alone.
-        """
+        """The report, made in a child process as in a run, a kept one where some are given; see `breach` for the clause."""
         self._require()
         try:
             return load_in_child(self.stage, request, self.given(), None, kept)

@@ -230,7 +230,7 @@ class LoaderContract(StageContract):
     def _load(
         self, clause: Callable[..., Any], request: LoadRequest, kept: Children = None, *, refusal: bool = False
     ) -> LoadReport:
-        """The report, made in a child process as in a run, a kept one where some are given; see `breach` for the clause."""
+        """The report, made in a child process as in a run: a kept one where some are given."""
         self._require()
         try:
             return load_in_child(self.stage, request, self.given(), None, kept)

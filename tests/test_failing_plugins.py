@@ -174,6 +174,7 @@ def said(answer: Answer) -> str:
         ("loader.poses.give_nothing", "loader 'bad' of lab 1.0 failed: TypeError"),
         ("loader.picture.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.time_limit.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("loader.prepare.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.read_output.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
     ],
 )
@@ -375,6 +376,7 @@ def test_every_function_of_every_record_is_tried() -> None:
         "expandable",
         "finds_packages",
         "reads_descriptions",
+        "in_folders",
     }
     assert tried == {
         (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described

@@ -84,7 +84,7 @@ def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
     assert len(quotes) == 4
     for quote in quotes:
         finding = next(each for each in inspect_urdf(paths[quote["file"]]).findings if quote["message"] in each.message)
-        said = [f"fix: {finding.mend}"]
+        said = [f"fix: {finding.fix}"]
         for effect in finding.effects:
             severity = "" if effect.severity == finding.severity else f" ({effect.severity})"
             said.append(f"{effect.consumer}{severity}: {effect.text}")

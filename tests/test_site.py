@@ -106,7 +106,7 @@ def test_every_stage_is_there_with_its_options(site: Path) -> None:
             if item.plugin.distribution.startswith("dh2urdf "):
                 assert item.stage.summary[1:] in text
                 for name, takes, default, words in describe_options(item.stage.options):
-                    assert f"{name} {takes} {default} {' '.join(words.split())}".replace("`", "") in text
+                    assert " ".join(f"{name} {takes} {default} {words}".replace("`", "").split()) in text
 
 
 def test_every_command_is_there_with_its_options(site: Path) -> None:

@@ -39,7 +39,7 @@ class Finding:
     Attributes:
         rule: name of the rule that found it, in kebab-case; it stays the same from version to version.
         message: what stands there, as one plain sentence without its place and without a full stop.
-        mend: what to do about it.
+        fix: what to do about it.
         effects: what the consumers do that do not just take it; empty where the finding is not about them.
         mark: where it stands; of a file that holds macros, in the file where the element is written.
         calls: where the macros are called that it comes from, the innermost first.
@@ -47,7 +47,7 @@ class Finding:
 
     rule: str
     message: str
-    mend: str
+    fix: str
     effects: tuple[Effect, ...] = ()
     mark: Mark | None = None
     calls: tuple[Mark, ...] = ()

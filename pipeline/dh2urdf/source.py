@@ -1,7 +1,7 @@
 """Where a thing was said, and what is wrong with it: marks and problems.
 
 Everything that comes from a file carries a `Mark`, so that whatever is found later, in whatever stage, can
-point to the line and column where a person has to mend it.
+point to the line and column where a person has to fix it.
 """
 
 from __future__ import annotations

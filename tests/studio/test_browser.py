@@ -33,7 +33,7 @@ def arm_of(table: TableText, catalog: Catalog) -> Manipulator:
 
 
 def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
-    """It is marked, the reader's message stands below the table, and the last good arm stays; mended, the arm follows."""
+    """It is marked, the reader's message stands below the table, and the last good arm stays; fixed, the arm follows."""
     tab = new_tab(studio_address)
     page = tab.open()
     tab.open_exhibit("ur5")

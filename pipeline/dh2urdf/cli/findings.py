@@ -61,7 +61,7 @@ def _lines(finding: Finding) -> Iterator[str]:
         yield f"    by the macro called at {call}"
     for line in said(finding):
         yield f"    {line}"
-    yield f"    fix: {finding.mend}"
+    yield f"    fix: {finding.fix}"
 
 
 def _print_table(findings: Sequence[Finding]) -> None:
@@ -82,7 +82,7 @@ def _print_table(findings: Sequence[Finding]) -> None:
         table.add_row(
             escape(printable("\n".join([place, *(f"by {call}" for call in finding.calls)]))),
             f"[{colour}]{finding.severity}[/]\n{escape(finding.rule)}",
-            escape(printable(finding.message)) + f"\n[dim]{escape(printable(finding.mend))}[/]",
+            escape(printable(finding.message)) + f"\n[dim]{escape(printable(finding.fix))}[/]",
             escape("\n".join(map(printable, said(finding)))),
         )
     Console(file=answers(), highlight=False).print(table)

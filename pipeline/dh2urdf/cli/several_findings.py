@@ -44,4 +44,4 @@ def _lines(rule: str, findings: Sequence[Finding]) -> Iterator[str]:
             yield f"    {file}: and {count - MOST_OF_A_FILE} more"
     for line in dict.fromkeys(line for finding in findings for line in said(finding)):
         yield f"        {line}"
-    yield f"        fix: {findings[0].mend}"
+    yield f"        fix: {findings[0].fix}"

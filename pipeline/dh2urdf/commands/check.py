@@ -54,7 +54,7 @@ def inspect(
         return a_whole_record(emitter.check(file, *expanded_with(emitter, expansion, file)), Inspection)
 
 
-_UNREADABLE = Finding(rule="unreadable-file", message="", mend="make it a file that can be read, or remove it")
+_UNREADABLE = Finding(rule="unreadable-file", message="", fix="make it a file that can be read, or remove it")
 
 
 class Inspections(NamedTuple):

@@ -49,11 +49,6 @@ class Node:
         """Where the value starts."""
         return Mark(file=self.file, line=self.line or None, column=self.column or None, place=self.place)
 
-    @property
-    def key_marks(self) -> dict[str, Mark]:
-        """Where each key of a mapping stands."""
-        return {key: self.key_mark(key) for key in self.key_places}
-
     def key_mark(self, key: str) -> Mark:
         """Where a key of the mapping stands; where it stands nowhere, its value's place."""
         if key in self.key_places:

@@ -42,7 +42,7 @@ def syntax_problem(reason: yaml.YAMLError, text: str, file: str) -> Problem:
         return Problem(message=f"this is not valid YAML: {said}", mark=Mark(file=file))
     lines = re.split(r"\r\n|\n|\r", text)
     if opened is not None and not "".join([_rest(lines, place.line, place.column), *lines[place.line + 1 :]]).strip():
-        place = opened  # The text ended too early: what was left open is the place to mend.
+        place = opened  # The text ended too early: what was left open is the place to fix.
     rest = _rest(lines, place.line, place.column)
     suggestion = next((advice for words, advice in _ADVICE if words in said), None)
     if "cannot start any token" in said:

@@ -244,7 +244,7 @@ class Catalog:
         )
 
     def _blame_broken(self, missing: str, distribution: str = "") -> None:
-        """Where something is missing, and a plugin that may have it is broken, the plugin is what to mend."""
+        """Where something is missing, and a plugin that may have it is broken, the plugin is what to fix."""
         for broken in self._stages.broken:
             if not distribution or same_name(broken.distribution.partition(" ")[0], distribution):
                 reason = f"{broken.reason}; {missing}"

@@ -34,7 +34,7 @@ _Keys: TypeAlias = tuple[str | int, ...]
 COMMAND_LINE = Mark(file="command line")
 _UNDECIDED = object()
 _TEXT_MAY_DO = frozenset({"string_type", "literal_error", "enum"})
-"""Errors of pydantic that a value's own text may mend: where a text is wanted, the number 007 is the text ``007``."""
+"""Errors of pydantic that a value's own text may fix: where a text is wanted, the number 007 is the text ``007``."""
 
 
 def make_options(
@@ -146,14 +146,14 @@ class _GivenOptions(Generic[O]):
 
         adapter = TypeAdapter(self.type)
         values = {name: _json_value(node) for name, node in nodes.items()}
-        mended = [True]
-        while any(mended):
+        put_right = [True]
+        while any(put_right):
             try:
                 # As JSON, since its strict mode takes a list for a tuple and a word for a path or an enumeration.
                 return adapter.validate_json(json.dumps(values), strict=True)
             except ValidationError as error:
                 found = error.errors(include_url=False)
-            mended = [_put_text(values, *self._follow(one["loc"])) for one in found if one["type"] in _TEXT_MAY_DO]
+            put_right = [_put_text(values, *self._follow(one["loc"])) for one in found if one["type"] in _TEXT_MAY_DO]
         by_place: dict[_Keys, list[Any]] = {}
         for one in found:
             by_place.setdefault(self._follow(one["loc"])[0], []).append(one)

@@ -221,7 +221,7 @@ class EmitterContract(StageContract):
                     self.test_finds_no_fault_in_its_own_files,
                     found="; ".join(finding.message for finding in errors),
                     accepted="a consumer for which there are only warnings and notes",
-                    remedy="mend emit or check: one of them is wrong",
+                    remedy="fix emit or check: one of them is wrong",
                 )
 
     def test_many_at_once_are_the_same(self) -> None:

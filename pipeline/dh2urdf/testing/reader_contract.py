@@ -88,7 +88,7 @@ class ReaderContract(StageContract):
                     clause,
                     found=f"the mark {table.mark!r} of the manipulator {table.name!r}",
                     accepted=f"Mark(file={str(path)!r}, line=…)",
-                    remedy="set `mark`: messages of later stages show where a person has to mend the table",
+                    remedy="set `mark`: messages of later stages show where a person has to fix the table",
                 )
 
     def test_streams(self, tmp_path: Path) -> None:

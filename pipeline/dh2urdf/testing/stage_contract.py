@@ -258,7 +258,7 @@ class StageContract:
     def in_child(self, clause: Callable[..., Any], function: Callable[..., Any], *args: Any, seed: int = 0) -> Any:  # noqa: ANN401
         """What was seen of a call in a child process; where it cannot be made there, the clause is broken."""
         accepted = "a result: what the contract gives it is good"
-        remedy = "mend what raises this"
+        remedy = "fix what raises this"
         try:
             return witnessed(function, *args, seed=seed)
         except PluginError:

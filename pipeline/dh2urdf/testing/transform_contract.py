@@ -64,7 +64,7 @@ class TransformContract(StageContract):
         if not self.stage.keeps_kinematics(self.given()):
             return  # The proof reports the difference, and fails nothing.
         clause = self.test_keeps_the_kinematics
-        remedy = "mend the transform; or, where another arm is meant, let keeps_kinematics say False with these options"
+        remedy = "fix the transform; or, where another arm is meant, let keeps_kinematics say False with these options"
         for manipulator in self._manipulators():
             robot, truth = self._transform(manipulator), Truth.of(manipulator)
             poses = proof_vectors(truth, robot, POSES)

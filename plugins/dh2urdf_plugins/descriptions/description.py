@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,6 +15,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
+from dh2urdf_plugins.read_back.xml_files import tree_of
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -82,7 +84,7 @@ def sdf_description(path: Path) -> Description:
         TableError: it cannot be read, or holds no model.
     """
     content = read_bytes(path, TableError, limit=LARGEST)
-    return _described(content, path, str(path), _Format(sdf_reader.tree_of, sdf_reader.robot_of, _sdf_extras))
+    return _described(content, path, str(path), _Format(tree_of, sdf_reader.robot_of, _sdf_extras))
 
 
 def mjcf_description(path: Path) -> Description:
@@ -92,11 +94,13 @@ def mjcf_description(path: Path) -> Description:
         TableError: it cannot be read, or is not the MJCF of an arm.
     """
     content = read_bytes(path, TableError, limit=LARGEST)
-    return _described(content, path, str(path), _Format(mjcf_reader.tree_of, mjcf_reader.robot_of, _mjcf_extras))
+    return _described(
+        content, path, str(path), _Format(partial(tree_of, is_deep=True), mjcf_reader.robot_of, _mjcf_extras)
+    )
 
 
 def _of_urdf(content: bytes, path: Path, file: str) -> Description:
-    return _described(content, path, file, _Format(urdf_reader.tree_of, urdf_reader.robot_of, _urdf_extras))
+    return _described(content, path, file, _Format(tree_of, urdf_reader.robot_of, _urdf_extras))
 
 
 @dataclass(slots=True)

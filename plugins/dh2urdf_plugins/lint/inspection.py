@@ -113,7 +113,7 @@ def _finding(hit: Hit, origin: Callable[[Element | int], _Origin]) -> Finding:
     return Finding(
         rule=rule.name,
         message=hit.message,
-        mend=rule.fix,
+        fix=rule.fix,
         effects=tuple(effect for effect in rule.effects if hit.of is None or effect.consumer in hit.of),
         mark=mark,
         calls=calls,

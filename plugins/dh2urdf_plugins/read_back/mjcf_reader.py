@@ -35,6 +35,7 @@ from dh2urdf.rotations import (
     transpose,
 )
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,13 +56,7 @@ def read_mjcf(path: Path) -> Robot:
     Raises:
         ProofError: the file cannot be read, or is not the MJCF of a manipulator.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ProofError(
-            Problem(message=f"the file cannot be read: {error.strerror}", mark=Mark(file=str(path)))
-        ) from error
-    return parse_mjcf(content, str(path))
+    return parse_mjcf(content_of(path), str(path))
 
 
 def parse_mjcf(content: bytes, file: str) -> Robot:
@@ -74,23 +69,7 @@ def parse_mjcf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text is not the MJCF of a manipulator.
     """
-    return robot_of(tree_of(content, file), file)
-
-
-def tree_of(content: bytes, file: str) -> etree._Element:
-    """The elements of a text, without comments.
-
-    Raises:
-        ProofError: the text is not XML.
-    """
-    # An arm of many links is deeply nested, which lxml takes for an attack unless it is told.
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, huge_tree=True
-    )
-    try:
-        return etree.fromstring(content, parser)
-    except etree.XMLSyntaxError as error:
-        raise ProofError(Problem(message=f"this is not XML: {error.msg}", mark=Mark(file=file))) from error
+    return robot_of(tree_of(content, file, is_deep=True), file)
 
 
 def robot_of(root: etree._Element, file: str) -> Robot:

@@ -21,6 +21,7 @@ from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, multiply, rotate, transpose
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,13 +42,7 @@ def read_sdf(path: Path) -> Robot:
     Raises:
         ProofError: the file cannot be read, or holds no model of a manipulator.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ProofError(
-            Problem(message=f"the file cannot be read: {error.strerror}", mark=Mark(file=str(path)))
-        ) from error
-    return parse_sdf(content, str(path))
+    return parse_sdf(content_of(path), str(path))
 
 
 def parse_sdf(content: bytes, file: str) -> Robot:
@@ -61,19 +56,6 @@ def parse_sdf(content: bytes, file: str) -> Robot:
         ProofError: the text holds no model of a manipulator.
     """
     return robot_of(tree_of(content, file), file)
-
-
-def tree_of(content: bytes, file: str) -> etree._Element:
-    """The elements of a text, without comments.
-
-    Raises:
-        ProofError: the text is not XML.
-    """
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
-    try:
-        return etree.fromstring(content, parser)
-    except etree.XMLSyntaxError as error:
-        raise ProofError(Problem(message=f"this is not XML: {error.msg}", mark=Mark(file=file))) from error
 
 
 def robot_of(root: etree._Element, file: str) -> Robot:

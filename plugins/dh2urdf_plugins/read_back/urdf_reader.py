@@ -2,7 +2,7 @@
 
 Nothing here comes from the emitter. It is written from what URDF says (wiki.ros.org/urdf/XML), takes files of any
 origin, and trusts none: entities and the network are off, a document type is refused, numbers must be finite. It
-mends nothing either: an axis that is no unit vector stays as it is, for the proof to find.
+fixes nothing either: an axis that is no unit vector stays as it is, for the proof to find.
 Elements that URDF leaves to others (``mujoco``, ``gazebo``, ``transmission``) are passed over.
 """
 
@@ -31,6 +31,7 @@ from dh2urdf.robot import (
 )
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, multiply, rotation_from_rpy, transpose
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,13 +47,7 @@ def read_urdf(path: Path) -> Robot:
     Raises:
         ProofError: the file cannot be read, or is not the URDF of a robot.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ProofError(
-            Problem(message=f"the file cannot be read: {error.strerror}", mark=Mark(file=str(path)))
-        ) from error
-    return parse_urdf(content, str(path))
+    return parse_urdf(content_of(path), str(path))
 
 
 def parse_urdf(content: bytes, file: str) -> Robot:
@@ -66,23 +61,6 @@ def parse_urdf(content: bytes, file: str) -> Robot:
         ProofError: the text is not the URDF of a robot.
     """
     return robot_of(tree_of(content, file), file)
-
-
-def tree_of(content: bytes, file: str) -> etree._Element:
-    """The elements of a text, without comments.
-
-    Raises:
-        ProofError: the text is not XML.
-    """
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
-    try:
-        return etree.fromstring(content, parser)
-    except etree.XMLSyntaxError as error:
-        line, column = error.position
-        reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
-        raise ProofError(
-            Problem(message=f"this is not XML: {reason}", mark=Mark(file=file, line=line, column=column))
-        ) from error
 
 
 def robot_of(root: etree._Element, file: str) -> Robot:

@@ -218,7 +218,7 @@ def test_the_same_as_json(cli: Cli, arm: Path) -> None:
         "column",
         "calls",
         "message",
-        "mend",
+        "fix",
         "consumers",
     }
     assert finding["consumers"]["drake"] == {"severity": "error", "does": "ends the interpreter with SystemExit"}

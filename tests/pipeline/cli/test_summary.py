@@ -42,7 +42,9 @@ def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
         result.statuses.update(others)
         result.kinds.update(kinds or {})
         rows = [
-            each.row("", [{"path": file.name} for written in each.written for file in written.files])
+            each.row(
+                "", [{"path": file.name, "stage": written.stage} for written in each.written for file in written.files]
+            )
             for each in outcomes
         ]
         gathered = Verdicts({name: False for each in outcomes for name in each.loads})

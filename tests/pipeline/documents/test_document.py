@@ -114,7 +114,7 @@ def test_marks_count_lines_and_columns_from_one() -> None:
     entries = expect_mapping(node, "it")
     assert str(node.mark) == "t.yaml:1:1"
     assert str(entries["ä"].mark) == "t.yaml:1:4"
-    assert str(node.key_marks["b"]) == "t.yaml:2:1"
+    assert str(node.key_mark("b")) == "t.yaml:2:1"
     assert isinstance(entries["b"].value, list)
     inner = entries["b"].value[0]
     assert [str(inner.key_mark(key)) for key in "cd"] == ["t.yaml:3:6", "t.yaml:3:12"]
@@ -188,7 +188,7 @@ def test_merge_keys_take_in_defaults() -> None:
 
 
 def test_a_merged_value_keeps_its_place() -> None:
-    """An error in a merged value points to the anchor's mapping, where it can be mended."""
+    """An error in a merged value points to the anchor's mapping, where it can be fixed."""
     entries = expect_mapping(load_yaml("d: &d {p: 1}\na: {<<: *d}\n", "f"), "it")
     assert str(entries["a"].key_mark("p")) == "f:1:8"
 

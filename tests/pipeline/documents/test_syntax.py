@@ -28,7 +28,7 @@ from dh2urdf.errors import ConfigError
     ],
 )
 def test_what_is_no_yaml_is_told_with_place_and_advice(text: str, place: str, advice: str) -> None:
-    """A syntax error names the place where a person mends it and says how."""
+    """A syntax error names the place where a person fixes it and says how."""
     with pytest.raises(ConfigError) as caught:
         load_yaml(text, "f")
     message = str(caught.value)

@@ -272,7 +272,7 @@ def read_back(_path: Path) -> Robot:
 
 
 def check(_path: Path) -> Inspection:
-    return Inspection(consumers={}, findings=(Finding(rule="no-good", message="it is no good", mend="give up"),))
+    return Inspection(consumers={}, findings=(Finding(rule="no-good", message="it is no good", fix="give up"),))
 
 
 def emit_columns(robots: Any, stems: Any, options: Any) -> Any:

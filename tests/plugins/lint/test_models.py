@@ -68,7 +68,7 @@ def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
     assert finding.mark is not None
     assert finding.mark.file == str(files[rule])
     assert finding.mark.line == FAULTS[rule].line(SOUND[name])
-    assert finding.mend == model_rules(name)[rule].fix
+    assert finding.fix == model_rules(name)[rule].fix
 
 
 MEASURED = [(name, consumer) for name in CONSUMERS for consumer in CONSUMERS[name]]

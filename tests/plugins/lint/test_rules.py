@@ -74,7 +74,7 @@ def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
     if finding.mark.column is not None and rule not in IN_THE_TEXT:
         line = fault.text.splitlines()[fault.line - 1]
         assert line[finding.mark.column - 1] == "<"
-    assert finding.mend == rules()[rule].fix
+    assert finding.fix == rules()[rule].fix
     of = fault.of or tuple(rules()[rule].outcomes)
     assert [effect.consumer for effect in finding.effects] == [name for name in CONSUMERS if name in of]
 

@@ -174,7 +174,7 @@ def test_missing_file_is_refused(request_for: Any, tmp_path: Path) -> None:
 
 
 def test_warning_is_a_finding(request_for: Any, planar: Any) -> None:
-    """What sdformat warns of and mends, such as swapped limits, is a finding: others may not mend it."""
+    """What sdformat warns of and fixes, such as swapped limits, is a finding: others may not fix it."""
     text = planar.urdf.replace('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"')
     (message,) = surprises(run(request_for(text)))
     assert re.fullmatch(r"sdformat printed 'Warning .*\[shoulder\] with limits: .*switching the two\.'", message)

@@ -166,7 +166,7 @@ def test_the_header_of_craigs_tables_means_his_convention(read: Callable[..., li
 def test_all_problems_of_a_table_come_at_once_in_the_order_of_the_file(
     read: Callable[..., list[Manipulator | Rejected]],
 ) -> None:
-    """A person mends the table once, not once for each cell."""
+    """A person fixes the table once, not once for each cell."""
     (arm,) = read("joint,type,a,alpha,d,lower\nj1,X,b,90,,1\nj1,R,0,0,1,2\n\n,R,0,0,1,\n", convention="standard")
     assert isinstance(arm, Rejected)
     marks = [(problem.mark.line or 0, problem.mark.column or 0) for problem in arm.problems if problem.mark]

@@ -530,7 +530,7 @@ CASES = [
         "joint,type,a,alpha,d,theta\n#REF!,revolute,0,0,0.1,0\n",
         "arm.csv:2:1: error: joint 'joint_1', field 'joint': '#REF!' is what a spreadsheet writes for an error, not the name of a joint\n"
         "    accepted: a name\n"
-        "    mend the formula in the spreadsheet, and save the table again",
+        "    fix the formula in the spreadsheet, and save the table again",
     ),
     Case(
         "geometry that no field holds",

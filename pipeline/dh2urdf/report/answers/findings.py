@@ -41,10 +41,10 @@ def comparison_finding(agreement: Agreement, manipulator: Manipulator) -> Findin
         message += f"; {agreement.first_difference}"
     corrected, remaining = agreement.corrected, agreement.remaining
     if corrected is None or remaining is None:
-        return Finding(rule=OTHER_ARM, message=message, mend="no base, tool, signs and offsets make them the same arm")
+        return Finding(rule=OTHER_ARM, message=message, fix="no base, tool, signs and offsets make them the same arm")
     said = "; ".join(changes(manipulator, corrected)) or "nothing"
     what = "makes them the same arm" if remaining.is_none else f"brings them to within {_errors(remaining)}"
-    return Finding(rule=OTHER_ARM, message=message, mend=f"this in the table {what}: {said}")
+    return Finding(rule=OTHER_ARM, message=message, fix=f"this in the table {what}: {said}")
 
 
 def _errors(difference: Difference) -> str:
@@ -79,7 +79,7 @@ def finding_entry(finding: Finding) -> dict[str, Any]:
         **_place(finding.mark),
         "calls": [_place(call) for call in finding.calls],
         "message": finding.message,
-        "mend": finding.mend,
+        "fix": finding.fix,
         "consumers": {
             effect.consumer: {"severity": effect.severity, "does": effect.text} for effect in finding.effects
         },
@@ -145,7 +145,7 @@ def as_sarif(findings: Sequence[Finding]) -> str:
     driver = {
         "name": "dh2urdf",
         "semanticVersion": __version__,
-        "rules": [{"id": name, "help": {"text": first[name].mend}} for name in names],
+        "rules": [{"id": name, "help": {"text": first[name].fix}} for name in names],
     }
     results = [_result(finding, names.index(finding.rule)) for finding in findings]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
@@ -155,7 +155,7 @@ def as_sarif(findings: Sequence[Finding]) -> str:
 def _result(finding: Finding, rule_index: int) -> dict[str, Any]:
     mark = finding.mark
     text = f"{finding.message} ({mark.place})" if mark and mark.place else finding.message
-    said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"fix: {finding.mend}"]
+    said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"fix: {finding.fix}"]
     result = {
         "ruleId": finding.rule,
         "ruleIndex": rule_index,

@@ -1,4 +1,4 @@
-"""A robot description as it stands in the file: elements with their places, nothing mended and nothing refused.
+"""A robot description as it is in the file: elements with their places, nothing fixed and nothing refused.
 
 `parsing` makes the tree.
 """

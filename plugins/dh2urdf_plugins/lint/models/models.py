@@ -148,7 +148,7 @@ def fault_of_inertia(moments: Sequence[float]) -> str | None:
 
 def _finding(name: str, rule: str, message: str, mark: Mark) -> Finding:
     found = model_rules(name)[f"{name}-{rule}"]
-    return Finding(rule=found.name, message=message, mend=found.fix, effects=found.effects, mark=mark)
+    return Finding(rule=found.name, message=message, fix=found.fix, effects=found.effects, mark=mark)
 
 
 def _inspection(name: str, findings: list[Finding], robot: Robot | None = None) -> Inspection:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ORTHONORMAL = 1e-9
 """Largest |RᵀR − 1| of a rotation that is taken without a word [1]."""
 NEARLY_ORTHONORMAL = 1e-4
-"""Largest |RᵀR − 1| of one that is mended, with a notice [1]: four digits, as in 0.7071."""
+"""Largest |RᵀR − 1| of one that is corrected, with a notice: four digits, as in 0.7071."""
 
 LONGEST = {"base": LONGEST_ARM}
 """Translation that a careful person would look at twice [m]; a tenth of it for what an arm carries."""

@@ -227,7 +227,7 @@ def _spreadsheet_error(cell: Cell, name: str, joint: str) -> Problem:
         field=name,
         found=cell.text,
         accepted="a name",
-        suggestion="mend the formula in the spreadsheet, and save the table again",
+        suggestion="fix the formula in the spreadsheet, and save the table again",
     )
 
 

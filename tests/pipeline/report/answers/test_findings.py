@@ -15,7 +15,7 @@ BAD = Effect(consumer="two", severity="warning", text="reads it otherwise")
 
 def finding(*effects: Effect, line: int | None = 3, column: int | None = 5, file: str = "arm.urdf") -> Finding:
     mark = Mark(file=file, line=line, column=column)
-    return Finding(rule="a-rule", message="it is so", mend="make it otherwise", effects=effects, mark=mark)
+    return Finding(rule="a-rule", message="it is so", fix="make it otherwise", effects=effects, mark=mark)
 
 
 @pytest.mark.parametrize(("effects", "severity"), [((MILD,), "note"), ((MILD, BAD), "warning"), ((), "error")])

@@ -1,0 +1,50 @@
+"""XML files as elements, for the readers of URDF, SDF and MJCF."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lxml import etree
+
+from dh2urdf.errors import ProofError
+from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def content_of(path: Path) -> bytes:
+    """The bytes of a file.
+
+    Raises:
+        ProofError: the file cannot be read.
+    """
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        message = f"the file cannot be read: {error.strerror}"
+        raise ProofError(Problem(message=message, mark=Mark(file=str(path)))) from error
+
+
+def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
+    """The elements of a text, without comments.
+
+    Args:
+        content: the text, in the encoding that it declares.
+        file: what messages call it.
+        is_deep: whether elements may be nested by the hundred, as the bodies of a long arm in MJCF are; lxml takes that
+            for an attack otherwise.
+
+    Raises:
+        ProofError: the text is not XML.
+    """
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, huge_tree=is_deep
+    )
+    try:
+        return etree.fromstring(content, parser)
+    except etree.XMLSyntaxError as error:
+        line, column = error.position
+        reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
+        mark = Mark(file=file, line=line, column=column)
+        raise ProofError(Problem(message=f"this is not XML: {reason}", mark=mark)) from error

@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 DISTRIBUTIONS = 200
-"""Other distributions, such as a laboratory's environment has [1]."""
+"""Other distributions, such as a laboratory's environment has."""
 PLUGINS = 10
 BOUND = 1.5
-"""What the commands may take with all of them, against none [1]."""
+"""What the commands may take with all of them, against none."""
 IMPORT_BOUND = 3.0
-"""What `import dh2urdf` may take, against Python that does nothing [1]."""
+"""What `import dh2urdf` may take, against Python that does nothing."""
 
 _MAIN = "import sys; from dh2urdf.cli import main; sys.exit(main())"
 COMMANDS = {

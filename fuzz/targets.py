@@ -56,9 +56,9 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Reader
 
 CONVERTED = 3
-"""Manipulators of one input that are converted [1]; all of them are read."""
+"""Manipulators of one input that are converted; all of them are read."""
 CONVERTED_JOINTS = 60
-"""Joints of a manipulator that is converted [1]: more of them tell nothing new."""
+"""Joints of a manipulator that is converted: more of them tell nothing new."""
 
 
 class Broken(Exception):  # noqa: N818 - what libFuzzer prints as the finding

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from dh2urdf.source import Mark
 
 SCREENFUL = 20
-"""Problems that one message spells out [1]; the rest are counted."""
+"""Problems that one message spells out; the rest are counted."""
 
 
 class Dh2UrdfError(Exception):

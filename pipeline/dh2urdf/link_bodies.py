@@ -65,7 +65,7 @@ class MeshShape:
     Attributes:
         file: the file.
         pose: the frame of the mesh in the DH frame after the link's row; of the base, in the DH frame before the first.
-        scale: factors along the axes of the mesh [1].
+        scale: factors along the axes of the mesh.
         mark: where the file is named.
     """
 

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Robot, Visual
 
 LONGEST_NAME = 1000
-"""Characters of a name [1]: PyBullet crashes on longer ones, or cuts them."""
+"""Characters of a name: PyBullet crashes on longer ones, or cuts them."""
 
 UNIT = 1e-9
-"""How far the length of an axis may be from 1 [1]: PyBullet takes another length for another inertia."""
+"""How far the length of an axis may be from 1: PyBullet takes another length for another inertia."""
 
 
 # XML holds none of these, or holds them so that readers make spaces of them (XML 1.0, sections 2.2 and 3.3.3).

@@ -223,7 +223,7 @@ def nearest_rotation(matrix: Rotation) -> tuple[Rotation, float]:
     eq. 8.20), which converges where the deviation is below 1. A mirrored matrix has a deviation of 2.
 
     Returns:
-        The rotation, and the largest element of |RᵀR − 1| [1].
+        The rotation, and the largest element of |RᵀR − 1|.
     """
     rotation = _without_rounding(matrix)
     deviation = _deviation(rotation)

@@ -96,7 +96,7 @@ class Mesh:
 
     Attributes:
         filename: the file as a description names it: a path from the description's folder, or a URI.
-        scale: factors along the axes of the mesh [1].
+        scale: factors along the axes of the mesh.
         file: the file that is meant, where it is at hand; the pipeline then copies it, and says how it is named.
     """
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dh2urdf.results import ProblemEntry
 
 SHOWN_TEXT = 60
-"""Characters of a found text that a message repeats [1]; a longer one is cut in the middle."""
+"""Characters of a found text that a message repeats; a longer one is cut in the middle."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

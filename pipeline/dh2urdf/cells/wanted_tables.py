@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
 REMEMBERED = 1000
-"""Names of manipulators that a message may suggest [1]; a run may have a million."""
+"""Names of manipulators that a message may suggest; a run may have a million."""
 SHOWN = 20
-"""Names that a message lists [1]."""
+"""Names that a message lists."""
 
 
 class Gathering:

@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from dh2urdf.tasks.result import Result
 
 MOST_ROWS = 40
-"""Rows that a summary shows [1]; of a longer run it shows the failures first and counts the rest."""
+"""Rows that a summary shows; of a longer run it shows the failures first and counts the rest."""
 
 MOST_NOTICES = 20
 """Notices of simulators that a summary shows, each with the number of manipulators that it is about."""
 
 MANY = 100
-"""Manipulators of a run that is told how many it made per second [1]."""
+"""Manipulators of a run that is told how many it made per second."""
 
 NAME_WIDTH = 48
-"""Characters of a name in one line [1]; a longer one is folded."""
+"""Characters of a name in one line; a longer one is folded."""
 
 
 def print_summary(result: Result, report: RunReport, where: str, *, dry_run: bool) -> None:

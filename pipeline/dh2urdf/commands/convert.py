@@ -39,7 +39,7 @@ DEFAULT_TRANSFORM = "alpha-swap"
 TRACED_BYTES = 2**16
 """Size of a table of which a conversion also reads what its cells say [B]: a few hundred rows."""
 POSES = 8
-"""Random joint vectors of the proof of one conversion [1]; `run` takes more."""
+"""Random joint vectors of the proof of one conversion; `run` takes more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
 
 DIGITS = 32
-"""Hexadecimal digits of a key [1]: 128 bits, so that no two of a million manipulators share one by chance."""
+"""Hexadecimal digits of a key: 128 bits, so that no two of a million manipulators share one by chance."""
 
 
 def recipe_key(recipe: Recipe) -> str:

@@ -40,8 +40,8 @@ class Sample:
     """Which manipulators of a run are looked at, by their numbers from 0.
 
     Attributes:
-        first: so many at the beginning [1].
-        every: of the rest every how many-th [1].
+        first: so many at the beginning.
+        every: of the rest every how many-th.
     """
 
     first: int = 0

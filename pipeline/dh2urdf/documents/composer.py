@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from dh2urdf.errors import InputError
 
 MAX_DEPTH = 64
-"""Mappings and lists that may stand inside each other [1]."""
+"""Mappings and lists that may stand inside each other."""
 MAX_ALIASED = 1_000_000
-"""Values that all aliases of a document (``*name``) may stand for together [1]."""
+"""Values that all aliases of a document (``*name``) may stand for together."""
 MAX_ALIASED_PER_CHARACTER = 10
-"""Values that they may stand for beyond `MAX_ALIASED`, for each character of the document before them [1]."""
+"""Values that they may stand for beyond `MAX_ALIASED`, for each character of the document before them."""
 
 _NO_KEYS: Mapping[str, tuple[int, int]] = MappingProxyType({})
 

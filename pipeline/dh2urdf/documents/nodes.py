@@ -12,7 +12,7 @@ from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem, shown
 
 MAX_DIGITS = 400
-"""Digits of a whole number [1]: more than the largest double has."""
+"""Digits of a whole number: more than the largest double has."""
 
 NodeValue: TypeAlias = "dict[str, Node] | list[Node] | str | int | float | bool | None"
 

@@ -18,7 +18,7 @@ MAX_BYTES = 2**30
 """Size of a file that is still read at once [B]."""
 
 LONG_PATH = 200
-"""Characters of a path that a message repeats [1]."""
+"""Characters of a path that a message repeats."""
 
 _ENCODINGS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
 _UNACCEPTABLE = r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"

@@ -26,7 +26,7 @@ TOLERANCE = 1e-6
 NEAR = 5e-3
 """What the axes of two arms may differ that are nearly the same [m] and [rad]."""
 POSES = 32
-"""Random joint vectors at which poses are compared, besides zero [1]."""
+"""Random joint vectors at which poses are compared, besides zero."""
 USUAL_TIPS = (TOOL, "tcp", "flange", "ee_link")
 """Links that are the tip of an arm where a description has them, the likeliest first."""
 

@@ -66,7 +66,7 @@ class Proof:
 
 @lru_cache(maxsize=32)
 def fractions(joints: int, count: int) -> Poses:
-    """The random joint vectors, as fractions of the joints' ranges [1]; the first of many are those of few."""
+    """The random joint vectors, as fractions of the joints' ranges; the first of many are those of few."""
     draw = random.Random(f"dh2urdf {joints}")  # noqa: S311 - reproducible on purpose
     return tuple(tuple(draw.random() for _ in range(joints)) for _ in range(count))
 

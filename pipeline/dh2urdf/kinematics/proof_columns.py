@@ -44,7 +44,7 @@ Pick: TypeAlias = "Callable[[Numbers], Numbers]"
 """Gives the numbers of some arms of those of all."""
 
 BLOCK = 256
-"""Arms that are walked together [1]: so many that their arrays stay in the processor's cache."""
+"""Arms that are walked together: so many that their arrays stay in the processor's cache."""
 
 
 def prove_columns(
@@ -300,7 +300,7 @@ def _is_nothing(numbers: Numbers) -> bool:
 
 
 def _squared_differences(said: _CarriedFrame, found: _CarriedFrame) -> tuple[Array, Array]:
-    """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes [1]."""
+    """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes."""
     position = _squared(said.origin - found.origin)
     x, y, z = (_squared(one - other) for one, other in zip(said.axes, found.axes, strict=True))
     return position, x + y + z

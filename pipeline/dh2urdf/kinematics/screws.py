@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
 
 MOST_STATES = 4096
-"""Beginnings of an arm that are tried [1]: only axes that meet at right angles leave two ways to go on."""
+"""Beginnings of an arm that are tried: only axes that meet at right angles leave two ways to go on."""
 
 
 class Screw(NamedTuple):

@@ -36,7 +36,7 @@ ACCEPTED = (
 REMEDY = "have it converted: `output: {meshes: {convert: auto}}`"
 """The end of a notice's suggestion, where a conversion leaves nothing to notice."""
 _DIGITS = 8
-"""Hexadecimal digits of a content's hash in the name of its copy [1]."""
+"""Hexadecimal digits of a content's hash in the name of its copy."""
 _BLOCK = 1 << 20
 _PACKAGE = re.compile(r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?")
 

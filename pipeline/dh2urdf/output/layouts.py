@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from dh2urdf.output.store import Store
 
 DEFAULT_SIZE = 1000
-"""Manipulators in one folder or shard [1]: file systems and people are slow with folders of many thousand files."""
+"""Manipulators in one folder or shard: file systems and people are slow with folders of many thousand files."""
 LARGEST = 10_000
-"""Manipulators in one folder or shard at most [1]: a worker holds a shard's descriptions until it is written."""
+"""Manipulators in one folder or shard at most: a worker holds a shard's descriptions until it is written."""
 
 
 class Form(StrEnum):
@@ -55,7 +55,7 @@ class Layout:
 
     Attributes:
         form: in which form.
-        size: manipulators in one folder or shard [1].
+        size: manipulators in one folder or shard.
     """
 
     form: Form = Form.FILES

@@ -29,7 +29,7 @@ _LOCK = f"{WORKING}/lock"
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 _LAST_LINE = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)
 _TRIES = 100
-"""How often a lock is tried that another run seems to give back at this moment [1]."""
+"""How often a lock is tried that another run seems to give back at this moment."""
 
 _locked: set[str] = set()
 """Folders that this process has locked: the system keeps out other processes only."""

@@ -36,7 +36,7 @@ not count while a server gives no leave to send (100 Continue), or takes nothing
 _BLOCK = 1 << 23
 """How much a stream takes from a remote file at once [byte]."""
 _LONGEST_REASON = 300
-"""Of what a remote place says, so much is repeated [1]."""
+"""Of what a remote place says, so much is repeated."""
 
 
 class RemoteStore(Store):

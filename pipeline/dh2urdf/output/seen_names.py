@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
 RECENT = 10_000
-"""Names that are held in memory [1]: some 1.5 MB."""
+"""Names that are held in memory: some 1.5 MB."""
 _ASKED_AT_ONCE = 500
-"""Names in one question to the database [1]; old versions take 999."""
+"""Names in one question to the database; old versions take 999."""
 
 
 class SeenNames:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import EmittedFile
 
 LONGEST_STEM = 120
-"""Bytes of a file name's stem [1]: file systems take 255 for the whole name, and suffixes need their share."""
+"""Bytes of a file name's stem: file systems take 255 for the whole name, and suffixes need their share."""
 _NO_NAMES = frozenset(("", ".", ".."))
 _STAGING = ".dh2urdf-"
 _SAFE = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")

@@ -11,11 +11,11 @@ from dh2urdf.quantities.units import (
 )
 
 MAX_CHARACTERS = 1000
-"""Length of a number or an expression [1]: more digits than a double can use, and no work for an attacker."""
+"""Length of a number or an expression: more digits than a double can use, and no work for an attacker."""
 
 
 MAX_NESTING = 30
-"""Brackets inside each other in an expression [1]."""
+"""Brackets inside each other in an expression."""
 
 
 class Variable(NamedTuple):

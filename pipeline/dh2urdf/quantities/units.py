@@ -60,7 +60,7 @@ class Unit:
     Attributes:
         symbol: how messages write it.
         dimension: what it measures.
-        power: the power of ten that it is of the SI unit [1].
+        power: the power of ten that it is of the SI unit.
         factor: what else it is of the SI unit.
         parts: how many of it a quarter turn has, or a quarter turn per second; None for what is no part of a turn.
     """

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from dh2urdf.tasks.batch import Batch, Single
 
 FULL = 24
-"""Manipulators of a run that is shown in full [1]."""
+"""Manipulators of a run that is shown in full."""
 EXAMPLES = 6
-"""Manipulators that are shown in full of a longer run: its first ones [1]."""
+"""Manipulators that are shown in full of a longer run: its first ones."""
 
 
 class Exhibits:

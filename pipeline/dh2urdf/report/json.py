@@ -27,7 +27,7 @@ INDEX, REPORT, TIMING = "index.json", "report.json", "timing.json"
 TABLE = "manifest.parquet"
 """The manifest as a table."""
 REPORTED = 1000
-"""Manipulators that the report repeats from the manifest [1]: the first ones; `timing.json` tells of as many."""
+"""Manipulators that the report repeats from the manifest: the first ones; `timing.json` tells of as many."""
 
 
 def run_report(ledger: Ledger, result: Result) -> RunReport:

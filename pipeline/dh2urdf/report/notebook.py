@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import RigidTransform
 
 MOST_ROWS = 200
-"""Rows of a table that are shown [1]; a table is as high as fifteen of them, and scrolls."""
+"""Rows of a table that are shown; a table is as high as fifteen of them, and scrolls."""
 _LIMITS = ("lower [rad, m]", "upper [rad, m]")
 
 

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from dh2urdf.tasks.failure_index import FailureIndex
 
 LISTED = 1000
-"""Manipulators that the table of all lists [1]: failures first, then the first others."""
+"""Manipulators that the table of all lists: failures first, then the first others."""
 SAMPLED = 20_000
-"""Manipulators at most whose drawn values are drawn as distributions [1]; of a longer run at least half as many."""
+"""Manipulators at most whose drawn values are drawn as distributions; of a longer run at least half as many."""
 MOST_DRAWN = 12
-"""Drawn fields that are columns of this table, or that are drawn as distributions [1]."""
+"""Drawn fields that are columns of this table, or that are drawn as distributions."""
 _MOST_WORDS = 12  # different texts that one field may have, in a figure
 _RANKS = 2**32
 _BARS = 24  # of a distribution

@@ -48,7 +48,7 @@ DEFAULT_TRANSFORM = "alpha-swap"
 DEFAULT_EMITTER = "urdf"
 DEFAULT_EXECUTOR = "local"
 MAX_POSES = 1_000_000
-"""Random joint vectors of one proof [1]."""
+"""Random joint vectors of one proof."""
 _SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
 """What a shell would put something else in place of."""
 

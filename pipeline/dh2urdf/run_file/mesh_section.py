@@ -28,7 +28,7 @@ SHAPE_KEYS = ("visual", "collision", "mesh")
 MESH_KEYS = ("file", "xyz", "rpy", "scale")
 ACCEPTED_MESH = "the path of a file, or {file: PATH, xyz: [0, 0, 0], rpy: [0, 0, 0], scale: 1}"
 SHOWN = 20
-"""Names that a message lists [1]."""
+"""Names that a message lists."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _STRUCTURED = re.compile(r"""^[\[{"']|:\s|:$""")
 """What a word has where its writer meant more than a plain text."""
 MAX_KEYS = 16
-"""Names in the key of a setting [1]."""
+"""Names in the key of a setting."""
 
 
 class Asked(NamedTuple):

@@ -25,7 +25,7 @@ DEFAULT_SAMPLE = Sample(first=1000, every=50)
 DEFAULT_TIME_LIMIT = 300.0
 """How long one manipulator may take, simulators aside [s]."""
 MOST = 10**9
-"""Largest whole number of a setting that counts manipulators [1]."""
+"""Largest whole number of a setting that counts manipulators."""
 
 
 class SettingsReader(SectionReader):

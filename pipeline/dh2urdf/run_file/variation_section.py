@@ -39,7 +39,7 @@ SAMPLINGS = tuple(sampling.value for sampling in Sampling)
 JOINT_TYPES = tuple(kind.value for kind in JointType)
 ACCEPTED_RULE = "a mapping such as {joints: [2, 3], field: a, scale: [0.8, 1.2]}"
 MOST_VALUES = 10**4
-"""Values of one evenly spaced grid [1]: every chunk of tasks carries them."""
+"""Values of one evenly spaced grid: every chunk of tasks carries them."""
 MOST_SEED = 2**64
 _BARE_ANGLES = {"alpha": tau, "theta": tau, "offset": tau, "lower": 10 * tau, "upper": 10 * tau}
 """What a number without a unit may be at most where it may be an angle [rad]: beyond, degrees may be meant."""

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 TEMPLATES = Path(__file__).with_name("templates")
 LONGEST = 40
-"""Characters of a name [1]: it is that of a folder, a distribution, a package and a stage."""
+"""Characters of a name: it is that of a folder, a distribution, a package and a stage."""
 _ENDING = ".template"
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _MARK = Mark(file="command line")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import TableText
 
 MOST_SESSIONS = 100
-"""Tabs whose state is kept [1]; the one that was not used for the longest time goes first."""
+"""Tabs whose state is kept; the one that was not used for the longest time goes first."""
 _HERE = Path(__file__).parent
 _OWNER = "dh2urdf_tab"
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import TableText
 
 MOST_PROBLEMS = 30
-"""Problems that are spelled out below the table [1]; all wrong cells are marked."""
+"""Problems that are spelled out below the table; all wrong cells are marked."""
 _VARIANT_NAMES = {"exact": "exact", "paper": "paper", "both": "side by side"}
 _QUIET = "flat dense no-caps"
 

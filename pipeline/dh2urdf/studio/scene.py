@@ -42,7 +42,7 @@ AXIS_COLOURS: Mapping[JointType, Colour] = {
     JointType.PRISMATIC: (0.02, 0.6, 0.55),
 }
 FRAME_SIZE = 0.08
-"""Length of a frame's arrows in reaches of the arm [1]."""
+"""Length of a frame's arrows in reaches of the arm."""
 SMALLEST_REACH = 0.05
 """Reach that an arm of no size is drawn with [m]."""
 _AXIS_LENGTH = 2.6

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dh2urdf.studio.viewing import View
 
 MOST_TIPS = 12
-"""Ends of arms whose poses are told [1]."""
+"""Ends of arms whose poses are told."""
 
 
 class ViewPage:

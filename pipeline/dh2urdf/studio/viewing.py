@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from dh2urdf.studio.joints import Slider
 
 MOST_FIGURES = 50
-"""Robots that one scene shows [1]."""
+"""Robots that one scene shows."""
 TOLD_NAMES = 6
-"""Names of robots that the page's head has room for [1]."""
+"""Names of robots that the page's head has room for."""
 
 
 def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion | None = None) -> tuple[Figure, ...]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
 """What an arrow key moves a slider by, in its unit."""
 _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
-"""Digits behind the point of what a slider shows [1]."""
+"""Digits behind the point of what a slider shows."""
 
 
 class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # Element is any type to mypy

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import TableText
 
 MOST_LOST = 6
-"""What a table cannot hold, as far as it is told [1]."""
+"""What a table cannot hold, as far as it is told."""
 
 
 def status(session: Session, errors: int) -> tuple[str, str]:

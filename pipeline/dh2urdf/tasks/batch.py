@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from dh2urdf.run_file.plan import Plan
 
 SMALL = 16
-"""Manipulators of a batch at most, where each takes long [1]."""
+"""Manipulators of a batch at most, where each takes long."""
 LARGE = 500
-"""Manipulators of a batch at most [1]: beyond, columns do not pay more, and a worker that dies loses more."""
+"""Manipulators of a batch at most: beyond, columns do not pay more, and a worker that dies loses more."""
 
 
 class Doomed(NamedTuple):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion.outcome import Outcome
 
 TIMED = 1000
-"""Manipulators of a run whose durations are told one by one [1]; those of the others are added up."""
+"""Manipulators of a run whose durations are told one by one; those of the others are added up."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

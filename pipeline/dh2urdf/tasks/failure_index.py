@@ -11,11 +11,11 @@ if TYPE_CHECKING:
     from dh2urdf.conversion.outcome import ManifestRow
 
 MAX_REASONS = 100
-"""Reasons of one kind of failure that the index tells apart [1]."""
+"""Reasons of one kind of failure that the index tells apart."""
 MAX_NAMES = 1000
-"""Names of one kind of failure that the index lists [1]."""
+"""Names of one kind of failure that the index lists."""
 LONGEST_REASON = 300
-"""Characters of a reason [1]; of a longer one the beginning counts."""
+"""Characters of a reason; of a longer one the beginning counts."""
 
 
 @dataclass(slots=True)

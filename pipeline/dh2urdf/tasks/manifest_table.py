@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion.outcome import ManifestRow
 
 ROW_GROUP = 10_000
-"""Manipulators in a row group of the Parquet file [1]: as many are in memory at once."""
+"""Manipulators in a row group of the Parquet file: as many are in memory at once."""
 
 
 def can_write_parquet() -> bool:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _SHOWN = 1200
-"""Characters of what was found that a message repeats [1]."""
+"""Characters of what was found that a message repeats."""
 
 
 def breach(stage: Any, clause: Callable[..., Any], *, found: str, accepted: str, remedy: str) -> NoReturn:  # noqa: ANN401 - any author's object

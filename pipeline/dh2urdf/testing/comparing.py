@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _SHOWN = 200
-"""Characters of a value that a difference repeats [1]."""
+"""Characters of a value that a difference repeats."""
 
 
 def difference(first: Any, second: Any, *, whole: bool = True) -> str | None:  # noqa: ANN401 - any values

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 TASKS = 40
 AHEAD = 1000
-"""Tasks that an executor may take before their results are asked for [1]; a run may have a million."""
+"""Tasks that an executor may take before their results are asked for; a run may have a million."""
 LEAVING = 10.0
 """How long workers may take to be gone [s]."""
 

@@ -29,7 +29,7 @@ LARGE = 2**22
 """Bytes of a file that nobody would hold at once for its own sake [B]."""
 _CELLS, _PLACE, _ABC = "cells of a test", "A3", (1, 2, 3)
 MANY = 500
-"""Manipulators of a file that is read as one document [1]."""
+"""Manipulators of a file that is read as one document."""
 
 
 class ReaderContract(StageContract):

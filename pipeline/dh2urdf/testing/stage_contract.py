@@ -40,7 +40,7 @@ WORK: dict[Kind, str] = {
 """The field of a record with the function that does the work, by kind."""
 _NAME = re.compile(r"[a-z0-9]+([-_.][a-z0-9]+)*")
 _FRAMES = 7
-"""Lines of a traceback that are repeated: the last frames and the error [1]."""
+"""Lines of a traceback that are repeated: the last frames and the error."""
 _SEEDS = (1, 2, 3, 4)
 """Seeds for the hashes of texts: two texts in a set have one order with all of them in one of eight cases."""
 

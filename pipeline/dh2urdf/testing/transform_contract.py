@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Transform
 
 POSES = 16
-"""Random joint vectors of a comparison, besides zero and both ends of the limits [1]."""
+"""Random joint vectors of a comparison, besides zero and both ends of the limits."""
 
 
 class TransformContract(StageContract):

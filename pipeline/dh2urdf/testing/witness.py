@@ -40,7 +40,7 @@ _CHANGES = frozenset(
 )
 _STARTS = frozenset({"subprocess.Popen", "os.system", "os.fork", "os.forkpty", "os.exec", "os.posix_spawn", "os.spawn"})
 _GLANCES = 100
-"""How often a process without a command line is looked at again [1]."""
+"""How often a process without a command line is looked at again."""
 _MARK = "DH2URDF_CONTRACT"
 """Environment variable by which a process, and whatever it starts, is known."""
 _HELPERS = re.compile(r"from multiprocessing\.(resource_tracker|forkserver) import main")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 LEAST_PROBABILITY = 1e-6
-"""What the bounds of a normal distribution must leave of it [1]: it would hardly be one, and has lost its digits."""
+"""What the bounds of a normal distribution must leave of it: it would hardly be one, and has lost its digits."""
 
 
 def bind(call: VariationCall, nominal: Manipulator) -> Variation:

@@ -22,7 +22,7 @@ DrawnValue: TypeAlias = float | str
 _CONTEXT = Context(prec=25)
 _FINE = Context(prec=60)
 FARTHEST = 10.0
-"""Standard deviations beyond which nothing is left of a normal distribution [1]: 8e-24."""
+"""Standard deviations beyond which nothing is left of a normal distribution: 8e-24."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,7 +93,7 @@ class Normal:
         return _clamped(mean + self.deviation * z, self.low, self.high)
 
     def probability(self, nominal: float | None = None) -> float:
-        """How much of the whole distribution lies between the bounds [1]."""
+        """How much of the whole distribution lies between the bounds."""
         _, low, high = self._probabilities(self._mean(nominal))
         return high - low
 

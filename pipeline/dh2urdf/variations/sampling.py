@@ -21,9 +21,9 @@ from math import isqrt
 from dh2urdf.errors import MissingDependencyError
 
 MOST_POINTS = 10**9
-"""Points of a sample [1]: fewer than the 2**30 of scipy's Sobol sequences."""
+"""Points of a sample: fewer than the 2**30 of scipy's Sobol sequences."""
 SOBOL_DIMENSIONS = 21201
-"""Dimensions for which there are direction numbers [1]."""
+"""Dimensions for which there are direction numbers."""
 
 _BITS = 52  # (word + 1/2) / 2**52 is exact, and neither 0 nor 1.
 _WORDS = 8  # of 64 bits, in a digest of BLAKE2b

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _FEW = 6
 _UNIT = 1e-9
-"""How far the length of an axis may be from 1 without a word [1]."""
+"""How far the length of an axis may be from 1 without a word."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

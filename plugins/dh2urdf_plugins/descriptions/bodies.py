@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     Shape = TypeVar("Shape", Visual, Collision)
 
 _DIGITS = 1e-10
-"""What an element of an inertia may lose of the largest one [1]."""
+"""What an element of an inertia may lose of the largest one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

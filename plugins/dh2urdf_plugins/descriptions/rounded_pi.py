@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 _PI = Decimal("3.1415926535897932384626433832795028841972")
 _FEWEST, _MOST = 3, 14
-"""Decimals of a number that was rounded [1]: with fewer it may be any angle, with more it is what a double holds."""
+"""Decimals of a number that was rounded: with fewer it may be any angle, with more it is what a double holds."""
 _WORDS = {1: "pi/4", 2: "pi/2", 3: "3*pi/4", 4: "pi"}
 
 

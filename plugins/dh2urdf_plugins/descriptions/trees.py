@@ -66,7 +66,7 @@ class Tree:
         return self.description.robot
 
     def reached(self) -> dict[str, int]:
-        """The links below the base link, itself included, each with the moving joints before it [1]."""
+        """The links below the base link, itself included, each with the moving joints before it."""
         moving, ahead = {self.base: 0}, [self.base]
         while ahead:
             link = ahead.pop()
@@ -77,7 +77,7 @@ class Tree:
         return moving
 
     def leaves(self) -> dict[str, int]:
-        """The links that hold nothing, in the order of the file, each with the moving joints before it [1]."""
+        """The links that hold nothing, in the order of the file, each with the moving joints before it."""
         reached = self.reached()
         return {
             link.name: reached[link.name]

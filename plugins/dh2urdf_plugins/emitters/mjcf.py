@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 WORLD = "world"
 DEEPEST = 490
-"""Bodies, one within the other, that MuJoCo reads [1]: its XML parser takes 500 elements, the outermost included."""
+"""Bodies, one within the other, that MuJoCo reads: its XML parser takes 500 elements, the outermost included."""
 SAG = 0.005
 """How far a joint is from where its servo should hold it when it gives its full effort [rad or m]."""
 SETTLING = 0.05

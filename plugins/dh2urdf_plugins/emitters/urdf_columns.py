@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dh2urdf.columns import Mask, RobotColumns
 
 LONGEST_NAME = 1000
-"""Characters of a robot's name [1]; a line with a longer one may be too long for readers."""
+"""Characters of a robot's name; a line with a longer one may be too long for readers."""
 
 _OPEN, _CLOSE = "\ue000", "\ue001"  # for private use: nothing means them, and XML takes them
 _SLOT = re.compile(f"{_OPEN}([a-z0-9]+){_CLOSE}")

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
 
 LONGEST_LINE = 8000
-"""Bytes of one line [1]: PyBullet cuts a longer one in silence."""
+"""Bytes of one line: PyBullet cuts a longer one in silence."""
 
 LONGEST_COMMENT = 1000
-"""Characters of one comment [1]."""
+"""Characters of one comment."""
 
 # What XML 1.0 cannot hold (section 2.2, Char), and tab and line ends besides: an attribute's reader makes spaces of
 # them (section 3.3.3), and minidom, which writes xacro's output, does not escape them.

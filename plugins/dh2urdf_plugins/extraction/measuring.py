@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint
 
 RANDOM_VECTORS = 32
-"""Random joint vectors at which poses are compared, besides zero [1]."""
+"""Random joint vectors at which poses are compared, besides zero."""
 _WIDEST_TURN = math.pi
 _WIDEST_SLIDE = 1.0
 

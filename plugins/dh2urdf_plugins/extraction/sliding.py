@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.extraction.numbers import Precision
 
 FARTHEST = 4.0
-"""How many lengths of the arm an axis is moved at most [1]."""
+"""How many lengths of the arm an axis is moved at most."""
 STEEPEST = 10.0
-"""How many lengths of the arm a normal of nearly parallel axes may lie away [1]."""
+"""How many lengths of the arm a normal of nearly parallel axes may lie away."""
 
 
 def place_sliding_axes(chain: Chain, precision: Precision, arm_length: float) -> Chain:

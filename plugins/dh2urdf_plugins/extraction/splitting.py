@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.extraction.numbers import Precision
 
 MOST = 1000.0
-"""How many lengths of the arm a d may be before the link is split [1]."""
+"""How many lengths of the arm a d may be before the link is split."""
 DIGITS = 4e-16
-"""What a d loses of itself in a double [1]."""
+"""What a d loses of itself in a double."""
 NEARLY = 0.1
 """Below which angle axes are nearly parallel [rad]."""
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.document.tree import Element
 
 UNIT = 1e-5
-"""How far the length of an axis may be from 1 [1]: what rounding to six digits makes of it."""
+"""How far the length of an axis may be from 1: what rounding to six digits makes of it."""
 _SMALLEST_AXIS = {
     "pybullet": 1e-100,
     "mujoco": 1e-6,

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 WORLD = "world"
 LONGEST_NAME = 1000
-"""Characters of a name [1]."""
+"""Characters of a name."""
 MOST_MOVING, MOST_JOINTS = 121, 127
-"""Moving joints, and joints of any type, that PyBullet tells the state of [1]."""
+"""Moving joints, and joints of any type, that PyBullet tells the state of."""
 
 _RESERVED = re.compile(r"world|__.*__", re.DOTALL)
 _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.document.description import Description
 
 LONGEST_LINE = 8191
-"""Bytes of a line that PyBullet reads at once [1]."""
+"""Bytes of a line that PyBullet reads at once."""
 
 _SHAPE = ("origin", "geometry", "material", "verbose", "group")
 CHILDREN = {

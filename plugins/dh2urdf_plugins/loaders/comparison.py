@@ -55,15 +55,15 @@ class Precision(NamedTuple):
     """A simulator's arithmetic: what its answers may differ from what was written.
 
     Attributes:
-        number: a limit, a mass or a centre of mass, as a share of it [1].
-        axis: the axis of a joint, which many simulators make a unit vector again [1].
-        inertia: an element of an inertia, as a share of the trace [1].
-        position: a position, as a share of the arm's reach [1].
+        number: a limit, a mass or a centre of mass, as a share of it.
+        axis: the axis of a joint, which many simulators make a unit vector again.
+        inertia: an element of an inertia, as a share of the trace.
+        position: a position, as a share of the arm's reach.
         angle: an orientation [rad].
         name: in words.
         com: besides, a centre of mass, where the simulator has it in the world frame [m].
         inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
-            link's origin, where the simulator holds the inertia about that [1].
+            link's origin, where the simulator holds the inertia about that.
     """
 
     number: float

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot
 
 SINGLE_PRECISION = 2.0**-23
-"""Distance of 1 to the next number in single precision [1]."""
+"""Distance of 1 to the next number in single precision."""
 DOUBLE_PRECISION = 2.0**-52
-"""Distance of 1 to the next number in double precision [1]."""
+"""Distance of 1 to the next number in double precision."""
 
 HOLD_SECONDS = 2.0
 """How long the hold test lasts [s]."""

@@ -75,7 +75,7 @@ _OF_JOINTS = _NUMBERS[:9]
 _IN_NUMBERS = b"0123456789.eE+-"
 
 _MOST_REMEMBERED = 1000
-"""Layouts and skeletons that are remembered from call to call [1], some kilobytes each."""
+"""Layouts and skeletons that are remembered from call to call, some kilobytes each."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +105,7 @@ class _Layout:
         words: picks the words.
         numbers: picks the numbers, those of joints first.
         of_joints: the places of the latter among the values.
-        commas: how many stand between the numbers, where none stands in them [1].
+        commas: how many stand between the numbers, where none stands in them.
         known: the joints of such files, and how many numbers they have, by the words and by what stands between the
             numbers.
     """

@@ -60,9 +60,9 @@ _ALMOST = late_pattern(r"dh2urdf[\W_]*", re.IGNORECASE)
 METADATA = "dh2urdf."
 """What the keys begin with of metadata that say something of all rows."""
 _BATCH = 3000
-"""Rows that pyarrow reads at once [1]."""
+"""Rows that pyarrow reads at once."""
 _PART = 200
-"""Rows that are handed on at once [1]: they are gone before Python's collector has to look at them twice."""
+"""Rows that are handed on at once: they are gone before Python's collector has to look at them twice."""
 _BUFFER = 2**17
 """Bytes of a column that are held at once [B]; pyarrow alone would hold all that stand in a row group."""
 

@@ -33,7 +33,7 @@ GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""
 
 SAFETY = 2.0
-"""Default effort over the worst static load [1]."""
+"""Default effort over the worst static load."""
 
 LEAST_EFFORT = 10.0
 """Smallest default effort [N·m or N]."""

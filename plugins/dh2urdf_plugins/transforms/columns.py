@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 FEWEST = 8
-"""Robots that are worth being made at once when others are drawn differently [1]."""
+"""Robots that are worth being made at once when others are drawn differently."""
 
 
 def exact_columns(columns: ManipulatorColumns, options: AlphaSwapOptions) -> list[tuple[list[int], RobotColumns]]:

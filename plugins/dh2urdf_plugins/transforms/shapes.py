@@ -29,10 +29,10 @@ DEFAULT_RADIUS = 0.04
 """Radius of links at most [m]; a tenth of the longest segment where that is smaller."""
 
 BASE_WIDTH = 1.5
-"""Radius of the base in radii of a link [1]; it is one radius high."""
+"""Radius of the base in radii of a link; it is one radius high."""
 
 SHORTEST = 1e-3
-"""Length of a body in radii [1]; what is not longer is nothing to draw."""
+"""Length of a body in radii; what is not longer is nothing to draw."""
 
 SMALLEST = 1e-6
 """Length [m] up to which an arm has no segment that could give it a scale."""

@@ -36,7 +36,7 @@ KEYS = ("name", "convention", "type", "mode", "alpha", "A", "theta", "D", "offse
 RIGHT_ANGLE = 1.5708
 """What cisst takes for π/2 in an alpha, and only there [rad]."""
 RIGID = 1e-4
-"""How far the rotation in a matrix may be from being one [1]: published files have four digits."""
+"""How far the rotation in a matrix may be from being one: published files have four digits."""
 
 # Files have comments, as JsonCpp lets them; YAML, of which JSON is a part, takes no tabs where JSON does.
 _STRING_OR_NOT_JSON = re.compile(r'("(?:[^"\\]|\\.)*")|//[^\r\n]*|/\*.*?\*/|\t', re.DOTALL)

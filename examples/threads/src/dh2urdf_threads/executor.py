@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
 AHEAD = 2
-"""Tasks per thread that are under way or wait [1]: a run may have a million, and they are never all held."""
+"""Tasks per thread that are under way or wait: a run may have a million, and they are never all held."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

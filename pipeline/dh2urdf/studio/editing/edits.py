@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 MOST_ROWS = 1000
-"""Rows that a table of the studio may have [1]."""
+"""Rows that a table of the studio may have."""
 LONGEST_TEXT = 1000
-"""Characters of one cell [1]; what is longer is cut, and the reader will say what it thinks of it."""
+"""Characters of one cell; what is longer is cut, and the reader will say what it thinks of it."""
 NEW_JOINT = re.compile(r"joint_\d+")
 """A name that the studio itself has given."""
 NOT_GEOMETRY = ("joint", "link", "type")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from dh2urdf.table_text import TableText
 
 LONGEST = 500
-"""States that are kept [1]."""
+"""States that are kept."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import TableText
 
 POSES = 8
-"""Random joint vectors of the proof, as `dh2urdf convert` takes them [1]."""
+"""Random joint vectors of the proof, as `dh2urdf convert` takes them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 DEEPEST = 1000
-"""Elements inside each other that are kept [1]; what stands deeper is passed over."""
+"""Elements inside each other that are kept; what stands deeper is passed over."""
 
 
 @dataclass(slots=True, eq=False)

@@ -49,13 +49,13 @@ SEARCHED = 0.01
 """Distance up to which Bullet searches for contacts [m]: with 0 it finds none between boxes that overlap."""
 
 _ROUNDINGS = 4
-"""Largest error of a measured pose, in roundings of the arm's reach (or of a half turn) to single precision [1].
+"""Largest error of a measured pose, in roundings of the arm's reach (or of a half turn) to single precision.
 
 PyBullet 3.2 computes link poses in double precision, but `getLinkState` gives them out by way of single precision: the
 pose of the centre of mass and the inertial frame are rounded, the one inverted, and the two multiplied.
 """
 _PRINCIPAL_AXES = 2e-6
-"""Largest error of an inertia [1], as a share of the trace: PyBullet turns the tensor to its principal axes by Jacobi
+"""Largest error of an inertia, as a share of the trace: PyBullet turns the tensor to its principal axes by Jacobi
 rotations, which end when the products are below 1e-6 of the trace."""
 _PRECISION = Precision(
     number=SINGLE_PRECISION,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
 MAX_HEADER = 100_000
-"""Length of the header [1]."""
+"""Length of the header."""
 _COMMENT_LINES = 1000
 """Lines that a comment, or a header, in quotes may run over."""
 _EMPTY = SPACES + "".join(DELIMITERS) + '"'

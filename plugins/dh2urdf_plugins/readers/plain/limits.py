@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 LIMITS = ("lower", "upper", "velocity", "effort")
 _FEW = 20
-"""New limits among some rows that are read one by one [1]; of more, all are read by column."""
+"""New limits among some rows that are read one by one; of more, all are read by column."""
 
 
 class PlainLimits:

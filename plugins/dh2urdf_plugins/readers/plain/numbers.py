@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.cells import Units
 
 REMEMBERED = 10_000
-"""Texts, or sets of texts, whose meaning is remembered [1]."""
+"""Texts, or sets of texts, whose meaning is remembered."""
 LINE_END = "\n"
 """What a cell in quotes may hold, and no plain one does."""
 _TINY = re.compile("[eE]-[0-9]{3}")

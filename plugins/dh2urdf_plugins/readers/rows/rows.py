@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.cells import Cell, Units
 
 MAX_PROBLEMS = 1000
-"""Problems of one manipulator that are collected [1]; reading it stops there."""
+"""Problems of one manipulator that are collected; reading it stops there."""
 NEARLY = 1e-3
-"""How near an angle has to be to a quarter turn to be taken for a rounded one, relative [1]."""
+"""How near an angle has to be to a quarter turn to be taken for a rounded one, relative."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
 REMARKABLE_LIMIT = 4 * math.pi

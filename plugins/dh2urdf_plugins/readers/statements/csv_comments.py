@@ -41,7 +41,7 @@ _EXAMPLES = {
     "defaults": "# defaults: {geometry: {shape: cylinder, radius: 0.04}, density: 2700}",
 }
 MAX_STATEMENT = 10_000
-"""Length of a comment line that says something [1]."""
+"""Length of a comment line that says something."""
 
 _STATEMENT = re.compile(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
 _ENTRY = re.compile(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)

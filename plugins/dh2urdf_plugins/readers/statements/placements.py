@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.cells import Units
 
 ORTHONORMAL = 1e-9
-"""Largest |RᵀR − 1| of a rotation that is taken without a word [1]."""
+"""Largest |RᵀR − 1| of a rotation that is taken without a word."""
 NEARLY_ORTHONORMAL = 1e-4
 """Largest |RᵀR − 1| of one that is corrected, with a notice: four digits, as in 0.7071."""
 

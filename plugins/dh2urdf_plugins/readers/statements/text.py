@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 MAX_LINE = 2**20
-"""Length of a line [1]: a file without line ends must not be held as one."""
+"""Length of a line: a file without line ends must not be held as one."""
 _BLOCK = 2**14
-"""Characters read at once [1]: the rows of a block are gone before Python's collector has to look at them twice."""
+"""Characters read at once: the rows of a block are gone before Python's collector has to look at them twice."""
 _SAMPLE = 4096
 
 _OTHER_FILES = (

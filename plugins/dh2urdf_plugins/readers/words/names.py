@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 MAX_NAME = 200
-"""Length of a name [1]; readers of robot descriptions cut names of a thousand characters, or crash."""
+"""Length of a name; readers of robot descriptions cut names of a thousand characters, or crash."""
 TIP_FRAMES = ("flange", "tool0")
 """Links of ours at the end of the arm."""
 RESERVED = ("world", "base_link", "base_link_inertia", *TIP_FRAMES)

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import threading
+import time
 import urllib.request
 from dataclasses import asdict, fields, is_dataclass
 from importlib.util import find_spec
@@ -408,3 +409,36 @@ def _as_table(manipulator: Manipulator, form: str, *, units: tuple[str, str] = (
     header = list(dict.fromkeys(key for cells in rows for key in cells))
     body = [",".join(str(cells.get(key, "")) for key in header) for cells in rows]
     return "\n".join([*(f"# {line}" for line in lines), ",".join(header), *body, ""])
+
+
+LONG_ENOUGH = 60.0
+"""Seconds, for any machine."""
+
+
+@pytest.fixture
+def is_running() -> Callable[[int], bool]:
+    """Whether a process runs; one that nobody has waited for yet does not."""
+
+    def ask(pid: int) -> bool:
+        try:
+            if Path("/proc/self/stat").exists():
+                return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+            os.kill(pid, 0)
+        except (FileNotFoundError, ProcessLookupError):
+            return False
+        return True
+
+    return ask
+
+
+@pytest.fixture
+def soon() -> Callable[[Callable[[], Any]], bool]:
+    """Whether a condition comes true within a time that is long enough for any machine."""
+
+    def wait(condition: Callable[[], Any]) -> bool:
+        end = time.monotonic() + LONG_ENOUGH
+        while not (true := condition()) and time.monotonic() < end:
+            time.sleep(0.02)
+        return bool(true)
+
+    return wait

@@ -30,6 +30,7 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import CellRow, TableText, WrittenTable
 
 __all__ = [
+    "LOAD_TIME_LIMIT",
     "PACKAGE_FILE",
     "SEVERITIES",
     "Effect",
@@ -289,8 +290,22 @@ class LoadReport:
     picture: str | None = None
 
 
-def _two_minutes(_options: object) -> float:
-    return 120.0
+LOAD_TIME_LIMIT = 300.0
+"""How long a loader may take where its record names no other time [s]."""
+
+
+def _load_time_limit(_options: object) -> float:
+    return LOAD_TIME_LIMIT
+
+
+def _option_poses(options: object) -> int:
+    poses: int = getattr(options, "poses", 25)
+    return poses
+
+
+def _option_picture(options: object) -> bool:
+    picture: bool = getattr(options, "picture", False)
+    return picture
 
 
 def _nothing(_request: LoadRequest, _output: str) -> tuple[Problem, ...]:
@@ -314,15 +329,15 @@ class Loader(Generic[O]):
             from C too, is taken into the report. It raises `dh2urdf.errors.LoaderError` where the
             simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` or `MissingProgramError` where it
             is not installed or does not run.
-        poses: how many joint vectors to measure with these options.
-        picture: whether these options ask for a picture.
+        poses: how many joint vectors to measure with these options; by default their field ``poses``, or 25.
+        picture: whether these options ask for a picture; by default their field ``picture``, or no.
         read_output: the findings in what the simulator printed while `load` ran: its warnings, without those that it
             gives for good files too. Called with the whole output after the child process has ended, well or badly.
         require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `load`
             needs with these options is not installed, without importing it (`importlib.util.find_spec`), and
             `MissingProgramError` where it is a program that is not.
         time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
-            ends it, by closing a window.
+            ends it, by closing a window. By default five minutes.
         prepare: imports the simulator, as `load` with these options would. None, the default, gives every load a child
             process of its own. A loader that has it promises that `load` may be called many times in one process: it
             closes what it opens, and reports of a file the same whatever was loaded before. Then `prepare` is called
@@ -334,11 +349,11 @@ class Loader(Generic[O]):
     load: Callable[[LoadRequest, O], LoadReport]
     options: type[O]
     formats: tuple[str, ...] = ("urdf",)
-    poses: Callable[[O], int]
-    picture: Callable[[O], bool]
+    poses: Callable[[O], int] = _option_poses
+    picture: Callable[[O], bool] = _option_picture
     read_output: Callable[[LoadRequest, str], Sequence[Problem]] = _nothing
     require: Callable[[O], None] = _all_there
-    time_limit: Callable[[O], float | None] = _two_minutes
+    time_limit: Callable[[O], float | None] = _load_time_limit
     prepare: Callable[[O], None] | None = None
 
 

@@ -14,10 +14,11 @@ from ipaddress import ip_address
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import MissingProgramError
-from dh2urdf.stages import Loader, LoadReport
+from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, LoadReport
 from dh2urdf_plugins.loaders.coppeliasim.arm import Arm, Connection
 from dh2urdf_plugins.loaders.coppeliasim.hold import Engine, hold
 from dh2urdf_plugins.loaders.coppeliasim.turns import turn
+from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
 if TYPE_CHECKING:
@@ -37,12 +38,11 @@ REMEDY = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CoppeliaSimOptions:
+class CoppeliaSimOptions(SimulatorOptions):
     """Which CoppeliaSim is asked, and what is done there."""
 
     host: str = field(default="localhost", metadata={"help": "where CoppeliaSim runs"})
     port: int = field(default=PORT, metadata={"help": "port of its ZMQ remote API"})
-    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
     engine: Engine | None = field(
         default=None,
         metadata={
@@ -52,8 +52,7 @@ class CoppeliaSimOptions:
     )
 
     def __post_init__(self) -> None:
-        if self.poses < 1:
-            raise ValueError("poses is a number from 1 on")
+        SimulatorOptions.__post_init__(self)
         if not 0 < self.port < 1 << 16:
             raise ValueError("port is a number from 1 to 65535")
 
@@ -83,7 +82,7 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
         raise _silent(options) from error
     same_machine = address == own or ip_address(address.partition("%")[0]).is_loopback
     key = f"coppeliasim-{'localhost' if same_machine else address}-{options.port}"
-    with turn(key, f"CoppeliaSim at {options.host}:{options.port}", _time_limit(options) / 2):
+    with turn(key, f"CoppeliaSim at {options.host}:{options.port}", LOAD_TIME_LIMIT / 2):
         client = library.RemoteAPIClient(options.host, options.port)
         client.socket.setsockopt(zmq.LINGER, 0)  # What was not delivered must not keep this process from ending.
         client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * ANSWERS_WITHIN))
@@ -91,7 +90,7 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
             client.require("sim")  # Somebody listens: CoppeliaSim, or another program?
         except zmq.ZMQError as error:
             raise _silent(options) from error
-        client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * _time_limit(options) / 4))
+        client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * LOAD_TIME_LIMIT / 4))
         with closing(Arm(request, Connection(client), same_machine=same_machine)) as arm:
             report = arm.report()
             if options.engine is None:
@@ -106,27 +105,11 @@ def _silent(options: CoppeliaSimOptions) -> MissingProgramError:
     )
 
 
-def poses(options: CoppeliaSimOptions) -> int:
-    """How many joint vectors are measured."""
-    return options.poses
-
-
-def _no_picture(_options: CoppeliaSimOptions) -> bool:
-    return False
-
-
-def _time_limit(_options: CoppeliaSimOptions) -> float:
-    return 300.0
-
-
 LOADER = Loader(
     name="coppeliasim",
     summary="has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
     load=load,
     options=CoppeliaSimOptions,
     formats=("urdf",),
-    poses=poses,
-    picture=_no_picture,
     require=require,
-    time_limit=_time_limit,
 )

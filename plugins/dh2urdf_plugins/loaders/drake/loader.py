@@ -5,12 +5,13 @@ from __future__ import annotations
 import logging
 import re
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader, LoadReport
 from dh2urdf_plugins.loaders.drake.arm import Arm
+from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
 if TYPE_CHECKING:
@@ -21,14 +22,8 @@ _MARK = "Drake logged "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DrakeOptions:
+class DrakeOptions(SimulatorOptions):
     """What is done in Drake."""
-
-    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
-
-    def __post_init__(self) -> None:
-        if self.poses < 1:
-            raise ValueError("poses is a number from 1 on")
 
 
 def require(_options: DrakeOptions) -> None:
@@ -91,29 +86,13 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     )
 
 
-def poses(options: DrakeOptions) -> int:
-    """How many joint vectors are measured."""
-    return options.poses
-
-
-def _no_picture(_options: DrakeOptions) -> bool:
-    return False
-
-
-def _time_limit(_options: DrakeOptions) -> float:
-    return 300.0
-
-
 LOADER = Loader(
     name="drake",
     summary="loads URDF or SDF into Drake, compares the arm with the table, lets it hold its weight",
     load=load,
     options=DrakeOptions,
     formats=("urdf", "sdf"),
-    poses=poses,
-    picture=_no_picture,
     read_output=read_output,
     require=require,
-    time_limit=_time_limit,
     prepare=prepare,
 )

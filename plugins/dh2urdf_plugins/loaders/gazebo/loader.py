@@ -11,7 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ from dh2urdf.stages import Loader, LoadReport
 from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.gazebo.arm import Arm, precision
 from dh2urdf_plugins.loaders.gazebo.sdf_model import parse_sdf
+from dh2urdf_plugins.loaders.options import SimulatorOptions
 
 if TYPE_CHECKING:
     from dh2urdf.stages import LoadRequest
@@ -34,14 +35,8 @@ REMEDY = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class GazeboOptions:
+class GazeboOptions(SimulatorOptions):
     """What is done with sdformat."""
-
-    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
-
-    def __post_init__(self) -> None:
-        if self.poses < 1:
-            raise ValueError("poses is a number from 1 on")
 
 
 def require(_options: GazeboOptions) -> None:
@@ -147,29 +142,13 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     )
 
 
-def poses(options: GazeboOptions) -> int:
-    """How many joint vectors are measured."""
-    return options.poses
-
-
-def _no_picture(_options: GazeboOptions) -> bool:
-    return False
-
-
-def _time_limit(_options: GazeboOptions) -> float:
-    return 300.0
-
-
 LOADER = Loader(
     name="gazebo",
     summary="has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
     load=load,
     options=GazeboOptions,
     formats=("sdf", "urdf"),
-    poses=poses,
-    picture=_no_picture,
     read_output=read_output,
     require=require,
-    time_limit=_time_limit,
     prepare=prepare,
 )

@@ -13,6 +13,7 @@ from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader, LoadReport
 from dh2urdf_plugins.loaders.mujoco.arm import Arm
 from dh2urdf_plugins.loaders.mujoco.picture import NoGraphicsError, graphics, write_picture
+from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
 if TYPE_CHECKING:
@@ -22,15 +23,10 @@ _PACKAGES = Packages("mujoco", {"mujoco": "mujoco", "PIL.Image": "pillow"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MuJoCoOptions:
+class MuJoCoOptions(SimulatorOptions):
     """What is done in MuJoCo."""
 
-    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
     picture: bool = field(default=True, metadata={"help": "write a picture of the arm beside its files"})
-
-    def __post_init__(self) -> None:
-        if self.poses < 1:
-            raise ValueError("poses is a number from 1 on")
 
 
 def require(options: MuJoCoOptions) -> None:
@@ -110,30 +106,13 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     )
 
 
-def poses(options: MuJoCoOptions) -> int:
-    """How many joint vectors are measured."""
-    return options.poses
-
-
-def picture(options: MuJoCoOptions) -> bool:
-    """Whether a picture is taken."""
-    return options.picture
-
-
-def _time_limit(_options: MuJoCoOptions) -> float:
-    return 300.0
-
-
 LOADER = Loader(
     name="mujoco",
     summary="loads MJCF or URDF into MuJoCo, compares the arm with the table, lets it hold its weight, takes a picture",
     load=load,
     options=MuJoCoOptions,
     formats=("mjcf", "urdf"),
-    poses=poses,
-    picture=picture,
     read_output=read_output,
     require=require,
-    time_limit=_time_limit,
     prepare=prepare,
 )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader, LoadReport
+from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 from dh2urdf_plugins.loaders.pinocchio.arm import Arm
 
@@ -18,14 +19,8 @@ _PACKAGES = Packages("pinocchio", {"pinocchio": "pin"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PinocchioOptions:
+class PinocchioOptions(SimulatorOptions):
     """What is done in Pinocchio."""
-
-    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
-
-    def __post_init__(self) -> None:
-        if self.poses < 1:
-            raise ValueError("poses is a number from 1 on")
 
 
 def require(_options: PinocchioOptions) -> None:
@@ -72,23 +67,12 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     )
 
 
-def poses(options: PinocchioOptions) -> int:
-    """How many joint vectors are measured."""
-    return options.poses
-
-
-def _no_picture(_options: PinocchioOptions) -> bool:
-    return False
-
-
 LOADER = Loader(
     name="pinocchio",
     summary="loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
     load=load,
     options=PinocchioOptions,
     formats=("urdf",),
-    poses=poses,
-    picture=_no_picture,
     read_output=read_output,
     require=require,
     prepare=prepare,

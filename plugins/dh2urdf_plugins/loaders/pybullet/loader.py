@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, LoadReport
+from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, LoadReport
+from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 from dh2urdf_plugins.loaders.pybullet.arm import Arm
 
@@ -19,16 +20,11 @@ _PACKAGES = Packages("pybullet", {"pybullet": "pybullet", "PIL.Image": "pillow"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PyBulletOptions:
+class PyBulletOptions(SimulatorOptions):
     """What is done in PyBullet."""
 
-    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
     picture: bool = field(default=True, metadata={"help": "write a picture of the arm beside its files"})
     gui: bool = field(default=False, metadata={"help": "show the arm in a window, and wait until it is closed"})
-
-    def __post_init__(self) -> None:
-        if self.poses < 1:
-            raise ValueError("poses is a number from 1 on")
 
 
 def require(options: PyBulletOptions) -> None:
@@ -107,19 +103,9 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     )
 
 
-def poses(options: PyBulletOptions) -> int:
-    """How many joint vectors are measured."""
-    return options.poses
-
-
-def picture(options: PyBulletOptions) -> bool:
-    """Whether a picture is taken."""
-    return options.picture
-
-
 def time_limit(options: PyBulletOptions) -> float | None:
     """How long loading may take [s]; a window stays open as long as a person likes."""
-    return None if options.gui else 300.0
+    return None if options.gui else LOAD_TIME_LIMIT
 
 
 LOADER = Loader(
@@ -128,8 +114,6 @@ LOADER = Loader(
     load=load,
     options=PyBulletOptions,
     formats=("urdf",),
-    poses=poses,
-    picture=picture,
     read_output=read_output,
     require=require,
     time_limit=time_limit,

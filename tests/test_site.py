@@ -42,22 +42,46 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built as `.ci/run` builds it: a warning ends it."""
+def build(folder: Path, root: Path = ROOT) -> tuple[int, list[str]]:
+    """Build the site as `.ci/run` does: the exit status, and the warnings."""
     for module in ("material", "mkdocstrings_handlers"):
         pytest.importorskip(module, reason="the extra docs is not installed")
-    folder = tmp_path_factory.mktemp("site")
     built = subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", folder],
-        cwd=ROOT,
-        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},  # of what the makers of the theme do next
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", folder],
+        cwd=root,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},  # a notice about the next version of mkdocs
         capture_output=True,
         text=True,
         check=False,
     )
-    assert (built.returncode, built.stdout + built.stderr) == (0, "")
+    warnings = [line for line in built.stderr.splitlines() if not line.startswith("INFO")]
+    return built.returncode, warnings
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site; a warning fails the build."""
+    folder = tmp_path_factory.mktemp("site")
+    assert build(folder) == (0, [])
     return folder
+
+
+def test_a_broken_link_fails_the_build(tmp_path: Path) -> None:
+    """A link to a page that is not there, one to a heading that is not there, and a page that the menu lacks."""
+    for name in ("docs", "pipeline", "plugins"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / "docs").unlink()
+    shutil.copytree(DOCS, tmp_path / "docs")
+    shutil.copy(ROOT / "mkdocs.yml", tmp_path)
+    index = tmp_path / "docs" / "index.md"
+    index.write_text(f"{index.read_text('utf-8')}\n[a](gone.md), [b](cells.md#gone)\n", "utf-8")
+    (tmp_path / "docs" / "lonely.md").write_text("# Lonely\n", "utf-8")
+    status, warnings = build(tmp_path / "site", tmp_path)
+    assert status == 1
+    text = "\n".join(warnings)
+    assert "'gone.md', but the target is not found" in text
+    assert "'cells.md#gone', but the doc 'cells.md' does not contain an anchor '#gone'" in text
+    assert "lonely.md" in text
 
 
 class QuietHandler(SimpleHTTPRequestHandler):
@@ -160,7 +184,9 @@ def test_every_hook_is_there_with_its_signature(site: Path) -> None:
 
 def test_docstrings_leave_no_markup_behind(site: Path) -> None:
     """The mark that stands before an example in a docstring is not shown."""
-    assert "::" not in re.findall(r"\S+", text_of(site, "reference/python"))
+    for page in (DOCS / "reference" / "python").glob("*.md"):
+        name = f"reference/python/{page.stem}".removesuffix("/index")
+        assert "::" not in re.findall(r"\S+", text_of(site, name)), name
 
 
 def test_a_stage_of_a_run_file_has_one_name(site: Path) -> None:

@@ -1,4 +1,4 @@
-"""docs/check.md says what the table of rules says. `pytest --renew` writes it again."""
+"""The pages in docs/rules have what the tables of rules have. `pytest --renew` writes them again."""
 
 from __future__ import annotations
 
@@ -13,27 +13,43 @@ from dh2urdf.cli.check import command
 from dh2urdf.kinematics import comparison as agreement
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.models.models import CONSUMERS as MODEL_CONSUMERS, model_rules
-from dh2urdf_plugins.lint.rules import CONSUMERS, rules
+from dh2urdf_plugins.lint.rules import CONSUMERS, GROUPS, rules_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from dh2urdf_plugins.lint.rules import Rule
 
-PAGE = Path(__file__).parents[1] / "docs" / "check.md"
-PATTERN = r"(?<=<!-- {0}: )(?P<remark>[^>]*-->\n)(?P<rules>.*?)(?=<!-- /{0} -->)"
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "check.md"
+GENERATED = re.compile(
+    r"(?P<remark><!-- (?:rules|matrix): [^>]*-->\n)(?P<lines>.*?)(?=<!-- /(?:rules|matrix) -->)", re.DOTALL
+)
+
+PAGES: dict[str, tuple[dict[str, Rule], Mapping[str, str]]] = {
+    **{group: (rules_of(group), CONSUMERS) for group in GROUPS},
+    **{name: (model_rules(name), MODEL_CONSUMERS[name]) for name in MODEL_CONSUMERS},
+}
 
 
-def lines(rules: Mapping[str, Rule], readers: Iterable[str]) -> Iterator[str]:
-    """The matrix of all rules, then a paragraph for each."""
-    names = list(readers)
+def head(consumers: Iterable[str]) -> Iterator[str]:
+    """The head of a matrix."""
+    names = list(consumers)
     yield f"\n| rule | {' | '.join(names)} |"
     yield f"|---|{'---|' * len(names)}"
+
+
+def matrix(page: str, rules: Mapping[str, Rule], consumers: Iterable[str]) -> Iterator[str]:
+    """A row for each rule, a column for each consumer."""
     for rule in rules.values():
-        cells = " | ".join(rule.outcomes.get(consumer, "") for consumer in names)
-        yield f"| [{rule.name}](#{rule.name}) | {cells} |".replace("|  ", "| ")
+        cells = " | ".join(rule.outcomes.get(consumer, "") for consumer in consumers)
+        yield f"| [{rule.name}]({page}.md#{rule.name}) | {cells} |".replace("|  ", "| ")
+
+
+def paragraphs(rules: Mapping[str, Rule]) -> Iterator[str]:
+    """A section for each rule."""
     for rule in rules.values():
-        yield f"\n### {rule.name}\n\n{rule.fault[0].upper()}{rule.fault[1:]}.\n"
+        yield f"\n## {rule.name}\n\n{rule.fault[0].upper()}{rule.fault[1:]}.\n"
         together: dict[str, list[str]] = {}
         for effect in rule.effects:
             together.setdefault(f"{effect.text} ({rule.outcomes[effect.consumer]})", []).append(f"`{effect.consumer}`")
@@ -42,22 +58,28 @@ def lines(rules: Mapping[str, Rule], readers: Iterable[str]) -> Iterator[str]:
         yield f"\nFix: {rule.fix}."
 
 
-TABLES = {
-    "rules": (rules(), CONSUMERS),
-    **{f"{name} rules": (model_rules(name), MODEL_CONSUMERS[name]) for name in MODEL_CONSUMERS},
-}
+def all_matrices() -> Iterator[str]:
+    """The matrix of URDF, of all its tables, then those of SDF and MJCF."""
+    yield "\n## URDF"
+    yield from head(CONSUMERS)
+    for group in GROUPS:
+        yield from matrix(group, *PAGES[group])
+    for name, consumers in MODEL_CONSUMERS.items():
+        yield f"\n## {name.upper()}"
+        yield from head(consumers)
+        yield from matrix(name, *PAGES[name])
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_every_rule_is_in_the_page(name: str, *, renew: bool) -> None:
+@pytest.mark.parametrize("name", ["index", *PAGES])
+def test_every_rule_is_in_the_pages(name: str, *, renew: bool) -> None:
     """With what every consumer does, and how to fix it."""
-    page, generated = PAGE.read_text("utf-8"), "\n".join(lines(*TABLES[name])) + "\n\n"
-    pattern = re.compile(PATTERN.format(name), re.DOTALL)
+    path = DOCS / "rules" / f"{name}.md"
+    expected = "\n".join(all_matrices() if name == "index" else paragraphs(PAGES[name][0])) + "\n\n"
     if renew:
-        PAGE.write_text(pattern.sub(lambda match: match["remark"] + generated, page), "utf-8")
-    match = pattern.search(PAGE.read_text("utf-8"))
+        path.write_text(GENERATED.sub(lambda match: match["remark"] + expected, path.read_text("utf-8")), "utf-8")
+    match = GENERATED.search(path.read_text("utf-8"))
     assert match is not None
-    assert match["rules"] == generated
+    assert match["lines"] == expected
 
 
 def test_every_option_is_in_the_page() -> None:

@@ -1,6 +1,6 @@
 """The rules of `dh2urdf check`: each a fault, and what every consumer does with a file that has it.
 
-They are in ``rules.yaml`` and ``plausibility.yaml`` beside this module, which docs/check.md is made of.
+They are in the folder ``rule_tables`` beside this module, a file a group; the pages in docs/rules are made of them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ CONSUMERS = {
 
 
 class Outcome(StrEnum):
-    """What becomes of a file in a consumer's hands; rules.yaml says what each word means."""
+    """What becomes of a file in a consumer's hands; the README of the tables explains each word."""
 
     REFUSES = "refuses"
     CRASHES = "crashes"
@@ -70,25 +70,30 @@ class Rule:
     effects: tuple[Effect, ...]
 
 
-@cache
-def plausibility_rules() -> dict[str, Rule]:
-    """The rules about what is hardly meant, in the order of their table."""
-    return _table("plausibility.yaml")
+GROUPS = ("text", "names", "tree", "joints", "masses", "shapes", "plausibility")
+"""The tables of rules of URDF, in their order."""
 
 
 @cache
 def rules() -> dict[str, Rule]:
-    """All rules by name, in the order of the tables."""
-    return {**_table("rules.yaml"), **plausibility_rules()}
+    """All rules of URDF by name, in the order of their tables."""
+    return {name: rule for group in GROUPS for name, rule in rules_of(group).items()}
 
 
-def _table(name: str) -> dict[str, Rule]:
-    text = Path(__file__).with_name(name).read_text("utf-8")
-    table = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
-    return {rule: rule_of(rule, CONSUMERS, **entry) for rule, entry in table.items()}
+@cache
+def plausibility_rules() -> dict[str, Rule]:
+    """The rules about what is hardly meant, in the order of their table."""
+    return rules_of("plausibility")
 
 
-def rule_of(
+def rules_of(group: str, known: Mapping[str, str] = CONSUMERS) -> dict[str, Rule]:
+    """The rules of one table by name, in its order; `known` are the consumers that it may name."""
+    path = Path(__file__).with_name("rule_tables") / f"{group}.yaml"
+    table = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
+    return {rule: _rule(rule, known, **entry) for rule, entry in table.items()}
+
+
+def _rule(
     name: str, known: Mapping[str, str], *, fault: str, fix: str, consumers: Mapping[str, tuple[str, str]]
 ) -> Rule:
     """A rule as an entry of a table says it; `known` are the consumers of the table, in their order."""

@@ -431,7 +431,7 @@ IMPLAUSIBLE = {
     "unknown-attribute": (ELBOW_AXIS, '<axis xyz="0 1 0"/><dynamics damping="0.1" frictoin="0.2"/>'),
     "reference-to-nothing": (END, f'<gazebo reference="elbows"/>{END}'),
 }
-"""By rule of plausibility.yaml: a text of the sound description, and what is hardly meant in its place."""
+"""By rule of the table of plausibility: a text of the sound description, and what is hardly meant in its place."""
 
 
 def write_meshes(folder: Path) -> None:

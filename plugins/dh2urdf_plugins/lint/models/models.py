@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import yaml
 from lxml import etree
 
 from dh2urdf.documents import read_bytes
@@ -17,7 +16,7 @@ from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_plugins.lint.document.tree import numbers_of
-from dh2urdf_plugins.lint.rules import Rule, rule_of
+from dh2urdf_plugins.lint.rules import Rule, rules_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -65,9 +64,7 @@ class Model:
 @cache
 def model_rules(name: str) -> dict[str, Rule]:
     """The rules of a format by name, in the order of their table."""
-    text = Path(__file__).with_name(f"{name}_rules.yaml").read_text("utf-8")
-    table = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
-    return {rule: rule_of(rule, CONSUMERS[name], **entry) for rule, entry in table.items()}
+    return rules_of(name, CONSUMERS[name])
 
 
 def inspect_model(

@@ -188,6 +188,7 @@ class Emitter(Generic[O]):
             folder begins with the stem, or with a name that the options give. Then `suffixes` is empty, `dh2urdf
             convert` writes into a folder, and the files bring the meshes that they name.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
+        for_suffix: the options that make `emit` give what a suffix names; None where all suffixes hold the same.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
         emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
             a stem for each; a robot that is not `sure`, or that it cannot write so, gets an empty list. None where it
@@ -219,6 +220,7 @@ class Emitter(Generic[O]):
     finds_packages: bool = False
     in_folders: bool = False
     one_file: Callable[[O], O] | None = None
+    for_suffix: Callable[[O, str], O] | None = None
     costly_proof: bool = False
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None

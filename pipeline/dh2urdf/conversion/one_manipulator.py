@@ -121,14 +121,14 @@ def make_item(item: Manipulator | Cell, transform: Call[Transform[Any]]) -> tupl
 
 
 def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Robot:
-    """The robot of a manipulator, checked.
+    """The robot of a manipulator, checked, with the table that it was made of.
 
     Raises:
         ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
     """
     with blaming(transform):
         robot = _a_robot(transform.stage.transform(manipulator, transform.options), transform)
-    return _checked(robot, manipulator.mark)
+    return replace(_checked(robot, manipulator.mark), manipulator=robot.manipulator or manipulator)
 
 
 def make_cell(cell: Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
@@ -292,7 +292,7 @@ def emit_robot(
                 raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
-        looked = proved and (sampled or not emitter.costly_proof)
+        looked = proved and files[0].is_robot and (sampled or not emitter.costly_proof)
         proof = _prove_file(truth, folder / files[0].name, call, poses, recipe=recipe) if looked else None
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)

@@ -192,6 +192,10 @@ class TestMjcf(EmitterContract):
 
 class TestRos2(EmitterContract):
     stage = CATALOG.get("emitter", "ros2")
+
+
+class TestSrdf(EmitterContract):
+    stage = CATALOG.get("emitter", "srdf")
     stem = "arm_7"
 
 

@@ -58,6 +58,7 @@ NEEDED_MODULES = {
     "index.md": "pybullet",
     "simulators/pybullet.md": "pybullet",
     "simulators/mujoco.md": "mujoco",
+    "collisions.md": "pinocchio",
     "simulators/pinocchio.md": "pinocchio",
     "simulators/drake.md": "pydrake",
     "tables.md": "pyarrow",

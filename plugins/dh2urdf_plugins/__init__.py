@@ -35,11 +35,12 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
-    """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo, packages for ROS 2."""
+    """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo, packages for ROS 2, SRDF for MoveIt."""
     from dh2urdf_plugins.emitters import mjcf, sdf, urdf, xacro
     from dh2urdf_plugins.emitters.ros2 import emitter as ros2
+    from dh2urdf_plugins.emitters.srdf import emitter as srdf
 
-    return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER, ros2.EMITTER)
+    return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER, ros2.EMITTER, srdf.EMITTER)
 
 
 @hookimpl

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         asset_of as asset_of,
         enclosed as enclosed,
         load_scene as load_scene,
+        read_parts as read_parts,
         to_metres as to_metres,
     )
 else:
@@ -26,6 +27,6 @@ else:
         __name__,
         {
             "files": "REMEDY copy_name find_mesh has_meshes read_mesh",
-            "triangles": "Asset FORMATS asset_of enclosed load_scene to_metres",
+            "triangles": "Asset FORMATS asset_of enclosed load_scene read_parts to_metres",
         },
     )

@@ -14,7 +14,7 @@ from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.profiles import PROFILES, adapted, notices_of
 from dh2urdf_plugins.emitters.ros2.description_xacro import Kind, control_file, macro_file, top_file
-from dh2urdf_plugins.emitters.ros2.names import check_names, proposed_name, robot_name
+from dh2urdf_plugins.emitters.ros2.names import check_names, package_stem, proposed_name, robot_name
 from dh2urdf_plugins.emitters.ros2.options import Ros2Options
 from dh2urdf_plugins.emitters.ros2.package_files import (
     CONTROLLING,
@@ -69,6 +69,11 @@ def emit(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ..
     for path in (path for path in contents if path.endswith(".xacro")):
         check_lines(contents[path])
     return tuple(EmittedFile(name=f"{package}/{path}", content=content) for path, content in contents.items())
+
+
+def folders(stem: str, options: Ros2Options) -> tuple[str, ...]:
+    """The packages of a robot."""
+    return (f"{package_stem(stem, options.package)}_description",)
 
 
 def _kinds(robot: Robot, name: str) -> list[Kind]:
@@ -163,7 +168,7 @@ EMITTER = Emitter(
     suffixes=(),
     options=Ros2Options,
     emit=emit,
-    in_folders=True,
+    in_folders=folders,
     read_back=read_foreign_xacro,
     costly_proof=True,
     notices=notices,

@@ -9,13 +9,12 @@ from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import norm
 from dh2urdf_plugins.emitters.ros2.package_files import filled
-from dh2urdf_plugins.emitters.ros2.yaml_files import initial_position
+from dh2urdf_plugins.emitters.srdf.semantics import TOOL, initial_position
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.rotations import RigidTransform
 
-TOOL = "tool0"
 _PARTS = (0.5, 0.2, 0.9)
 """Where between their limits the joints are in the test of a package."""
 _UNLIMITED = 3.0

@@ -10,7 +10,7 @@ import re
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.manipulator import JointType
+from dh2urdf_plugins.emitters.srdf.semantics import initial_position
 from dh2urdf_plugins.emitters.urdf_tree import INERTIA, LIMITS_OF
 
 if TYPE_CHECKING:
@@ -121,14 +121,6 @@ def resistances(joint: Joint) -> dict[str, float]:
 
 
 # --- ros2_control -----------------------------------------------------------------------------------------------------
-
-
-def initial_position(joint: Joint) -> float:
-    """Where a joint starts: at 0, or in the middle of its limits where 0 is outside [rad or m]."""
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.type is JointType.CONTINUOUS or lower is None or upper is None or lower <= 0.0 <= upper:
-        return 0.0
-    return 0.5 * lower + 0.5 * upper
 
 
 def initial_positions(robot: Robot) -> bytes:

@@ -128,6 +128,23 @@ def test_a_run_of_several_robots_does_not_write_them_into_one_package(cli: Cli, 
     assert b"The description of ur5" in (tmp_path / "out" / "lab_description" / "package.xml").read_bytes()
 
 
+@pytest.mark.parametrize("package", ["a1", "a1_b"])
+@pytest.mark.parametrize("names", [("a1", "a1_b"), ("a1_b", "a1")])
+def test_names_that_begin_alike_share_no_package(
+    cli: Cli, tmp_path: Path, names: tuple[str, str], package: str
+) -> None:
+    """The second robot fails also where its own package has the name of the option, and the first one stays whole."""
+    for name in names:
+        (tmp_path / f"{name}.csv").write_text("# convention: standard\njoint, a, alpha, d\nj1, 0.3, 0, 0.1\n")
+    run_file = tmp_path / "run.yaml"
+    stage = {"stage": "ros2", "options": {"package": package}}
+    run_file.write_text(yaml.safe_dump({"inputs": [f"{name}.csv" for name in names], "emitters": [stage]}))
+    result = cli("run", run_file, "-o", tmp_path / "out", status=1)
+    assert "name the folder of one robot, and the run has several" in result.stdout + result.stderr
+    description = f"The description of {names[0]}</description>".encode()
+    assert description in (tmp_path / "out" / f"{package}_description" / "package.xml").read_bytes()
+
+
 def test_a_second_run_removes_the_files_that_it_has_no_part_in(cli: Cli, tmp_path: Path) -> None:
     """Without its hardware a package has fewer files, and none of the first run is left in it."""
     run_file = tmp_path / "run.yaml"

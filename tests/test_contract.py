@@ -192,11 +192,11 @@ class TestMjcf(EmitterContract):
 
 class TestRos2(EmitterContract):
     stage = CATALOG.get("emitter", "ros2")
+    stem = "arm_7"
 
 
 class TestSrdf(EmitterContract):
     stage = CATALOG.get("emitter", "srdf")
-    stem = "arm_7"
 
 
 class TestPyBullet(LoaderContract):

@@ -53,7 +53,7 @@ def paper(tab: Any) -> None:
 
 
 def set_sliders(tab: Any, values: list[float]) -> None:
-    for box, value in zip(tab.page.locator(".joint-slider input[type=number]").all(), values, strict=True):
+    for box, value in zip(tab.page.locator(".joint-slider-number").all(), values, strict=True):
         box.fill(str(value))
         box.press("Enter")
         box.blur()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.studio.scene import Figure
+    from dh2urdf.studio.drawing.scene import Figure
     from dh2urdf.table_text import TableText
 
 MOST_SESSIONS = 100
@@ -96,5 +96,6 @@ def build_view(figures: Sequence[Figure]) -> None:
 def dress() -> None:
     """The style sheet and the scripts of a page."""
     ui.add_css((_HERE / "studio.css").read_text("utf-8"))
-    ui.add_head_html(f"<script>{(_HERE / 'table_grid.js').read_text('utf-8')}</script>")
+    for script in ("table_grid.js", "page.js"):
+        ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
     ui.colors(primary="#1864ab")

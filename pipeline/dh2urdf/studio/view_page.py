@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing, words
-from dh2urdf.studio.scene import LAYERS
+from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.widgets import ArmView, JointSliders
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class ViewPage:
         ui.on_exception(dialogs.show_fault)
         with ui.element("div").classes("studio view"):
             with ui.element("header").classes("studio-head"):
-                ui.html("<b>dh2urdf</b> view", sanitize=False).classes("studio-title")
+                ui.html("<b>dh2urdf</b> view", sanitize=False, tag="h1").classes("studio-title")
                 ui.label(viewing.told(view.figures))
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
                 with ui.element("div").classes("studio-row"):

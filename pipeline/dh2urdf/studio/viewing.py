@@ -21,8 +21,8 @@ from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
+from dh2urdf.studio.drawing.scene import Drawing, Figure, extent
 from dh2urdf.studio.editing.reading import transform_call
-from dh2urdf.studio.scene import Drawing, Figure, extent
 from dh2urdf.tasks.batch import Expected, items
 from dh2urdf.variations.variation import Variant
 

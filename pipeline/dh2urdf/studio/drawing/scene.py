@@ -7,14 +7,15 @@ DH frames from the table, by different code, so that the screen itself would sho
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, joint_variables, link_poses
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, link_poses
+from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
-from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, add, cross, norm, scale
+from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
+from dh2urdf.studio.drawing.strokes import Stroke, strokes
+from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -43,7 +44,7 @@ AXIS_COLOURS: Mapping[JointType, Colour] = {
 }
 FRAME_SIZE = 0.08
 """Length of a frame's arrows in reaches of the arm."""
-SMALLEST_REACH = 0.05
+REACH_OF_A_POINT = 0.5
 """Reach that an arm of no size is drawn with [m]."""
 _AXIS_LENGTH = 2.6
 _DIGITS = 9
@@ -90,23 +91,6 @@ class SceneNode:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stroke:
-    """A DH parameter as the segment or the arc that it is, at some q.
-
-    Attributes:
-        row: number of its row, counted from 0.
-        field: a, alpha, d or theta.
-        points: from its beginning to its end [m].
-        label: its symbol and its value.
-    """
-
-    row: int
-    field: str
-    points: tuple[Vec3, ...]
-    label: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
     """One robot in the scene.
 
@@ -116,12 +100,14 @@ class Figure:
         name: what stands before the names of its nodes.
         place: where its root is.
         tint: a colour in place of its own ones.
+        typed: the table as it was typed, whose texts and units stand at its parameters.
         title: a text that stands at its root.
         link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
     """
 
     robot: Robot
     manipulator: Manipulator | None = None
+    typed: TableText | None = None
     name: str = ""
     place: RigidTransform = IDENTITY
     tint: Colour | None = None
@@ -149,7 +135,8 @@ class Drawing:
     def of(cls, figures: Sequence[Figure]) -> Drawing:
         """The drawing of some robots."""
         size = max((extent(figure.robot) for figure in figures), default=1.0)
-        nodes = tuple(node for figure in figures for node in _nodes(figure, max(size, SMALLEST_REACH)))
+        size = size if size > 1 / 10**_DIGITS else REACH_OF_A_POINT
+        nodes = tuple(node for figure in figures for node in _nodes(figure, size))
         meshes = {
             shape.geometry.filename: None
             for figure in figures
@@ -157,7 +144,7 @@ class Drawing:
             for shape in _shapes(link)
             if isinstance(shape.geometry, Mesh)
         }
-        return cls(figures=tuple(figures), nodes=nodes, reach=max(size, SMALLEST_REACH), unseen=tuple(meshes))
+        return cls(figures=tuple(figures), nodes=nodes, reach=size, unseen=tuple(meshes))
 
     def poses(self, q: Mapping[str, float]) -> tuple[RigidTransform, ...]:
         """Where the nodes are, in their order.
@@ -173,7 +160,13 @@ class Drawing:
             stroke
             for figure in self.figures
             if figure.manipulator is not None
-            for stroke in _strokes(figure, figure.manipulator, q, self.reach)
+            for stroke in strokes(
+                figure.manipulator,
+                _own_values(figure, q),
+                place=figure.place,
+                radius=0.8 * FRAME_SIZE * self.reach,
+                typed=figure.typed,
+            )
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -242,7 +235,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     robot, table = figure.robot, figure.manipulator
     rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
     above = {joint.child: joint for joint in robot.joints}
-    size = FRAME_SIZE * (max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach)
+    size = _frame_size(max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach, robot)
     for link in robot.links:
         joint = above.get(link.name)
         row = rows.get(joint.name) if joint else None
@@ -261,6 +254,12 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
             part = ScenePart(shape="frame", size=(size,), layer="frames")
             row = number - 1 if number else None
             yield SceneNode(name=f"{figure.name}frame {number}", row=row, parts=(part,), label=f"{{{number}}}")
+
+
+def _frame_size(reach: float, robot: Robot) -> float:
+    """Length of a frame's arrows: so many reaches, and no more than half of a usual link, which they would bury."""
+    links = max(1, len(robot.moving_joints) // max(1, len(robot.arms)))
+    return min(FRAME_SIZE, 0.5 / links) * reach
 
 
 def _bodies(link: Link, tint: Colour | None) -> Iterator[ScenePart]:
@@ -332,61 +331,3 @@ def _own_values(figure: Figure, q: Mapping[str, float]) -> dict[str, float]:
 
 def _vector(table: Manipulator, q: Mapping[str, float]) -> list[float]:
     return [q.get(row.joint, 0.0) for row in table.moving_rows]
-
-
-# --- DH parameters ----------------------------------------------------------------------------------------------------
-
-
-def _strokes(figure: Figure, table: Manipulator, q: Mapping[str, float], reach: float) -> Iterator[Stroke]:
-    """Every parameter that is not zero, between the frame before a row and the one after it."""
-    own, radius = _own_values(figure, q), 0.8 * FRAME_SIZE * reach
-    frames = [figure.place @ frame for frame in dh_frames(table, _vector(table, own))]
-    for number, row in enumerate(table.rows):
-        theta, d = joint_variables(row, own.get(row.joint, 0.0))
-        before, after = frames[number], frames[number + 1]
-        if table.convention is Convention.STANDARD:  # Rz(theta) Tz(d) Tx(a) Rx(alpha): z of before, x of after
-            axis, normal = (_axes(before)[2], before.translation), (_axes(after)[0], after.translation)
-            turn = (_axes(before)[0], axis[0], add(axis[1], scale(d, axis[0])))
-            twist = (_axes(before)[2], normal[0], normal[1])
-            along_d = (axis[1], add(axis[1], scale(d, axis[0])))
-            along_a = (along_d[1], after.translation)
-        else:  # Rx(alpha) Tx(a) Rz(theta) Tz(d): x of before, z of after
-            axis, normal = (_axes(after)[2], after.translation), (_axes(before)[0], before.translation)
-            foot = add(normal[1], scale(row.a, normal[0]))
-            turn, twist = (_axes(before)[0], axis[0], after.translation), (_axes(before)[2], normal[0], normal[1])
-            along_a, along_d = (normal[1], foot), (foot, after.translation)
-        index = number + 1 if table.convention is Convention.STANDARD else number
-        if d:
-            yield Stroke(row=number, field="d", points=along_d, label=f"d{_small(number + 1)} = {d:.4g} m")
-        if row.a:
-            yield Stroke(row=number, field="a", points=along_a, label=f"a{_small(index)} = {row.a:.4g} m")
-        for name, symbol, angle, (start, about, centre), which in (
-            ("theta", "θ", theta, turn, number + 1),
-            ("alpha", "α", row.alpha, twist, index),
-        ):
-            if arc := _arc(centre, start, about, angle, radius):
-                label = f"{symbol}{_small(which)} = {math.degrees(angle):.4g}°"
-                yield Stroke(row=number, field=name, points=arc, label=label)
-
-
-def _axes(frame: RigidTransform) -> tuple[Vec3, Vec3, Vec3]:
-    a, b, c, d, e, f, g, h, i = frame.rotation
-    return (a, d, g), (b, e, h), (c, f, i)
-
-
-def _arc(centre: Vec3, start: Vec3, about: Vec3, angle: float, radius: float) -> tuple[Vec3, ...]:
-    """Points of the arc that an angle is, from one direction about another; none where it is nothing to see."""
-    shown = math.remainder(angle, 2 * math.pi)
-    shown = math.pi if shown == -math.pi else shown
-    if abs(shown) < 1e-6:  # noqa: PLR2004 - [rad], less than a pixel
-        return ()
-    side = cross(about, start)
-    steps = max(2, math.ceil(abs(shown) / 0.15))
-    turns = [shown * step / steps for step in range(steps + 1)]
-    return tuple(
-        add(centre, scale(radius, add(scale(math.cos(turn), start), scale(math.sin(turn), side)))) for turn in turns
-    )
-
-
-def _small(number: int) -> str:
-    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))

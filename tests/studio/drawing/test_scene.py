@@ -11,8 +11,8 @@ from dh2urdf.kinematics.chain import as_matrices, forward_kinematics, joint_vari
 from dh2urdf.manipulator import Convention
 from dh2urdf.robot import Joint, Link, Mesh, Robot, Visual
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
 from dh2urdf.studio.editing.reading import make
-from dh2urdf.studio.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
 from dh2urdf.table_text import table_text
 
 if TYPE_CHECKING:

@@ -152,7 +152,7 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
     """The file to open: a robot of its own arguments, or the arms of a cell where they are."""
     notation = XacroNotation()
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
-    controlled = options.hardware != "none"
+    controlled = options.controlled
     files = {} if robot.arms else kinds[0].files
     positions = {"initial_positions_file": "initial_positions.yaml"} if controlled and not robot.arms else {}
     placement = {} if robot.arms else {"prefix": "", "parent": "", "xyz": "0 0 0", "rpy": "0 0 0"}

@@ -29,7 +29,7 @@ cells:
       - {{name: track, of: track}}
       - {{name: rider, of: ur5, prefix: r_, parent: track/tool0, xyz: [0, 0, 50 mm]}}
       - {{name: fixed, of: ur5, prefix: f_, xyz: [-1.5, 0, 0], rpy: [0, 0, pi]}}
-emitters: [ros2]
+emitters: [{{stage: ros2, options: {{moveit: true, trials: 300}}}}]
 """
 
 
@@ -62,26 +62,32 @@ def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules:
     """A UR5, a Panda in the modified convention, a SCARA and a cell: built, installed, found, and their tests pass."""
     source = tmp_path / "src"
     for table, frames in (("panda.yaml", "dh"), ("scara.csv", "aligned")):
-        cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "-o", source)
+        cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "--set", "moveit=true", "-o", source)
     run_file = tmp_path / "cell.yaml"
     run_file.write_text(CELL.format(tables=TABLES))
     cli("run", run_file, "-o", source / "made")
-    names = [f"{name}_description" for name in ("panda", "scara", "ur5", "track", "workshop")]
+    names = [
+        f"{name}_{kind}"
+        for name in ("panda", "scara", "ur5", "track", "workshop")
+        for kind in ("description", "moveit_config")
+    ]
     system("colcon", "build", cwd=tmp_path, PYTHONPATH=str(modules))
     system("colcon", "test", "--return-code-on-test-failure", cwd=tmp_path, PYTHONPATH=str(modules))
     results = system("colcon", "test-result", "--all", cwd=tmp_path)
     assert "0 errors, 0 failures, 0 skipped" in results.splitlines()[-1]
     for name in names:
-        assert f"build/{name}/test_results/{name}/test_description.xunit.xml" in results
+        robot, is_description = name.partition("_")[0], name.endswith("_description")
+        test, place = ("test_description", "urdf") if is_description else ("test_moveit_config", "config")
+        assert f"build/{name}/test_results/{name}/{test}.xunit.xml" in results
         prefix = tmp_path / "install" / name
+        assert (prefix / "share" / name / ".setup_assistant").is_file() is not is_description
         index = prefix / "share" / "ament_index" / "resource_index" / "packages" / name
         assert index.is_file()
-        top = prefix / "share" / name / "urdf" / f"{name.removesuffix('_description')}.urdf.xacro"
+        top = prefix / "share" / name / place / f"{robot}.urdf.xacro"
+        found = f"{prefix}:{tmp_path / 'install' / f'{robot}_description'}"
         code = f"import xacro; print(xacro.process_file({str(top)!r}).documentElement.getAttribute('name'))"
-        printed = system(
-            SYSTEM_PYTHON, "-c", code, cwd=tmp_path, PYTHONPATH=str(modules), AMENT_PREFIX_PATH=str(prefix)
-        )
-        assert printed.strip() == name.removesuffix("_description")
+        printed = system(SYSTEM_PYTHON, "-c", code, cwd=tmp_path, PYTHONPATH=str(modules), AMENT_PREFIX_PATH=found)
+        assert printed.strip() == robot
 
 
 @needs_ament
@@ -89,14 +95,15 @@ def test_catkin_pkg_accepts_package_xml_without_a_warning(cli: Cli, tmp_path: Pa
     """It is the parser that colcon, bloom and rosdep read the file with."""
     options = ["maintainer=Ada", "email=ada@lab.org", "license=MIT"]
     given = [word for option in options for word in ("--set", option)]
-    cli("convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path, *given)
+    cli("convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path, "--set", "moveit=true", *given)
     code = (
         "import sys; from catkin_pkg.package import parse_package; warnings = []; "
         "package = parse_package(sys.argv[1], warnings=warnings); "
         "package.validate(warnings=warnings); print(warnings, package.name, package.get_build_type())"
     )
-    printed = system(SYSTEM_PYTHON, "-c", code, str(tmp_path / "ur5_description"), cwd=tmp_path)
-    assert printed.strip() == "[] ur5_description ament_cmake"
+    for name in ("ur5_description", "ur5_moveit_config"):
+        printed = system(SYSTEM_PYTHON, "-c", code, str(tmp_path / name), cwd=tmp_path)
+        assert printed.strip() == f"[] {name} ament_cmake"
 
 
 def test_a_package_goes_into_a_folder(cli: Cli, tmp_path: Path) -> None:

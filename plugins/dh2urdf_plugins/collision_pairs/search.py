@@ -20,6 +20,7 @@ from itertools import chain, combinations
 from random import Random
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
+from dh2urdf.errors import EmitterError, InputError
 from dh2urdf.meshes import read_mesh
 from dh2urdf_plugins.collision_pairs.mechanism import Mechanism
 from dh2urdf_plugins.collision_pairs.scene import Scene, pair_of, shaped_neighbours
@@ -82,10 +83,13 @@ def robot_pairs(robot: Robot, options: PairOptions) -> CollisionPairs:
     """The collision pairs of a robot that was made of tables.
 
     Raises:
-        InputError: a mesh cannot be read.
+        EmitterError: a mesh cannot be read.
         MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
     """
-    return collision_pairs(Mechanism(robot=robot), _content, options)
+    try:
+        return collision_pairs(Mechanism(robot=robot), _content, options)
+    except InputError as error:
+        raise EmitterError(error.problems) from error
 
 
 def _content(mesh: Mesh) -> tuple[bytes, str]:

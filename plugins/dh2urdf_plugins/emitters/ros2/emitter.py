@@ -41,9 +41,11 @@ from dh2urdf_plugins.emitters.urdf_tree import check_lines
 from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from dh2urdf.robot import Link, Robot
+    from dh2urdf.stages import Expansion, Inspection
 
 _VERSION = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
 
@@ -171,6 +173,24 @@ def notices(robot: Robot, options: Ros2Options) -> list[Problem]:
     return found
 
 
+def check(path: Path, expansion: Expansion) -> Inspection:
+    """What there is to report of the package, of any origin, that a file is in.
+
+    Raises:
+        InputError: the file is in no package, or a folder of packages is none.
+    """
+    from dh2urdf_plugins.lint.packages.inspection import inspect_package
+
+    return inspect_package(path, expansion)
+
+
+def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
+    """The package.xml of each package among the files of a folder."""
+    from dh2urdf_plugins.lint.packages.inspection import packages
+
+    return packages(roots)
+
+
 EMITTER = Emitter(
     name="ros2",
     summary="ROS 2 packages: a description with ros2_control, launch files and tests, and a configuration of MoveIt",
@@ -181,4 +201,7 @@ EMITTER = Emitter(
     read_back=read_foreign_xacro,
     costly_proof=True,
     notices=notices,
+    check=check,
+    finds_packages=True,
+    descriptions=descriptions,
 )

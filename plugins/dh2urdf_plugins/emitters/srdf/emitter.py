@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import ConfigError, EmitterError, InputError
+from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Annotation, EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions
@@ -53,11 +53,7 @@ def srdf(robot: Robot, options: PairOptions, group: str) -> bytes:
     from dh2urdf_plugins.collision_pairs.search import robot_pairs
     from dh2urdf_plugins.emitters.srdf.semantics import semantics
 
-    try:
-        pairs = robot_pairs(robot, options)
-    except InputError as error:
-        raise EmitterError(error.problems) from error
-    return serialise(semantics(robot, pairs, group), robot.comment)
+    return serialise(semantics(robot, robot_pairs(robot, options), group), robot.comment)
 
 
 def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: SrdfOptions) -> Annotation:

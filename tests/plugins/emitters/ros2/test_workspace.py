@@ -69,6 +69,7 @@ def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules:
     cli("run", TABLES.parent / "ros2_cell.yaml", "-o", tmp_path / "example")
     for package in (tmp_path / "example").glob("two_arms_*"):  # The run writes the packages of a single UR5, too.
         package.rename(source / package.name)
+    shutil.rmtree(tmp_path / "example")
     names = [
         f"{name}_{kind}"
         for name in ("panda", "scara", "ur5", "track", "workshop", "two_arms")

@@ -120,7 +120,10 @@ def matrix(rotation: Sequence[float] | Matrix, translation: Sequence[float]) -> 
 
 
 def largest_difference(joints: Sequence[Joint], table: Manipulator, draw: random.Random, poses: int = 5) -> float:
-    """The largest element of the difference of both poses [m, 1], at 0 and at random joint values."""
-    moving = sum(joint.type is not JointType.FIXED for joint in joints)
-    vectors = [[0.0] * moving, *([draw.uniform(-3, 3) for _ in range(moving)] for _ in range(poses))]
+    """The largest element of the difference of both poses [m, 1], at 0 and at random joint values.
+
+    Joints turn by 3 rad to both sides, and slide by 1 m: the travel that is assumed where a joint has no limits.
+    """
+    widest = [1 if joint.type is JointType.PRISMATIC else 3 for joint in joints if joint.type is not JointType.FIXED]
+    vectors = [[0.0] * len(widest), *([draw.uniform(-most, most) for most in widest] for _ in range(poses))]
     return max(float(np.abs(chain_pose(joints, q) - table_pose(table, q)).max()) for q in vectors)

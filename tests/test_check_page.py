@@ -13,6 +13,7 @@ from dh2urdf.cli.check import command
 from dh2urdf.kinematics import comparison as agreement
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.models.models import CONSUMERS as MODEL_CONSUMERS, model_rules
+from dh2urdf_plugins.lint.packages.package import CONSUMERS as PACKAGE_CONSUMERS, package_rules
 from dh2urdf_plugins.lint.rules import CONSUMERS, GROUPS, rules_of
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ GENERATED = re.compile(
 PAGES: dict[str, tuple[dict[str, Rule], Mapping[str, str]]] = {
     **{group: (rules_of(group), CONSUMERS) for group in GROUPS},
     **{name: (model_rules(name), MODEL_CONSUMERS[name]) for name in MODEL_CONSUMERS},
+    "packages": (package_rules(), PACKAGE_CONSUMERS),
 }
 
 
@@ -59,7 +61,7 @@ def paragraphs(rules: Mapping[str, Rule]) -> Iterator[str]:
 
 
 def all_matrices() -> Iterator[str]:
-    """The matrix of URDF, of all its tables, then those of SDF and MJCF."""
+    """The matrix of URDF, of all its tables, then those of SDF, MJCF and packages."""
     yield "\n## URDF"
     yield from head(CONSUMERS)
     for group in GROUPS:
@@ -68,6 +70,9 @@ def all_matrices() -> Iterator[str]:
         yield f"\n## {name.upper()}"
         yield from head(consumers)
         yield from matrix(name, *PAGES[name])
+    yield "\n## Packages of ROS 2"
+    yield from head(PACKAGE_CONSUMERS)
+    yield from matrix("packages", *PAGES["packages"])
 
 
 @pytest.mark.parametrize("name", ["index", *PAGES])
@@ -115,4 +120,4 @@ def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
 
 def test_the_readme_leads_to_the_page() -> None:
     """From where it shows the command."""
-    assert "[docs/check.md](docs/check.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")
+    assert "(docs/check.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

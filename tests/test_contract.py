@@ -195,6 +195,10 @@ class TestRos2(EmitterContract):
     stem = "arm_7"
 
 
+class TestSrdf(EmitterContract):
+    stage = CATALOG.get("emitter", "srdf")
+
+
 class TestPyBullet(LoaderContract):
     stage = CATALOG.get("loader", "pybullet")
 

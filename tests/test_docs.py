@@ -58,6 +58,7 @@ NEEDED_MODULES = {
     "index.md": "pybullet",
     "simulators/pybullet.md": "pybullet",
     "simulators/mujoco.md": "mujoco",
+    "collisions.md": "pinocchio",
     "simulators/pinocchio.md": "pinocchio",
     "simulators/drake.md": "pydrake",
     "tables.md": "pyarrow",
@@ -305,6 +306,7 @@ def test_no_block_is_overlooked(page: str) -> None:
 def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
     """These blocks alone are not run, and each says why."""
     assert [(block.page, block.language) for page in PAGES for block in BLOCKS[page] if "not run" in block.marks] == [
+        ("extract-others.md", "sh"),
         ("fuzzing.md", "sh"),
         ("fuzzing.md", "sh"),
         ("fuzzing.md", "sh"),
@@ -313,6 +315,7 @@ def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
         ("machines.md", "sh"),
         ("machines.md", "python"),
         ("plugins.md", "python"),
+        ("ros2-packages.md", "sh"),
         ("ros2-packages.md", "sh"),
         ("simulators.md", "sh"),
         ("simulators/coppeliasim.md", "python"),

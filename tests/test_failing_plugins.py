@@ -166,6 +166,8 @@ def said(answer: Answer) -> str:
         ),
         ("emitter.notices.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("emitter.notices.give_numbers", "emitter 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf."),
+        ("emitter.in_folders.fail", "`in_folders` of the emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("emitter.in_folders.give_nothing", "`in_folders` of the emitter 'bad' of lab 1.0 failed: TypeError: it gave"),
         ("emitter.read_back.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.load.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.load.fail_oddly", "loader 'bad' of lab 1.0 failed: RuntimeError: Unpicklable: at work and odd"),
@@ -220,6 +222,16 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
         ),
         ("emitter.descriptions.fail", "check .", "`descriptions` of the emitter 'bad' failed: ZeroDivisionError: at"),
         ("emitter.descriptions.give_nothing", "check .", "`descriptions` of the emitter 'bad' failed: TypeError: it g"),
+        (
+            "emitter.annotate.fail",
+            "collisions arm.bad -o new.bad",
+            "`annotate` of the emitter 'bad' failed: ZeroDivisionError: at",
+        ),
+        (
+            "emitter.annotate.give_nothing",
+            "collisions arm.bad -o new.bad",
+            "`annotate` of the emitter 'bad' failed: TypeError: it g",
+        ),
         ("reader.schema.fail", "schema table", "`schema` of the reader 'bad' failed: ZeroDivisionError: at work"),
         *(
             (
@@ -375,8 +387,6 @@ def test_every_function_of_every_record_is_tried() -> None:
         "costly_proof",
         "expandable",
         "finds_packages",
-        "reads_descriptions",
-        "in_folders",
     }
     assert tried == {
         (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described

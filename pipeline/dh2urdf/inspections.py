@@ -86,6 +86,21 @@ class Repair:
     changes: tuple[Problem, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Annotation:
+    """A file that goes with a robot description of any origin.
+
+    Attributes:
+        content: the whole file.
+        summary: what is in it, in one line.
+        notices: what a careful person would look at.
+    """
+
+    content: bytes
+    summary: str
+    notices: tuple[Problem, ...] = ()
+
+
 PACKAGE_FILE = "package.xml"
 """What the folder of a ROS package holds."""
 

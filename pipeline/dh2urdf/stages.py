@@ -16,6 +16,7 @@ from dh2urdf.columns import ManipulatorColumns, RobotColumns
 from dh2urdf.inspections import (
     PACKAGE_FILE,
     SEVERITIES,
+    Annotation,
     Effect,
     Expansion,
     Finding,
@@ -33,6 +34,7 @@ __all__ = [
     "LOAD_TIME_LIMIT",
     "PACKAGE_FILE",
     "SEVERITIES",
+    "Annotation",
     "Effect",
     "EmittedFile",
     "Emitter",
@@ -184,9 +186,8 @@ class Emitter(Generic[O]):
         expandable: whether files of the format hold macros: then `read_foreign` and `check` take an `Expansion` as
             their second argument.
         finds_packages: whether `check` takes an `Expansion` though files hold no macros: for its `package_paths`.
-        in_folders: whether its files lie in folders of their own, as those of a ROS package do. The name of such a
-            folder begins with the stem, or with a name that the options give. Then `suffixes` is empty, `dh2urdf
-            convert` writes into a folder, and the files bring the meshes that they name.
+        in_folders: the names of the folders in which its files of a stem lie, as those of a ROS package do. Then
+            `suffixes` is empty, `dh2urdf convert` writes into a folder, and the files bring the meshes that they name.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
         for_suffix: the options that make `emit` give what a suffix names; None where all suffixes hold the same.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
@@ -207,6 +208,8 @@ class Emitter(Generic[O]):
         descriptions: of the files of a folder, each with the name of its outermost element of XML (empty where it has
             none), those that are whole descriptions of the format: `dh2urdf check FOLDER`. Files that are only a part
             of others are left out.
+        annotate: the file of the format that goes with a robot description of any origin, of which it takes how it is
+            expanded, and an earlier file, whose other content stays: `dh2urdf collisions`.
     """
 
     name: str
@@ -218,7 +221,7 @@ class Emitter(Generic[O]):
     read_foreign: Callable[..., Robot] | None = None
     expandable: bool = False
     finds_packages: bool = False
-    in_folders: bool = False
+    in_folders: Callable[[str, O], Iterable[str]] | None = None
     one_file: Callable[[O], O] | None = None
     for_suffix: Callable[[O, str], O] | None = None
     costly_proof: bool = False
@@ -228,6 +231,7 @@ class Emitter(Generic[O]):
     fix: Callable[[Path], Repair] | None = None
     descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
     notices: Callable[[Robot, O], Sequence[Problem]] | None = None
+    annotate: Callable[[Path, Expansion, Path | None, O], Annotation] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -42,10 +43,10 @@ def _serving() -> Callable[..., Any]:
 
 
 @contextmanager
-def serving(*words: str | Path) -> Iterator[str]:
+def serving(*words: str | Path, port: int = 0) -> Iterator[str]:
     """The address at which a command of the project serves, in a process of its own, until the end of the block."""
     code = "from dh2urdf.cli import main; main()"
-    command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", "0"]
+    command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", str(port)]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would take the server for its own test.
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
@@ -57,6 +58,13 @@ def serving(*words: str | Path) -> Iterator[str]:
         finally:
             server.send_signal(signal.SIGINT)
             assert server.wait(20) == 0, "a server ends well when it is interrupted"
+
+
+@pytest.fixture
+def free_port() -> int:
+    """A port that nobody listens at."""
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        return int(listening.getsockname()[1])
 
 
 @pytest.fixture(scope="session")
@@ -184,6 +192,16 @@ class Tab:
         script = "document.querySelector('.arm-view').scene.children[0].children.map(node => node.name)"
         return list(self.page.evaluate(script))
 
+    def wait_for_triangles(self, count: int) -> None:
+        """Waits until so many triangles of links are in the scene, and no mesh is on its way."""
+        script = """count => {
+            let found = 0;
+            document.querySelector('.arm-view').scene.traverse(part => found += part.isMesh && part.visible &&
+                part.userData.layer === 'links' ? part.geometry.attributes.position.count / 3 : 0);
+            return found > count && !document.querySelector('.arm-view-progress');
+        }"""
+        self.page.wait_for_function(script, arg=count)
+
     def foreign(self) -> list[str]:
         """What it asked for from elsewhere."""
         here = urlsplit(self.address).netloc
@@ -205,11 +223,14 @@ def profile(chromium: Browser) -> Iterator[BrowserContext]:
 def new_tab(profile: BrowserContext) -> Iterator[Callable[..., Tab]]:
     """Opens tabs; none may ask for anything from elsewhere, or have a fault."""
     tabs: list[Tab] = []
+    excused: list[Tab] = []
 
-    def open_tab(address: str, *, width: int = 1280, height: int = 720) -> Tab:
+    def open_tab(address: str, *, width: int = 1280, height: int = 720, faults: bool = True) -> Tab:
         page = profile.new_page()
         page.set_viewport_size({"width": width, "height": height})
         tabs.append(Tab(page, address))
+        if not faults:  # its server goes away on purpose, and the browser complains
+            excused.append(tabs[-1])
         return tabs[-1]
 
     yield open_tab
@@ -217,4 +238,18 @@ def new_tab(profile: BrowserContext) -> Iterator[Callable[..., Tab]]:
         tab.page.close()
     for tab in tabs:
         assert tab.foreign() == []
-        assert tab.faults == []
+        assert tab in excused or tab.faults == []
+
+
+@pytest.fixture(scope="session")
+def example_robots() -> Path:
+    """The folder of the descriptions in example-robot-data."""
+    from importlib.util import find_spec
+
+    spec = find_spec("cmeel")
+    places = (spec.submodule_search_locations or ()) if spec else ()
+    folders = [Path(place).parent / "cmeel.prefix" / "share" / "example-robot-data" / "robots" for place in places]
+    found = [folder for folder in folders if folder.is_dir()]
+    if not found:
+        pytest.skip("example-robot-data is not installed")
+    return found[0]

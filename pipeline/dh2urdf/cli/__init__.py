@@ -38,6 +38,7 @@ COMMANDS = {
     "info": "Print what is understood of a table, cell by cell.",
     "check": "Say what each simulator will do with a robot description.",
     "extract": "Print or write the DH table of a robot description.",
+    "collisions": "Find the pairs of links that MoveIt need not check.",
     "studio": "Type a table in the browser, see the arm move, press Generate.",
     "view": "Show robots of URDF, xacro, tables and cells in the browser.",
     "plugins": "List every installed stage and its options.",

@@ -75,7 +75,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 ) -> int:
     """Say what each simulator will do with FILE, a URDF, xacro, SDF or MJCF of any origin.
 
-    FILE may also be a folder: all descriptions in it are checked. The findings of several files are grouped by rule.
+    FILE may also be a folder: all descriptions and ROS packages in it are checked. The findings of several files are
+    grouped by rule.
 
     With --fix, a URDF is written to -o with unit axes, limits in order, plain names, inertias for masses that have
     none, and an XML declaration; every other byte stays. The command prints what it fixed, and checks the new file.

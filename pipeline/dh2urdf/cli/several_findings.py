@@ -8,7 +8,7 @@ from dh2urdf.cli.answers import answer
 from dh2urdf.cli.findings import numbers_of, said
 from dh2urdf.report.answers.several_findings import by_rule, in_files
 from dh2urdf.source import printable
-from dh2urdf.stages import SEVERITIES
+from dh2urdf.stages import PACKAGE_FILE, SEVERITIES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -24,12 +24,16 @@ def print_grouped(several: Inspections, findings: Sequence[Finding], consumers: 
     """Print findings by rule, how many there are, and how many files were looked at."""
     for rule, found in by_rule(findings).items():
         answer("\n".join(map(printable, _lines(rule, found))))
-    files = len(several.files)
+    packages = sum(path.name == PACKAGE_FILE for path in several.files)
+    checked = [_count(len(several.files) - packages, "description")]
+    if packages:
+        checked.append(_count(packages, "package"))
     answer(f"{numbers_of(findings)} for {', '.join(consumers)}")
-    answer(
-        f"{files} description{'' if files == 1 else 's'} checked; "
-        f"{several.looked_at} file{'' if several.looked_at == 1 else 's'} looked at"
-    )
+    answer(f"{' and '.join(checked)} checked; {_count(several.looked_at, 'file')} looked at")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _lines(rule: str, findings: Sequence[Finding]) -> Iterator[str]:

@@ -37,7 +37,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     from dh2urdf.errors import TableError
     from dh2urdf.studio.editing.opening import open_tables
     from dh2urdf.studio.server import require_nicegui, serve
-    from dh2urdf.studio.words import without
+    from dh2urdf.studio.words import remarks
 
     refuse_dash([table], "studio")
     require_nicegui("studio")
@@ -45,9 +45,10 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     opened = None
     if table is not None:
         check_file(table, TableError)
-        opened, lost = _chosen(open_tables(table, installed), robot, table)
-        if lost:
-            click.echo(without(lost), err=True)
+        chosen = _chosen(open_tables(table, installed), robot, table)
+        opened = chosen.table
+        for remark in remarks(chosen):
+            click.echo(remark, err=True)
     from dh2urdf.studio.app import build_studio
 
     serve(

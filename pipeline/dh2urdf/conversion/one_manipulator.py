@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.cells.cell import Cell, cannot_be, compose, truth_of
+from dh2urdf.conversion.own_folders import refuse_one_folder
 from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, TableError
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, proof_vectors, prove
@@ -271,20 +272,12 @@ def emit_robot(
     taken: dict[str, str] = {}
     for call in recipe.emitters:
         emitter = call.stage
+        if not alone:
+            refuse_one_folder(call, stem)
         with blaming(call):
-            files = emitted_files(emitter.emit(robot, stem, call.options), in_folders=emitter.in_folders)
+            files = emitted_files(emitter.emit(robot, stem, call.options), in_folders=emitter.in_folders is not None)
             if not files:
                 raise ValueError("it gave no file")
-        if not alone and emitter.in_folders and not all(file.name.startswith(stem) for file in files):
-            raise EmitterError(
-                Problem(
-                    message=f"the options of the emitter {emitter.name!r} name the folder of one robot, and the run "
-                    "has several",
-                    found=files[0].name.partition("/")[0],
-                    accepted=f"a folder whose name begins with {stem!r}",
-                    suggestion="name the tables as their packages, or convert them one by one",
-                )
-            )
         if main_file is not None and not written:
             files[0] = replace(files[0], name=main_file)
         for file in files:

@@ -6,8 +6,11 @@ from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, Self, TypeVar
 
-from nicegui import app, ui
+from fastapi import Response
+from nicegui import app, run, ui
 
+from dh2urdf.errors import OutputError
+from dh2urdf.studio.drawing.mesh_files import triangles
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.page import StudioPage
 from dh2urdf.studio.view_page import ViewPage
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.studio.scene import Figure
+    from dh2urdf.studio.drawing.scene import Figure
     from dh2urdf.table_text import TableText
 
 MOST_SESSIONS = 100
@@ -86,6 +89,18 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
 def build_view(figures: Sequence[Figure]) -> None:
     """Declares the page that shows some robots."""
     views = Sessions(lambda: View(figures))
+    meshes = View(figures).meshes()
+
+    @app.get("/meshes/{key}")
+    async def mesh(key: str) -> Response:
+        """The triangles of a file that the descriptions name; nothing else can be asked for."""
+        if key not in meshes:
+            return Response("there is no such mesh", status_code=404)
+        try:
+            content = await run.io_bound(triangles, meshes[key])
+        except OutputError as error:
+            return Response(str(error), status_code=422)
+        return Response(content, media_type="application/octet-stream")
 
     @ui.page("/")
     async def view() -> None:
@@ -96,5 +111,6 @@ def build_view(figures: Sequence[Figure]) -> None:
 def dress() -> None:
     """The style sheet and the scripts of a page."""
     ui.add_css((_HERE / "studio.css").read_text("utf-8"))
-    ui.add_head_html(f"<script>{(_HERE / 'table_grid.js').read_text('utf-8')}</script>")
+    for script in ("table_grid.js", "page.js"):
+        ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
     ui.colors(primary="#1864ab")

@@ -4,6 +4,9 @@ import { OrbitControls, THREE } from "nicegui-scene";
 
 const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44 };
 const HIGHLIGHT = new THREE.Color(0x4dabf7);
+const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
+const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
+const STEP = Math.PI / 36; // of an arrow key [rad]
 const MARGIN = 34; // of the picture, for labels [px]
 const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
 const ROWS = [-1, 0, -2, 1, -3, 2, -4, 3]; // of a label above and below its point, in its own heights
@@ -56,6 +59,24 @@ function emptied(group) {
   return held;
 }
 
+// What a mesh file holds, as `triangles` of drawing/mesh_files.py sends it: a geometry for each colour.
+async function triangles(address) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(await answer.text());
+  const bytes = await answer.arrayBuffer();
+  const length = new DataView(bytes).getUint32(0, true);
+  const { parts } = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  let at = 4 + length;
+  return parts.map(({ rgba, corners }) => {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes, at, 3 * corners), 3));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(new Int8Array(bytes, at + 12 * corners, 4 * corners), 4, true));
+    geometry.computeBoundingBox();
+    at += 16 * corners;
+    return { rgba, geometry };
+  });
+}
+
 function matrixOf(numbers, at = 0) {
   const [a, b, c, x, d, e, f, y, g, h, i, z] = numbers.slice(at, at + 12);
   return new THREE.Matrix4().set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
@@ -63,17 +84,22 @@ function matrixOf(numbers, at = 0) {
 
 export default {
   template: `
-    <div class="arm-view" role="img" aria-label="The arm in 3D: drag to turn, wheel to come nearer, right button to move">
+    <div class="arm-view" role="application" tabindex="0" @keydown="key"
+         aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all">
       <canvas></canvas>
       <div class="arm-view-labels"></div>
+      <div v-if="waiting" class="arm-view-progress">
+        meshes: {{ loaded }} of {{ waiting }} <progress :max="waiting" :value="loaded" aria-label="meshes"></progress>
+      </div>
       <div v-if="fault" class="arm-view-fault">{{ fault }}</div>
     </div>`,
 
-  data: () => ({ fault: "" }),
+  data: () => ({ fault: "", waiting: 0, loaded: 0 }),
 
   created() {
     // Not reactive: three.js has its own ideas of objects.
     this.layers = new Set(["links", "axes", "frames"]);
+    this.meshes = new Map(); // by their keys, promises of what mesh files hold
     this.nodes = [];
     this.worn = []; // what can be disposed of after the next picture
     this.geometries = {
@@ -85,6 +111,7 @@ export default {
     for (const geometry of Object.values(this.geometries)) geometry.computeBoundingBox();
     this.reach = 1;
     this.row = null;
+    this.own = false; // whether a person looks at a part of the arm, and wants to go on looking there
   },
 
   mounted() {
@@ -110,6 +137,7 @@ export default {
     this.sheet = this.$el.querySelector(".arm-view-labels");
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("end", () => (this.own = !this.seen()));
     canvas.addEventListener("dblclick", (event) => this.pick(event));
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.$el);
@@ -128,10 +156,11 @@ export default {
     show(drawing, poses) {
       this.reach = drawing.reach;
       this.worn.push(...emptied(this.arm));
-      this.nodes = drawing.nodes.map((node) => this.node(node));
+      this.nodes = drawing.nodes.map((node, number) => this.node(node, number));
       for (const node of this.nodes) this.arm.add(node);
       this.move(poses);
-      if (Math.abs(Math.log(this.reach / this.fitted)) > 0.5) this.fit();
+      const another = Math.abs(Math.log(this.reach / this.fitted)) > 0.5;
+      if (another || (!this.own && !this.seen())) this.fit(true);
       this.highlight(this.row);
       this.$el.shown = (this.$el.shown ?? 0) + 1;
     },
@@ -147,37 +176,76 @@ export default {
       this.draw();
     },
 
-    node({ name, row, label, layer, parts }) {
+    node({ name, row, label, layer, parts }, number) {
       const node = new THREE.Group();
       node.name = name;
       node.matrixAutoUpdate = false;
       node.userData.row = row;
-      for (const part of parts) node.add(this.part(part));
+      for (const part of parts) node.add(this.part(part, number));
       if (label) node.add(this.label(label, layer, `arm-view-${layer}-label`));
       return node;
     },
 
-    part({ shape, size, pose, layer, colour, opacity }) {
+    material(shape, layer, colour, opacity, number) {
       const sign = layer === "frames" || layer === "axes"; // not a thing: not lit, and seen through the link that it is in
-      const material = new (sign ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial)({
+      return new (sign ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial)({
         color: shape === "frame" ? 0xffffff : new THREE.Color(...colour).convertSRGBToLinear(),
         vertexColors: shape === "frame",
         transparent: sign || opacity < 1,
         opacity,
         depthWrite: opacity === 1,
         depthTest: !sign,
-        polygonOffset: layer === "collision", // nearer than the link's own face, which often is the same
-        polygonOffsetFactor: -1,
-        polygonOffsetUnits: -4,
+        // A collision shape is nearer than the link's own face, which often is the same; of links in one place the later
+        // one is, so that they do not flicker.
+        polygonOffset: !sign,
+        polygonOffsetFactor: layer === "collision" ? -1 : 0,
+        polygonOffsetUnits: -4 * (number % 8) - (layer === "collision" ? 4 : 0),
       });
-      const mesh = new THREE.Mesh(this.geometries[shape], material);
-      const [x, y, z] = shape === "box" ? size : shape === "cylinder" ? [size[0], size[0], size[1]] : Array(3).fill(size[0]);
+    },
+
+    part({ shape, size, pose, layer, colour, opacity, mesh: key }, number) {
+      if (shape === "mesh") return this.mesh(key, pose, layer, colour, opacity, number);
+      const mesh = new THREE.Mesh(this.geometries[shape], this.material(shape, layer, colour, opacity, number));
+      const thin = layer === "links" ? THINNEST * this.reach : 0; // else the links of a very long arm are less than a pixel
+      const [x, y, z] = shape === "box" ? size.map((side) => Math.max(side, thin)) : shape === "cylinder" ? [Math.max(size[0], thin), Math.max(size[0], thin), size[1]] : size.length === 3 ? size : Array(3).fill(size[0]);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(x, y, z));
       mesh.renderOrder = { axes: 1, frames: 3 }[layer] ?? 0; // strokes are between them
       mesh.userData = { layer, shared: true }; // its geometry is that of all parts of its shape
       mesh.visible = this.layers.has(layer);
       return mesh;
+    },
+
+    // A mesh file: its triangles come in their own time, once for all parts that show it.
+    mesh(key, pose, layer, colour, opacity, number) {
+      const group = new THREE.Group();
+      group.matrixAutoUpdate = false;
+      group.matrix.copy(matrixOf(pose));
+      if (!this.meshes.has(key)) {
+        const refuse = (error) => (this.$emit("undrawn", { message: error.message }), []);
+        this.meshes.set(key, triangles(`meshes/${key}`).catch(refuse));
+      }
+      this.waiting += 1;
+      this.meshes.get(key).then((parts) => {
+        for (const { rgba, geometry } of parts) {
+          const [own, clear] = [colour ?? rgba?.slice(0, 3) ?? GREY, opacity * (colour ? 1 : (rgba?.[3] ?? 1))];
+          const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
+          mesh.userData = { layer, shared: true };
+          mesh.visible = this.layers.has(layer);
+          group.add(mesh);
+        }
+        this.arrived();
+        this.draw();
+      });
+      return group;
+    },
+
+    // A part of a mesh file is there; after the last one the camera sees all, if a person has not turned it meanwhile.
+    arrived() {
+      this.loaded += 1;
+      if (this.loaded < this.waiting) return;
+      this.waiting = this.loaded = 0;
+      if (!this.own && !this.seen()) this.fit(true);
     },
 
     label(text, layer, kind) {
@@ -248,9 +316,20 @@ export default {
       this.draw();
     },
 
-    // The camera where it sees all of the arm, and is no farther away than that needs.
-    fit() {
-      const away = FROM, right = new THREE.Vector3().crossVectors(this.camera.up, away).normalize();
+    // Whether the picture holds all of the arm, and is not much larger.
+    seen() {
+      this.camera.updateMatrixWorld();
+      const points = this.points().map((point) => point.project(this.camera));
+      const inside = points.every(({ x, y, z }) => Math.abs(x) <= 1 && Math.abs(y) <= 1 && Math.abs(z) <= 1);
+      const span = (axis) => Math.max(...points.map((p) => p[axis])) - Math.min(...points.map((p) => p[axis]));
+      return inside && Math.max(span("x"), span("y")) > 0.5;
+    },
+
+    // The camera where it sees all of the arm, and is no farther away than that needs; from where it looks now, if it is
+    // to keep its direction.
+    fit(keep = false) {
+      const seen = this.camera.position.clone().sub(this.controls.target).normalize();
+      const away = keep && seen.lengthSq() ? seen : FROM, right = new THREE.Vector3().crossVectors(this.camera.up, away).normalize();
       const up = new THREE.Vector3().crossVectors(away, right);
       const { clientWidth: width, clientHeight: height } = this.$el;
       const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
@@ -272,21 +351,23 @@ export default {
       this.camera.far = 20 * (distance - depth + this.reach);
       this.camera.updateProjectionMatrix();
       this.controls.update();
+      this.own = false;
       this.fitted = this.reach;
       this.grid(this.reach);
       this.draw();
     },
 
-    // What has to be seen: the corners of links and joint axes, and the origins of all nodes.
+    // What has to be seen: the corners of links and joint axes, the tips of frames, and the origins of all nodes.
     points() {
       this.scene.updateMatrixWorld();
       const points = this.nodes.map((node) => new THREE.Vector3().setFromMatrixPosition(node.matrixWorld));
       this.arm.traverse((object) => {
+        if (object.isMesh && object.visible && object.userData.layer === "frames")
+          for (const [, tip] of AXES) points.push(tip.clone().multiplyScalar(1.1).applyMatrix4(object.matrixWorld));
         if (!object.isMesh || !["links", "axes"].includes(object.userData.layer)) return;
-        for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) {
-          const half = object.geometry.boundingBox.max; // the shapes have their middle in the origin
-          points.push(new THREE.Vector3(x, y, z).multiply(half).applyMatrix4(object.matrixWorld));
-        }
+        const { min, max } = object.geometry.boundingBox;
+        for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z])
+          points.push(new THREE.Vector3(x, y, z).applyMatrix4(object.matrixWorld));
       });
       return points.length ? points : [[-0.8, -0.8, 0], [0.8, -0.8, 0], [0.8, 0.8, 0], [0, 0, 0.9]].map((p) => new THREE.Vector3(...p));
     },
@@ -348,6 +429,28 @@ export default {
       this.$emit("pick", { row: node?.userData.row ?? null });
     },
 
+    // The camera by keyboard: arrows turn it about what it looks at, + and - move it, 0 sees all.
+    key(event) {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      const nearer = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
+      if (!turns && !nearer && event.key !== "0") return;
+      event.preventDefault();
+      if (event.key === "0") return this.fit(true);
+      const { target } = this.controls, away = this.camera.position.clone().sub(target);
+      const z = new THREE.Vector3(0, 0, 1);
+      if (turns) {
+        const polar = Math.min(Math.max(away.angleTo(z) + turns[1] * STEP, 0.05), Math.PI - 0.05);
+        away.applyAxisAngle(z, turns[0] * STEP);
+        const side = new THREE.Vector3().crossVectors(z, away).normalize();
+        away.applyAxisAngle(side, polar - away.angleTo(z));
+      } else away.multiplyScalar(nearer);
+      this.camera.position.copy(target).add(away);
+      this.controls.update();
+      this.own = !this.seen();
+      this.draw();
+    },
+
     resize() {
       const { clientWidth: width, clientHeight: height } = this.$el;
       if (!width || !height) return;
@@ -355,6 +458,7 @@ export default {
       this.camera.updateProjectionMatrix();
       this.renderer?.setPixelRatio(Math.min(window.devicePixelRatio, 2));
       this.renderer?.setSize(width, height);
+      if (!this.own) this.fit(true);
       this.draw();
     },
 

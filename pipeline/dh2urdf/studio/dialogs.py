@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 import traceback
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio import gallery, words
 from dh2urdf.studio.editing import save as saving
-from dh2urdf.studio.editing.opening import Opened, open_tables
+from dh2urdf.studio.editing.opening import Opened, tables_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,10 +25,24 @@ if TYPE_CHECKING:
 
 LARGEST_FILE = 64 * 2**20
 """Size of a file that may be opened [B]."""
+MOST_CHOICES = 1000
+"""Manipulators of a file that a person is given to choose from."""
 _MEANINGS = {
     Convention.STANDARD: "standard (Denavit-Hartenberg, Spong): Rz(θ) Tz(d) Tx(a) Rx(α)",
     Convention.MODIFIED: "modified (Craig): Rx(α) Tx(a) Rz(θ) Tz(d)",
 }
+
+
+@contextmanager
+def _card(title: str, *, persistent: bool = False) -> Iterator[ui.dialog]:
+    """A dialog with a title, which is its name for those who do not see it."""
+    with ui.dialog() as dialog, ui.card().classes("studio-card"):
+        dialog.props["aria-label"] = title
+        if persistent:
+            dialog.props("persistent")
+        with ui.element("h2"):
+            ui.label(title)
+        yield dialog
 
 
 # --- Converting -------------------------------------------------------------------------------------------------------
@@ -60,8 +74,7 @@ async def ask_units(length: str, angle: str, *, possible: bool) -> bool | None:
 
 
 async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) -> bool | None:
-    with ui.dialog() as dialog, ui.card().classes("studio-card"):
-        ui.html(f"<h2>{title}</h2>", sanitize=False)
+    with _card(title) as dialog:
         button = ui.button(convert, on_click=lambda: dialog.submit("convert")).props("unelevated align=left autofocus")
         button.classes("studio-choice").set_enabled(possible)
         if not possible:
@@ -80,8 +93,7 @@ async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) ->
 async def ask_table(catalog: Catalog) -> TableText | None:
     """A table of the gallery or of a file; None where none was chosen."""
     suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
-    with ui.dialog() as dialog, ui.card().classes("studio-card"):
-        ui.html("<h2>Open a table</h2>", sanitize=False)
+    with _card("Open a table") as dialog:
 
         def refuse(told: str) -> None:
             problem.set_text(told)
@@ -89,17 +101,29 @@ async def ask_table(catalog: Catalog) -> TableText | None:
 
         async def take(event: object) -> None:
             name, content = event.file.name, await event.file.read()  # type: ignore[attr-defined]  # NiceGUI's
-            tables = await run.io_bound(_tables, name, content, catalog)
+            problem.set_visibility(False)
+            busy.set_visibility(True)
+            told.set_text(f"reading {name}, {len(content) / 1e6:.1f} MB")
+            tables = await run.io_bound(tables_of, name, content, catalog, MOST_CHOICES + 1)
+            if dialog.is_deleted or not dialog.value:  # a person has gone on without it
+                return
+            busy.set_visibility(False)
             if isinstance(tables, str):
                 refuse(tables)
             else:
                 dialog.submit(tables)
 
-        label = "a file of yours: choose it, or drop it here"
+        label = "drop a file of yours here, or choose it"
         upload = ui.upload(label=label, auto_upload=True, max_file_size=LARGEST_FILE, on_upload=take)
         accepted = f"one of {', '.join(suffixes)}, of at most {LARGEST_FILE // 2**20} MB"
         upload.on_rejected(lambda: refuse(f"this is not a file that can be opened\naccepted: {accepted}"))
         upload.props(f'accept="{",".join(suffixes)}" flat bordered').style("width: 100%")
+        choose_file = ui.button("Choose a file", icon="folder_open", on_click=lambda: upload.run_method("pickFiles"))
+        choose_file.props("unelevated no-caps autofocus")
+        with ui.element("div").style("width: 100%") as busy:
+            told = ui.label().classes("studio-status")
+            ui.linear_progress(show_value=False).props("indeterminate instant-feedback")
+        busy.set_visibility(False)
         problem = ui.label().classes("studio-problem error")
         problem.set_visibility(False)
         ui.label("or one of the gallery").classes("studio-status")
@@ -114,32 +138,72 @@ async def ask_table(catalog: Catalog) -> TableText | None:
         ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
     tables = await dialog
     dialog.delete()
+    return await choose(tables)
+
+
+async def choose(tables: tuple[Opened, ...] | None) -> TableText | None:
+    """One of some tables; a person is asked where there are several. None where none was chosen."""
     if not tables:
         return None
     chosen = tables[0] if len(tables) == 1 else await _ask_which(tables)
     if chosen is None:
         return None
-    if chosen.lost:
-        ui.notify(words.without(chosen.lost), type="warning", multi_line=True, timeout=0, close_button="Close")
+    if remarks := words.remarks(chosen):
+        warn("\n".join(remarks))
     table: TableText = chosen.table
     return table
 
 
-def _tables(name: str, content: bytes, catalog: Catalog) -> tuple[Opened, ...] | str:
-    """The tables of a file that was uploaded, or what is wrong with it."""
-    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
-        path = Path(folder) / Path(name).name
-        try:
-            path.write_bytes(content)
-            return open_tables(path, catalog)
-        except Dh2UrdfError as error:
-            return str(error).replace(f"{folder}/", "")
+async def ask_back(table: TableText) -> bool:
+    """Whether a table that the browser has kept is to be opened again."""
+    with _card("The studio was started anew", persistent=True) as dialog:
+        rows = words.count(len(table.rows), "row", "rows")
+        ui.label(f"This tab has kept a table of {rows}, {table.name or 'without a name'}.").classes("studio-status")
+        with ui.element("div").classes("studio-row"):
+            ui.button("Bring it back", on_click=lambda: dialog.submit("back")).props("unelevated autofocus")
+            ui.button("Go on without it", on_click=lambda: dialog.submit("without")).props("flat")
+    answer = await dialog
+    dialog.delete()
+    return bool(answer == "back")
+
+
+def warn(text: str) -> None:
+    """Shows what a person should know, until it is closed."""
+    ui.notify(text, type="warning", multi_line=True, timeout=0, close_button="Close")
+
+
+async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:
+    """What to do with a pasted text that has a header: ``table`` or ``cells``; None for nothing.
+
+    Args:
+        found: its tables, or why it cannot be read as one.
+    """
+    bad = "This looks like a whole table, and cannot be read as one"
+    with _card(bad if isinstance(found, str) else "The clipboard holds a whole table") as dialog:
+        if isinstance(found, str):
+            ui.label(found).classes("studio-problem error")
+        else:
+            rows = words.count(len(found[0].table.rows), "row", "rows")
+            many = f"{len(found)} manipulators" if len(found) > 1 else f"{found[0].table.name}: {rows}"
+            told = f"{many}, read as a CSV file is: its header, units and separators are understood"
+            ui.label(told).classes("studio-status")
+            open_it = ui.button("Open it in place of this table", on_click=lambda: dialog.submit("table"))
+            open_it.props("unelevated align=left autofocus").classes("studio-choice")
+        put = ui.button("Put its cells in here, as they are", on_click=lambda: dialog.submit("cells"))
+        put.props("outline align=left").classes("studio-choice")
+        ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
+    answer: str | None = await dialog
+    dialog.delete()
+    return answer
 
 
 async def _ask_which(tables: tuple[Opened, ...]) -> Opened | None:
-    with ui.dialog() as dialog, ui.card().classes("studio-card"):
-        ui.html(f"<h2>The file holds {len(tables)} manipulators</h2>", sanitize=False)
-        names = {number: opened.table.name for number, opened in enumerate(tables)}
+    more = len(tables) > MOST_CHOICES
+    with _card(f"The file holds {f'more than {MOST_CHOICES}' if more else len(tables)} manipulators") as dialog:
+        names = {number: opened.table.name for number, opened in enumerate(tables[:MOST_CHOICES])}
+        if more:
+            told = f"the first {MOST_CHOICES} can be chosen; `dh2urdf studio FILE --robot NAME` opens any of them"
+            ui.label(told).classes("studio-status")
         chosen = ui.select(names, value=0, label="manipulator", with_input=True).style("width: 100%")
         with ui.element("div").classes("studio-row"):
             ui.button("Open", on_click=lambda: dialog.submit(chosen.value))
@@ -222,8 +286,7 @@ def _hand_over(file: Saved) -> None:
 async def show_error(title: str, error: Dh2UrdfError) -> None:
     """Says what keeps something from being made."""
     problems = getattr(error, "problems", ())
-    with ui.dialog() as dialog, ui.card().classes("studio-card"):
-        ui.html(f"<h2>{title}</h2>", sanitize=False)
+    with _card(title) as dialog:
         for problem in problems[:20]:
             where = f"{problem.joint}, {problem.field}: " if problem.joint and problem.field else ""
             parts = [where + problem.message, problem.accepted and f"accepted: {problem.accepted}", problem.suggestion]

@@ -8,14 +8,16 @@ export default {
         <input type="range" step="any" :min="joint.lower" :max="joint.upper" :value="values[index]"
                :aria-label="joint.name" :aria-valuetext="text(index) + ' ' + joint.unit"
                @input="set(index, $event.target.valueAsNumber)" @keydown="step(index, $event)" />
-        <input type="number" step="any" :value="typed[index] ?? text(index)" :aria-label="joint.name + ' in ' + joint.unit"
-               @input="typed[index] = $event.target.value" @change="enter(index, $event.target.valueAsNumber)" />
+        <input type="text" inputmode="decimal" class="joint-slider-number" :value="typed[index] ?? text(index)"
+               :aria-label="joint.name + ' in ' + joint.unit" :aria-invalid="refused === index" :title="refused === index ? why : ''"
+               @input="typed[index] = $event.target.value" @change="enter(index, $event.target.value)" />
         <span class="joint-slider-unit">{{ joint.unit }}</span>
       </label>
     </div>`,
 
-  // typed: numbers that are not finished yet; busy: values are sent and not answered yet
-  data: () => ({ joints: [], values: [], typed: {}, busy: false }),
+  // typed: numbers that are not finished yet; busy: values are sent and not answered yet; refused: which box holds
+  // something that is no joint value, and why
+  data: () => ({ joints: [], values: [], typed: {}, busy: false, refused: null, why: "" }),
 
   created() {
     this.pending = false;
@@ -38,9 +40,22 @@ export default {
       else this.values = values;
     },
 
-    enter(index, value) {
+    // A number is taken here; what else a cell takes, such as pi/2 or 90°, the server reads.
+    enter(index, text) {
+      this.refused = null;
+      if (text.trim() && Number.isFinite(Number(text))) this.take(index, Number(text));
+      else if (text.trim()) this.$emit("typed", { index, text });
+      else delete this.typed[index];
+    },
+
+    take(index, value) {
       delete this.typed[index];
       this.set(index, value);
+    },
+
+    refuse(index, why) {
+      this.refused = index;
+      this.why = why;
     },
 
     set(index, value) {

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.proof import LARGEST_SAMPLE
 from dh2urdf.manipulator import JointType
+from dh2urdf.quantities.quantity import evaluate
 from dh2urdf.quantities.units import UNITS, Unit
 
 if TYPE_CHECKING:
@@ -42,6 +43,14 @@ class Slider:
     def value(self, shown: float) -> float:
         """The joint value [rad or m] that a slider shows, inside the limits."""
         return self.inside(self.unit.si(shown))
+
+    def read(self, text: str) -> float:
+        """What a text says in the unit of the slider, inside the limits; it may be all that a cell may be.
+
+        Raises:
+            QuantityError: it is no joint value.
+        """
+        return self.shown(self.inside(evaluate(text, self.unit.dimension, self.unit).value))
 
     def inside(self, value: float) -> float:
         """The value inside the limits that is nearest to another."""

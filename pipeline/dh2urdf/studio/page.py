@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio import dialogs, joints, words
-from dh2urdf.studio.editing import edits
+from dh2urdf.studio.drawing.scene import LAYERS
+from dh2urdf.studio.editing import edits, pasting
 from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
-from dh2urdf.studio.scene import LAYERS
-from dh2urdf.studio.table_grid import TableGrid, all_problems
+from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.studio.problem_list import ProblemList
+from dh2urdf.studio.table_grid import TableGrid
 from dh2urdf.studio.widgets import ArmView, JointSliders
 
 if TYPE_CHECKING:
@@ -21,8 +24,6 @@ if TYPE_CHECKING:
     from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
 
-MOST_PROBLEMS = 30
-"""Problems that are spelled out below the table; all wrong cells are marked."""
 _VARIANT_NAMES = {"exact": "exact", "paper": "paper", "both": "side by side"}
 _QUIET = "flat dense no-caps"
 
@@ -39,8 +40,8 @@ class StudioPage:
         self.session = session
         self._filling = False
         ui.on_exception(dialogs.show_fault)
-        ui.keyboard(on_key=self._undo_key, ignore=["input", "textarea"])  # text fields have an undo of their own
-        ui.keyboard(on_key=self._key, ignore=[])
+        ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
+        ui.on("dh-generate", self._generate)
         with ui.element("div").classes("studio"):
             with ui.element("header").classes("studio-head"):
                 self._lay_head()
@@ -54,7 +55,7 @@ class StudioPage:
     # --- Layout -------------------------------------------------------------------------------------------------------
 
     def _lay_head(self) -> None:
-        ui.html("<b>dh2urdf</b> studio", sanitize=False).classes("studio-title")
+        ui.html("<b>dh2urdf</b> studio", sanitize=False, tag="h1").classes("studio-title")
         self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm"')
         self._name.classes("studio-name").on("change", lambda: self._say(name=self._name.value or ""))
         self._undo = ui.button(icon="undo", on_click=lambda: self._do(self.session.undo))
@@ -76,7 +77,7 @@ class StudioPage:
         with ui.element("div").classes("studio-row"):
             with ui.element("div").classes("studio-group"):
                 ui.label("axes").classes("studio-caption")
-                self._axes = ui.number(min=0, max=edits.MOST_ROWS, precision=0, format="%d")
+                self._axes = ui.number(min=0, precision=0, format="%d")
                 self._axes.props('dense outlined autofocus aria-label="number of axes"').classes("studio-axes")
                 self._axes.on("keydown.enter", self._resize).on("change", self._resize)
             with ui.element("div").classes("studio-group"):
@@ -103,12 +104,11 @@ class StudioPage:
             on_end=self._typing_ended,
             on_pick=self._pick,
             on_paste=self._paste,
+            on_clear=lambda *cells: self._put(edits.cleared(self.session.table, *cells), all_cells=True),
             on_act=self._act,
             on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
         )
-        with ui.element("div").classes("studio-told").props('role="status" aria-live="polite"'):
-            self._status = ui.label().classes("studio-status")
-            self._told = ui.element("div").style("display: contents")
+        self._problems = ProblemList(on_click=self._go_to)
         with ui.element("div").classes("studio-ends"):
             self._ends: dict[str, ui.input] = {}
             placed, carried = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}", "{mass: 2.5, com: [0, 0, 0.05]}"
@@ -170,6 +170,10 @@ class StudioPage:
         self._show_words()
         self._show_arm()
 
+    def _keep(self) -> None:
+        """The browser keeps the table, for when the studio is away."""
+        ui.run_javascript(f"dhPage.keep({json.dumps(kept_text(self.session.table))})")
+
     def _show_words(self) -> None:
         """Everything but cells and arm."""
         session, table = self.session, self.session.table
@@ -188,25 +192,10 @@ class StudioPage:
         self._undo.set_enabled(session.history.can_undo)
         self._redo.set_enabled(session.history.can_redo)
         self._empty.set_visibility(not table.rows)
-        self._show_problems()
-
-    def _show_problems(self) -> None:
-        session = self.session
-        problems = all_problems(session)
-        errors = [found for found in problems if found.problem.severity == "error"]
-        text, kind = words.status(session, len(errors))
-        self._status.set_text(text)
-        self._status.classes(replace=f"studio-status {kind}")
+        self._keep()
+        wrong = self._problems.show(session)
         for key, field in self._ends.items():
-            wrong = next((found.text for found in errors if found.row is None and found.field == key), None)
-            field.props(f"error={'true' if wrong else 'false'} no-error-icon hide-bottom-space")
-        self._told.clear()
-        with self._told:
-            for found in [*errors, *(found for found in problems if found not in errors)][:MOST_PROBLEMS]:
-                box = ui.element("div").classes(f"studio-problem {found.problem.severity}")
-                box.on("click", lambda found=found: self._go_to(found))
-                with box:
-                    ui.label(f"{words.place(found, session.table)}{found.text}")
+            field.props(f"error={'true' if key in wrong else 'false'} no-error-icon hide-bottom-space")
 
     def _show_arm(self) -> None:
         session = self.session
@@ -265,9 +254,19 @@ class StudioPage:
             self.session.look()
             self._show_arm()
 
-    def _paste(self, row: int, field: str, text: str) -> None:
-        if field in self.session.columns:
-            self._put(edits.pasted(self.session.table, row, field, text, self.session.columns), all_cells=True)
+    async def _paste(self, row: int, field: str, text: str) -> None:
+        session = self.session
+        if field not in session.columns:
+            return
+        found = pasting.whole_tables(text, session.catalog)
+        answer = await dialogs.ask_paste(found) if found else "cells"
+        if answer == "cells":
+            put = pasting.pasted(session.table, row, field, text, session.columns)
+            self._put(put.table, all_cells=True)
+            if put.left_out:
+                dialogs.warn(words.left_out(put.left_out))
+        elif answer == "table" and not isinstance(found, str):
+            await self._show_opened(await dialogs.choose(found))
 
     def _resize(self) -> None:
         count = self._axes.value
@@ -276,6 +275,10 @@ class StudioPage:
             return
         if int(count) == len(self.session.table.rows) or self._filling:
             return
+        if count > edits.MOST_ROWS:
+            dialogs.warn(
+                f"A table of the studio has at most {edits.MOST_ROWS} rows: these are the first of {int(count)}."
+            )
         self._put(edits.resized(self.session.table, int(count)))
         self._invite()
 
@@ -387,7 +390,9 @@ class StudioPage:
         self._show_pose()
 
     async def _open(self) -> None:
-        table = await dialogs.ask_table(self.session.catalog)
+        await self._show_opened(await dialogs.ask_table(self.session.catalog))
+
+    async def _show_opened(self, table: TableText | None) -> None:
         if table is not None:
             self.session.open(table)
             self.show(all_cells=True)
@@ -400,21 +405,13 @@ class StudioPage:
     async def _generate(self) -> None:
         await dialogs.generate(self.session)
 
-    def _undo_key(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        key, held = str(event.key).lower(), event.modifiers
-        if event.action.keydown and (held.ctrl or held.meta) and key in ("z", "y"):
-            self._do(self.session.redo if held.shift or key == "y" else self.session.undo)
-
-    async def _key(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        key, held = event.key, event.modifiers
-        if not event.action.keydown or event.action.repeat:
-            return
-        if (held.ctrl or held.meta) and key.enter:
-            await self._generate()
-
     async def start(self) -> None:
         """Shows the session for the first time."""
+        kept = kept_table(await ui.run_javascript("return dhPage.kept()", timeout=10.0))
         self._view.set_layers(self.session.layers)
         self.show()
         self._view.highlight(self.session.row)
         self._view.fit()
+        is_new = not self.session.history.can_undo
+        if is_new and kept is not None and kept != self.session.table and await dialogs.ask_back(kept):
+            await self._show_opened(kept)

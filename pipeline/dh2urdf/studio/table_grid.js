@@ -40,12 +40,84 @@
   let typed = null; // what has been typed since; of several letters the last one counts
   let home = null; // the column where the row that is being typed began
 
+  // The table is one stop on the way through the page: Tab goes to what comes after it, Shift+Tab to what is before.
+  function leave(event) {
+    event.preventDefault();
+    const table = document.querySelector(".dh-table");
+    const side = event.shiftKey ? Node.DOCUMENT_POSITION_PRECEDING : Node.DOCUMENT_POSITION_FOLLOWING;
+    const stops = [...document.querySelectorAll("a[href], button, input, select, textarea, [tabindex]")].filter(
+      (stop) =>
+        stop.tabIndex >= 0 && !stop.disabled && stop.getClientRects().length && !table.contains(stop) &&
+        table.compareDocumentPosition(stop) & side,
+    );
+    stops.at(event.shiftKey ? -1 : 0)?.focus();
+  }
+
+  let grid = null; // the table on the page
+  let anchor = null; // where a range of cells begins: {row, column}
+  let last = null; // the cell that was clicked last
+  let end = null; // where it ends; null where one cell is the range
+
+  const place = (api) => {
+    const cell = api.getFocusedCell();
+    return cell && { row: cell.rowIndex, column: cell.column.colId };
+  };
+  // The rows and fields of the range, or of the cell that has the cursor.
+  const range = (api) => {
+    const from = end ? anchor : place(api), to = end ?? from;
+    if (!from) return null;
+    const fields = api.getAllDisplayedColumns().map((column) => column.colId).filter((id) => id !== "number");
+    const columns = [from, to].map(({ column }) => Math.max(fields.indexOf(column), 0)).sort((a, b) => a - b);
+    const rows = [from.row, to.row].sort((a, b) => a - b);
+    return { first: rows[0], last: rows[1], fields: fields.slice(columns[0], columns[1] + 1) };
+  };
+  let shown = null; // the range that is marked
+  const mark = (api) => {
+    const before = shown;
+    shown = end ? range(api) : null;
+    if (before || shown) api.refreshCells({ force: true });
+  };
+  const extend = (api, to) => {
+    anchor ??= place(api);
+    end = to;
+    mark(api);
+  };
+  const collapse = (api) => {
+    anchor = end = null;
+    mark(api);
+  };
+
   window.dhGrid = {
     TypeEditor,
+    stopEditing: () => grid?.stopEditing(),
+    inRange: ({ colDef, node }) =>
+      Boolean(shown) && shown.first <= node.rowIndex && node.rowIndex <= shown.last && shown.fields.includes(colDef.field),
+
+    // A rectangle of cells as spreadsheets copy it: a line a row, tabs between cells. Cut empties them.
+    copy(api, event) {
+      const cells = range(api);
+      if (event.target.tagName === "INPUT" || !cells) return;
+      event.preventDefault();
+      const lines = [];
+      for (let row = cells.first; row <= cells.last; row++) {
+        const { data } = api.getDisplayedRowAtIndex(row);
+        lines.push(cells.fields.map((field) => data[field] ?? "").join("\t"));
+      }
+      event.clipboardData.setData("text/plain", lines.join("\n"));
+      if (event.type === "cut") emitEvent("dh-clear", [cells.first, cells.last, cells.fields]);
+    },
+
+    paste(api, event, emit) {
+      const cells = range(api);
+      if (event.target.tagName === "INPUT" || !cells?.fields.length) return;
+      event.preventDefault();
+      emit([cells.first, cells.fields[0], event.clipboardData.getData("text/plain")]);
+    },
+
     wrong: (params) => problem(params)?.severity === "error",
     remarked: (params) => problem(params)?.severity === "notice",
     empty: ({ data, value, colDef }) => !value && ["a", "alpha", "d"].includes(colDef.field) && !data?.problems?.[colDef.field],
-    tooltip: (params) => problem(params)?.text ?? null,
+    tooltip: (params) => problem(params)?.text ?? (params.value?.length > 7 ? params.value : null), // it may be cut
     number: ({ node }) => node.rowIndex + 1,
 
     // Enter goes on in the next row where this one began, as in spreadsheets: 0 Tab pi/2 Tab 0.1 Enter.
@@ -53,8 +125,9 @@
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
         if (act) emitEvent("dh-act", [act, node.rowIndex]);
-        return true;
+        return event.key.length > 1; // Option+P is a π
       }
+      if (!editing && this.select(event, api, node, column)) return true;
       // Only what a person does moves the picked row: rows that are exchanged take the cursor along.
       setTimeout(() => {
         const row = api.getFocusedCell()?.rowIndex;
@@ -69,9 +142,60 @@
       return true;
     },
 
-    clicked({ rowIndex }) {
+    // Keys for ranges: Shift and an arrow, Ctrl+A, Delete; the others go back to one cell. Tab leaves the table, which
+    // is one stop on the way through the page: inside it arrows lead from cell to cell.
+    select(event, api, node, column) {
+      const command = event.ctrlKey || event.metaKey;
+      const fields = api.getAllDisplayedColumns().map((one) => one.colId).filter((id) => id !== "number");
+      if (event.shiftKey && event.key.startsWith("Arrow")) {
+        const from = end ?? { row: node.rowIndex, column: column.colId };
+        const [down, right] = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
+        const within = (number, count) => Math.min(Math.max(number, 0), count - 1);
+        const row = within(from.row + down, api.getDisplayedRowCount());
+        extend(api, { row, column: fields[within(fields.indexOf(from.column) + right, fields.length)] });
+        api.ensureIndexVisible(row);
+        return true;
+      }
+      if (command && event.key.toLowerCase() === "a") {
+        event.preventDefault();
+        anchor = { row: 0, column: fields[0] };
+        extend(api, { row: api.getDisplayedRowCount() - 1, column: fields.at(-1) });
+        return true;
+      }
+      if (event.key === "Delete") {
+        const cells = range(api);
+        emitEvent("dh-clear", [cells.first, cells.last, cells.fields]);
+        return true;
+      }
+      if (event.key === "Tab") {
+        leave(event);
+        return true;
+      }
+      if (!command && !["Shift", "Control", "Meta"].includes(event.key)) collapse(api);
+      return false;
+    },
+
+    // Told at once: the grid's own event comes later, behind a key that is pressed next.
+    clicked(api, event) {
+      const cell = event.target.closest?.(".ag-row .ag-cell");
+      if (!cell) return;
+      const row = Number(cell.closest(".ag-row").getAttribute("row-index")), column = cell.getAttribute("col-id");
       home = null;
-      emitEvent("dh-focus", rowIndex);
+      if (event.shiftKey && column !== "number") {
+        anchor ??= last;
+        extend(api, { row, column });
+      } else {
+        collapse(api);
+        last = { row, column };
+      }
+      emitEvent("dh-focus", row);
+    },
+
+    // At once for the same reason.
+    edited({ data, colDef, newValue }) {
+      data[colDef.field] = newValue ?? "";
+      emitEvent("dh-edit", [data.id, colDef.field, newValue ?? ""]);
+      return true;
     },
 
     // A cell as the table has it: what was sent before it was typed may have overtaken it.
@@ -82,6 +206,7 @@
 
     // Problems by row and field, and which row is picked. What is being typed is left alone.
     mark(api, problems, picked) {
+      grid = api;
       api.forEachNode((node) => {
         node.data.problems = problems[node.data.id] ?? {};
         node.data.picked = node.data.id === picked;

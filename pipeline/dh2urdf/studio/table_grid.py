@@ -51,6 +51,7 @@ class TableGrid:
         on_end: is called when typing has ended.
         on_pick: is called with the number of the row that has the cursor.
         on_paste: is called with row, field and text where cells are pasted.
+        on_clear: is called with the first and the last row and the fields of cells that are cut or deleted.
         on_move: is called with two numbers where a row was dragged from one place to another.
         on_act: is called with ``up``, ``down``, ``add`` or ``remove`` and the number of a row.
     """
@@ -62,12 +63,13 @@ class TableGrid:
         on_typing: Callable[[int, str, str], None],
         on_end: Callable[[], None],
         on_pick: Callable[[int | None], None],
-        on_paste: Callable[[int, str, str], None],
+        on_paste: Callable[[int, str, str], Any],
+        on_clear: Callable[[int, int, Sequence[str]], None],
         on_move: Callable[[int, int], None],
         on_act: Callable[[str, int], None],
     ) -> None:
         self._header: tuple[Any, ...] = ()
-        self._rows: list[dict[str, Any]] = []
+        self._rows: list[dict[str, Any]] | None = None
         self._grid = ui.aggrid(
             {
                 "columnDefs": [],
@@ -83,14 +85,15 @@ class TableGrid:
                         ":dh-wrong": "params => dhGrid.wrong(params)",
                         ":dh-remarked": "params => dhGrid.remarked(params)",
                         ":dh-empty": "params => dhGrid.empty(params)",
+                        ":dh-range": "params => dhGrid.inRange(params)",
                     },
+                    ":valueSetter": "params => dhGrid.edited(params)",
                     ":suppressKeyboardEvent": "params => dhGrid.keys(params)",
                     ":tooltipValueGetter": "params => dhGrid.tooltip(params)",
                 },
                 "enableBrowserTooltips": True,
                 ":onCellEditingStarted": "e => dhGrid.started(e)",
                 ":onCellEditingStopped": "() => dhGrid.stopped()",
-                ":onCellMouseDown": "e => dhGrid.clicked(e)",
                 "stopEditingWhenCellsLoseFocus": True,
                 "rowDragManaged": True,
                 "suppressMoveWhenRowDragging": True,
@@ -103,11 +106,7 @@ class TableGrid:
             auto_size_columns=False,
         ).classes("dh-table")
         grid = self._grid
-        grid.on(
-            "cellValueChanged",
-            lambda event: on_edit(int(event.args["rowId"]), event.args["colId"], event.args["newValue"] or ""),
-            ["rowId", "colId", "newValue"],
-        )
+        ui.on("dh-edit", lambda event: on_edit(*event.args))
         grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
         ui.on("dh-focus", lambda event: on_pick(event.args))
         grid.on("input", js_handler="e => dhGrid.typing(e)")
@@ -115,13 +114,11 @@ class TableGrid:
         grid.on(
             "paste",
             lambda event: on_paste(*event.args),
-            js_handler=f"""e => {{
-                const api = getElement({grid.id}).api, cell = api.getFocusedCell();
-                if (e.target.tagName === "INPUT" || !cell) return;
-                e.preventDefault();
-                emit([cell.rowIndex, cell.column.colId, e.clipboardData.getData("text/plain")]);
-            }}""",
+            js_handler=f"e => dhGrid.paste(getElement({grid.id}).api, e, emit)",
         )
+        for event, function in {"copy": "copy", "cut": "copy", "mousedown": "clicked"}.items():
+            grid.on(event, js_handler=f"e => dhGrid.{function}(getElement({grid.id}).api, e)")
+        ui.on("dh-clear", lambda event: on_clear(*event.args))
         ui.on("dh-act", lambda event: on_act(*event.args))
         ui.on("dh-row", lambda event: on_move(*event.args))
 
@@ -154,7 +151,7 @@ class TableGrid:
 
     def refresh(self, session: Session) -> None:
         """Sends all cells again: the grid shows something else than the table."""
-        self._rows = []
+        self._rows = None
         self.show(session)
 
     def mark(self, session: Session) -> None:
@@ -204,7 +201,7 @@ def _columns(session: Session) -> list[dict[str, Any]]:
         "headerName": "i",
         ":valueGetter": "params => dhGrid.number(params)",
         "editable": False,
-        "width": 48,
+        "width": 62,
         "pinned": "left",
         "rowDrag": True,
         "cellClass": "dh-number",

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any
 from nicegui.element import Element
 from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
 
-from dh2urdf.studio.scene import poses_as_json
+from dh2urdf.quantities.units import QuantityError
+from dh2urdf.studio.drawing.scene import poses_as_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from dh2urdf.rotations import RigidTransform
+    from dh2urdf.studio.drawing.scene import Drawing
+    from dh2urdf.studio.drawing.strokes import Stroke
     from dh2urdf.studio.joints import Slider
-    from dh2urdf.studio.scene import Drawing, Stroke
 
 _STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
 """What an arrow key moves a slider by, in its unit."""
@@ -25,9 +27,11 @@ _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
 class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # Element is any type to mypy
     """The arm in 3D."""
 
-    def __init__(self, on_pick: Callable[[int | None], None]) -> None:
+    def __init__(self, on_pick: Callable[[int | None], None], on_undrawn: Callable[[str], None] | None = None) -> None:
         super().__init__()
         self.on("pick", lambda event: on_pick(event.args["row"]))
+        if on_undrawn is not None:
+            self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
 
     def show(self, drawing: Drawing, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
         """Another drawing."""
@@ -45,9 +49,9 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         """The link and the frame of a row stand out."""
         self.run_method("highlight", row)
 
-    def fit(self) -> None:
-        """The camera where it sees all of the arm."""
-        self.run_method("fit")
+    def fit(self, *, keep: bool = False) -> None:
+        """The camera where it sees all of the arm; from where it looks now, if it is to keep its direction."""
+        self.run_method("fit", keep)
 
 
 class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]
@@ -58,6 +62,7 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
         self._sliders: tuple[Slider, ...] = ()
         self._on_values = on_values
         self._number = 0
+        self.on("typed", lambda event: self._typed(int(event.args["index"]), str(event.args["text"])))
         self.on("values", lambda event: self._moved(event.args["values"], int(event.args["number"])))
 
     def show(self, sliders: Sequence[Slider], q: Mapping[str, float]) -> None:
@@ -77,6 +82,13 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
         if len(values) == len(self._sliders):  # else the joints have changed meanwhile
             pairs = zip(self._sliders, values, strict=True)
             self._on_values({slider.name: slider.value(float(shown)) for slider, shown in pairs})
+
+    def _typed(self, index: int, text: str) -> None:
+        if index < len(self._sliders):
+            try:
+                self.run_method("take", index, self._sliders[index].read(text))
+            except QuantityError as error:
+                self.run_method("refuse", index, str(error))
 
     def _shown(self, q: Mapping[str, float]) -> list[float]:
         return [slider.shown(q.get(slider.name, 0.0)) for slider in self._sliders]

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.rotations import RigidTransform
+    from dh2urdf.studio.editing.opening import Opened
     from dh2urdf.studio.editing.reading import CellProblem
     from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
@@ -45,11 +46,29 @@ def count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
 
 
+def remarks(opened: Opened) -> list[str]:
+    """What a person should know of a table that was opened."""
+    return [*([without(opened.lost)] if opened.lost else ()), *opened.notices]
+
+
 def without(lost: Sequence[str]) -> str:
     """What a table that was opened says, and the table on the screen does not."""
-    more = len(lost) - MOST_LOST
-    told = ", ".join(lost[:MOST_LOST]) + (f" and {more} more" if more > 0 else "")
-    return f"The studio's table has no place for {told}: what is made here is without."
+    return f"The studio's table has no place for {some_of(lost)}: what is made here is without."
+
+
+def some_of(things: Sequence[str]) -> str:
+    """The first of some things, and how many more there are."""
+    more = len(things) - MOST_LOST
+    return ", ".join(things[:MOST_LOST]) + (f" and {more} more" if more > 0 else "")
+
+
+def left_out(number: int) -> str:
+    """What is said where pasted cells found no place."""
+    cells = count(number, "cell finds", "cells find")
+    return (
+        f"{cells} no place to the right of the last column or below the last row.\n"
+        "Start further to the left, show all columns, or copy the header too: then columns are known by their names."
+    )
 
 
 def place(found: CellProblem, table: TableText) -> str:

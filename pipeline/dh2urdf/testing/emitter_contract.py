@@ -57,7 +57,7 @@ class EmitterContract(StageContract):
                     remedy="return [EmittedFile(name=f'{stem}.suffix', content=text.encode())]",
                 )
             for file in files:
-                is_plain = (Path(file.name).name == file.name) is not self.stage.in_folders
+                is_plain = (Path(file.name).name == file.name) is not (self.stage.in_folders is not None)
                 if not is_plain or not file.name.startswith(self.stem):
                     self.breach(
                         self.test_files_have_plain_names_and_content,

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
-from urllib.parse import unquote
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Inertia, JointType, MeshShape
@@ -21,7 +19,8 @@ from dh2urdf.source import shown
 from dh2urdf_plugins.extraction.numbers import between_decimals, decimal_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from dh2urdf.robot import Collision, Inertial, Joint, Visual
     from dh2urdf_plugins.descriptions.trees import Tree
@@ -164,33 +163,3 @@ def _posed(shape: MeshShape | None, precision: Precision) -> MeshShape | None:
 def _is_finite(body: Inertial) -> bool:
     i = body.inertia
     return all(map(math.isfinite, (body.mass, *body.com, i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz)))
-
-
-def mesh_finder(folder: Path, packages: Mapping[str, Path]) -> Callable[[str], Path | None]:
-    """What finds the file of an address: a path from the description's folder, or in a package.
-
-    The packages are those that the user names, the one that the file is in, and a folder of the package's name above.
-    """
-
-    def find(address: str) -> Path | None:
-        scheme, separator, rest = address.partition("://")
-        if not separator:
-            return _file(folder / address)
-        if scheme == "file":
-            return _file(Path(unquote(rest)))
-        if scheme not in ("package", "model"):
-            return None
-        name, _, inner = rest.partition("/")
-        roots = [packages[name]] if name in packages else []
-        roots += [above / name for above in (folder, *folder.parents)]
-        roots += [above for above in (folder, *folder.parents) if above.name == name]
-        return next((path for root in roots if (path := _file(root / inner))), None)
-
-    return find
-
-
-def _file(path: Path) -> Path | None:
-    try:
-        return path if path.is_file() else None
-    except (OSError, ValueError):
-        return None

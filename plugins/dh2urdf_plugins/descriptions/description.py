@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import partial
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,6 +14,7 @@ from dh2urdf.documents import read_bytes
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
+from dh2urdf_plugins.collision_pairs.mechanism import Follower
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
 from dh2urdf_plugins.read_back.xml_files import tree_of
@@ -36,7 +38,7 @@ class Description:
         robot: its links and joints; joints that no table has are fixed in it.
         file: the file, as messages name it.
         folder: from where the paths of its meshes lead.
-        followers: joints that mimic another, by name, with the joint that they mimic; empty where it is not named.
+        followers: joints that mimic another, by name, and how; the name of the leader is empty where it is missing.
         loose: joints that no table has, with their types.
         rounded: numbers that were meant to be parts of π.
         repaired: the robot with these numbers read as they were meant; None where there are none. Where it is asked
@@ -46,7 +48,7 @@ class Description:
     robot: Robot
     file: str
     folder: Path
-    followers: Mapping[str, str] = field(default_factory=dict)
+    followers: Mapping[str, Follower] = field(default_factory=dict)
     loose: Mapping[str, str] = field(default_factory=dict)
     rounded: tuple[Rounded, ...] = ()
     repaired: Robot | None = None
@@ -108,7 +110,7 @@ class _Extras:
     """What a tree holds besides its robot."""
 
     folder: Path
-    followers: dict[str, str] = field(default_factory=dict)
+    followers: dict[str, Follower] = field(default_factory=dict)
     loose: dict[str, str] = field(default_factory=dict)
     rounded: list[Rounded] = field(default_factory=list)
 
@@ -149,7 +151,7 @@ def _urdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
         if (mimic := joint.find("mimic")) is not None:
-            extras.followers[name] = mimic.get("joint", "")
+            extras.followers[name] = _follower(mimic)
         if (word := joint.get("type")) in _LOOSE:
             extras.loose[name] = word
             joint.set("type", "fixed")
@@ -165,10 +167,22 @@ def _urdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
     return meant
 
 
+def _follower(mimic: etree._Element) -> Follower:
+    """How a joint of a URDF follows another; a number that cannot be read is not a number here."""
+    return Follower(mimic.get("joint", ""), _number(mimic.get("multiplier", "1")), _number(mimic.get("offset", "0")))
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return nan
+
+
 def _sdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
     for joint in root.iter("joint"):
         if (mimic := joint.find("axis/mimic")) is not None:
-            extras.followers[joint.get("name", "")] = mimic.get("joint", "")
+            extras.followers[joint.get("name", "")] = Follower(mimic.get("joint", ""))
     meant = deepcopy(root)
     for pose in meant.iter("pose"):
         words, found = repaired(pose.text or "", pose.sourceline, first=3)  # type: ignore[arg-type]  # wrong in the stubs
@@ -180,7 +194,7 @@ def _sdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
 
 def _mjcf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
     for joint in root.iterfind("equality/joint"):
-        extras.followers[joint.get("joint1", "")] = joint.get("joint2", "")
+        extras.followers[joint.get("joint1", "")] = Follower(joint.get("joint2", ""))
     compiler = root.find("compiler")
     if compiler is None:
         return root

@@ -147,8 +147,8 @@ class Tree:
                     accepted="joints that turn about or slide along one axis",
                     suggestion=f"the option base_link: {joint.child} begins behind it",
                 )
-            if (leader := self.description.followers.get(joint.name)) is not None:
-                whom = shown(leader) if leader else "another joint"
+            if (follower := self.description.followers.get(joint.name)) is not None:
+                whom = shown(follower.leader) if follower.leader else "another joint"
                 raise self._error(
                     f"the chain holds {shown(joint.name)}, which mimics {whom}",
                     joint=joint,

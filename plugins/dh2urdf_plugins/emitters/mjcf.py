@@ -42,11 +42,18 @@ _JOINT_TYPES = {JointType.REVOLUTE: "hinge", JointType.CONTINUOUS: "hinge", Join
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MjcfOptions:
-    """What moves the arm."""
+    """What moves the arm, and what of it does not touch."""
 
     actuators: Literal["position", "motor", "none"] = field(
         default="position",
         metadata={"help": "position: servos that hold the arm; motor: torques and forces; all within the efforts"},
+    )
+    excludes: Literal["neighbours", "touching"] = field(
+        default="neighbours",
+        metadata={
+            "help": "links without contacts: neighbours; touching: also those that touch at the start or always, "
+            "for which pinocchio is needed"
+        },
     )
 
 
@@ -54,17 +61,29 @@ def emit(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFile]:
     """The MJCF of a robot, as ``<stem>.xml``.
 
     Raises:
-        EmitterError: XML cannot hold one of its names, or MuJoCo cannot read so long a chain.
+        EmitterError: XML cannot hold one of its names, MuJoCo cannot read so long a chain, or a mesh cannot be read.
+        MissingDependencyError: what finds links that touch is not installed.
     """
-    content = serialise(_Model(robot).tree(options.actuators), robot.comment)
+    touching = _touching(robot) if options.excludes == "touching" else ()
+    content = serialise(_Model(robot, touching).tree(options.actuators), robot.comment)
     return (EmittedFile(name=f"{stem}.xml", content=content),)
+
+
+def _touching(robot: Robot) -> list[tuple[str, str]]:
+    """The pairs of links that touch at the start or always: those of an SRDF, but for the pairs that never touch."""
+    from dh2urdf_plugins.collision_pairs.options import PairOptions
+    from dh2urdf_plugins.collision_pairs.search import robot_pairs
+
+    found = robot_pairs(robot, PairOptions(trials=1)).disabled
+    return [(pair.link1, pair.link2) for pair in found if pair.reason in {"Default", "Always"}]
 
 
 class _Model:
     """A robot on its way to MJCF, which nests bodies, and has sites for frames that hold nothing."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, touching: Iterable[tuple[str, str]]) -> None:
         self._robot, self._notation = robot, Notation()
+        self._touching = touching
         self._joint_to = {joint.child: joint for joint in robot.joints}
         self._holders = {joint.parent for joint in robot.joints}
         self._meshes: dict[Mesh, str] = {}
@@ -201,6 +220,8 @@ class _Model:
         base with a collision shape throws the arm.
         """
         pairs = list(self._neighbours())
+        known = set(map(frozenset, pairs))
+        pairs += [pair for pair in self._touching if WORLD not in pair and frozenset(pair) not in known]
         contact = etree.SubElement(root, "contact") if pairs else root
         for first, second in pairs:
             bodies = {"body1": self._notation.name(first), "body2": self._notation.name(second)}

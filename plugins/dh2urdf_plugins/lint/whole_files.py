@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import read_bytes
@@ -11,11 +10,13 @@ from dh2urdf.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
 
 _LONGEST = 2**24
 """Size of a file that is searched for what it includes [B]."""
 _XACRO_INCLUDE = re.compile(rb"<xacro:include\s[^>]*?filename\s*=\s*[\"']([^\"']+)[\"']")
 _MJCF_INCLUDE = re.compile(rb"<include\s[^>]*?file\s*=\s*[\"']([^\"']+)[\"']")
+_WAY = re.compile(r"^.*[)}]/*|^/+|^(?:\.{1,2}/)+")
 _NAMED = re.compile(rb"<robot\b[^>]*?\sname\s*=")
 
 
@@ -38,7 +39,7 @@ def xacros(roots: Mapping[Path, str]) -> Iterator[Path]:
     files = {path: _content(path) for path, tag in roots.items() if _is_xacro(path) and tag in {"robot", ""}}
     included = _included(files.values(), _XACRO_INCLUDE)
     for path, content in files.items():
-        if path.name not in included and ".srdf" not in path.suffixes and _NAMED.search(content):
+        if not _is_one_of(path, included) and ".srdf" not in path.suffixes and _NAMED.search(content):
             yield path
 
 
@@ -53,7 +54,7 @@ def mjcfs(roots: Mapping[Path, str]) -> Iterator[Path]:
     """Files whose outermost element is ``mujoco``, and that no other includes."""
     files = {path: _content(path) for path, tag in roots.items() if tag == "mujoco"}
     included = _included(files.values(), _MJCF_INCLUDE)
-    yield from (path for path in files if path.name not in included)
+    yield from (path for path in files if not _is_one_of(path, included))
 
 
 def _is_xacro(path: Path) -> bool:
@@ -68,5 +69,12 @@ def _content(path: Path) -> bytes:
 
 
 def _included(contents: Iterable[bytes], pattern: re.Pattern[bytes]) -> set[str]:
+    """The ends of the paths that are included: what follows a package, an argument, or the way to another folder."""
     found = (match.decode("utf-8", "replace") for content in contents for match in pattern.findall(content))
-    return {Path(name.replace("\\", "/")).name for name in found}
+    return {_WAY.sub("", name.replace("\\", "/")) for name in found}
+
+
+def _is_one_of(path: Path, ends: set[str]) -> bool:
+    """Whether a path has one of some ends."""
+    parts = path.absolute().parts
+    return any("/".join(parts[-count:]) in ends for count in range(1, len(parts) + 1))

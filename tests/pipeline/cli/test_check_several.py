@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     Cli = Callable[..., Answer]
 
 LINK = '<?xml version="1.0"?>\n<robot name="{}">\n  <link name="base_link"/>\n  {}\n</robot>\n'
+FILES = ("a/arm.urdf.xacro", "a/sound.xml", "one.urdf", "package.xml", "two.urdf")
+"""What is checked of the folder: its descriptions, and the package that it is."""
 TWICE = '<link name="base_link"/>'
 XACRO = '<?xml version="1.0"?>\n<robot {} xmlns:xacro="http://ros.org/wiki/xacro">\n{}\n</robot>\n'
 
@@ -57,7 +59,7 @@ def test_a_folder_is_checked_by_what_is_in_its_files(cli: Cli, folder: Path) -> 
         "robots/two.urdf:4:27",
         "ros",
     ]
-    assert lines[-2:] == ["4 errors for ros", "4 descriptions checked; 10 files looked at"]
+    assert lines[-2:] == ["4 errors for ros", "4 descriptions and 1 package checked; 10 files looked at"]
 
 
 def test_more_than_a_few_of_a_file_are_counted(cli: Cli, folder: Path) -> None:
@@ -72,7 +74,7 @@ def test_a_folder_as_json(cli: Cli, folder: Path) -> None:
     assert folder.is_dir()
     told = json.loads(cli("check", "robots", "--for", "ros", "--format", "json", status=1).stdout)
     assert set(told) == {"schema", "version", "files", "looked_at", "consumers", "counts", "rules", "findings"}
-    assert told["files"] == [f"robots/{name}" for name in ("a/arm.urdf.xacro", "a/sound.xml", "one.urdf", "two.urdf")]
+    assert told["files"] == [f"robots/{name}" for name in FILES]
     assert told["looked_at"] == 10
     assert told["rules"]["duplicate-link"] == {
         "severity": "error",
@@ -105,7 +107,7 @@ def test_what_cannot_be_looked_at_is_a_finding(cli: Cli, folder: Path) -> None:
         "robots/broken.urdf": "this link leads to 'nowhere.urdf', where there is no file",
         "robots/pipe.urdf": "this is a pipe or a device, not a file",
     }
-    assert len(told["files"]) == 4
+    assert told["files"] == [f"robots/{name}" for name in FILES]
 
 
 @pytest.mark.parametrize(

@@ -88,7 +88,7 @@ class TestWords:
         answer = cli("convrt", "arm.csv", status=2)
         assert answer.stdout == ""
         assert (
-            "no command 'convrt'; the commands are run, convert, info, check, extract, studio, view, plugins, init, example, schema, new-plugin; "
+            "no command 'convrt'; the commands are run, convert, info, check, extract, collisions, studio, view, plugins, init, example, schema, new-plugin; "
             "did you mean 'convert'?" in answer.stderr
         )
 

@@ -52,6 +52,30 @@ def without_meshes(robot: Robot) -> Robot:
     )
 
 
+def contacts_at_zero(model: Any) -> set[frozenset[str]]:
+    """The pairs of bodies that MuJoCo finds in contact at joint values 0."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return {
+        frozenset(model.body(model.geom_bodyid[geom]).name for geom in (contact.geom1, contact.geom2))
+        for contact in data.contact
+    }
+
+
+def test_links_that_touch_at_the_start_are_excluded_on_request() -> None:
+    """A third link that lies along the first: MuJoCo finds this contact, and none with the option."""
+    pytest.importorskip("pinocchio")
+    rows = [
+        DHRow(joint=f"j{number}", link=f"link_{number}", a=a, alpha=0.0, d=0.0, theta=theta)
+        for number, (a, theta) in enumerate([(0.5, 0.0), (0.2, math.pi), (0.2, 0.0)], start=1)
+    ]
+    robot = robot_of(Manipulator(name="folded", convention=Convention.STANDARD, rows=tuple(rows)))
+    assert contacts_at_zero(model_of(robot)) == {frozenset(("link_1", "link_3"))}
+    model = model_of(robot, excludes="touching")
+    assert contacts_at_zero(model) == set()
+    assert model.nexclude == model_of(robot).nexclude + 1
+
+
 def test_the_whole_file_is_known(arm: Robot) -> None:
     """What stands in the file of a small arm, to the letter."""
     small = replace(arm, links=(*arm.links[:3], arm.links[-1]), joints=arm.joints[:2] + arm.joints[-1:])

@@ -64,7 +64,7 @@ def peer(peers: Any) -> Iterator[Any]:
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Give up after a moment."""
     monkeypatch.setattr(coppeliasim, "ANSWERS_WITHIN", 0.3)
-    monkeypatch.setattr(coppeliasim, "_time_limit", lambda _options: 1.0)
+    monkeypatch.setattr(coppeliasim, "LOAD_TIME_LIMIT", 1.0)
 
 
 def run(peer: Any, request: LoadRequest, **options: Any) -> LoadReport:

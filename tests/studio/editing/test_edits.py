@@ -64,12 +64,11 @@ def test_there_are_no_other_cells(row: int, field: str) -> None:
         edits.with_cell(THREE, row, field, "1")
 
 
-def test_cells_of_a_spreadsheet_are_pasted() -> None:
-    """Lines of cells go in from the cursor on, and rows are added for them."""
-    table = edits.pasted(THREE, 2, "a", "0.1\tpi/2\t0.2\tbeyond\r\n0.3\t0\t\r\n", COLUMNS)
-    assert column(table, "a") == ["1", "2", "0.1", "0.3"]
-    assert column(table, "alpha") == ["", "", "pi/2", "0"]
-    assert column(table, "d") == ["", "", "0.2", ""]
+def test_cells_are_emptied() -> None:
+    """Those of some fields in some rows, and no others; rows that are not there are none."""
+    table = edits.cleared(THREE, 1, 9, ["a", "d"])
+    assert column(table, "a") == ["1", "", ""]
+    assert column(table, "joint") == ["joint_1", "joint_2", "joint_3"]
 
 
 def test_a_row_begins_with_its_geometry() -> None:

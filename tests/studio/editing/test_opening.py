@@ -9,7 +9,8 @@ import pytest
 
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.studio.editing.opening import open_tables
+from dh2urdf.studio import words
+from dh2urdf.studio.editing.opening import open_tables, tables_of
 from dh2urdf.studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def test_any_table_that_a_reader_takes_can_be_opened(name: str, catalog: Catalog
             open_tables(path, catalog)
         return
     if not arms:  # it does not say its convention
-        ((table, _),) = open_tables(path, catalog)
+        ((table, *_),) = open_tables(path, catalog)
         assert not table.convention
         (arm,) = reader.read(path, reader.options(convention="modified"))
         assert read_whole(replace(table, convention="modified"), catalog).manipulator == arm
@@ -54,7 +55,7 @@ def test_any_table_that_a_reader_takes_can_be_opened(name: str, catalog: Catalog
 
 def test_the_texts_of_a_file_are_kept(catalog: Catalog) -> None:
     """`pi/2` and `-130°` are what the file says, and what is shown."""
-    ((table, _),) = open_tables(TABLES / "scara.csv", catalog)
+    ((table, *_),) = open_tables(TABLES / "scara.csv", catalog)
     assert table.rows[1]["alpha"] == "pi"
     assert table.rows[0]["lower"] == "-130°"
 
@@ -66,7 +67,7 @@ def test_all_numbers_of_a_joint_are_kept(catalog: Catalog, tmp_path: Path) -> No
         "convention: standard\njoints:\n"
         "  - {a: 1, alpha: 0, d: 0, mass: 2, com: [0, 0, 0.1], damping: 0.1, friction: 0.2, armature: 0.3}\n"
     )
-    ((table, lost),) = open_tables(path, catalog)
+    ((table, lost, _),) = open_tables(path, catalog)
     assert lost == ()
     assert {"mass": "2", "com_z": "0.1", "damping": "0.1", "friction": "0.2", "armature": "0.3"}.items() <= table.rows[
         0
@@ -81,9 +82,26 @@ def test_what_a_table_cannot_hold_is_told(catalog: Catalog, tmp_path: Path) -> N
         "convention: standard\nvisuals: none\njoints:\n"
         "  - {a: 1, alpha: 0, d: 0}\n  - {name: bare, a: 1, alpha: 0, d: 0, collision: link.stl}\n"
     )
-    ((table, lost),) = open_tables(path, catalog)
+    ((table, lost, _),) = open_tables(path, catalog)
     assert [row["a"] for row in table.rows] == ["1", "1"]
     assert lost == ("visuals", "collision of bare")
+
+
+def test_what_the_reader_noticed_is_told(catalog: Catalog) -> None:
+    """A column that means nothing is not in the table on the page: its notice would be lost."""
+    content = "# convention: standard\na,alpha,d,colour of the cable\n1,90°,0,red\n".encode()
+    (opened,) = tables_of("arm.csv", content, catalog)  # type: ignore[misc]
+    (notice,) = opened.notices
+    assert notice.startswith("arm.csv:2")
+    assert "colour of the cable" in notice
+    assert words.remarks(opened) == [notice]
+
+
+def test_of_a_large_file_only_the_first_are_read(catalog: Catalog) -> None:
+    rows = "".join(f"r{number},0.1,0,0\n" for number in range(200))
+    content = f"# convention: standard\nrobot,a,alpha,d\n{rows}r200,wrong,0,0\n".encode()
+    opened = tables_of("many.csv", content, catalog, most=7)
+    assert [each.table.name for each in opened] == [f"r{number}" for number in range(7)]  # type: ignore[union-attr]
 
 
 def test_a_run_file_is_no_table(catalog: Catalog) -> None:

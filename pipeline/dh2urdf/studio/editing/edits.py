@@ -83,26 +83,10 @@ def moved(table: TableText, number: int, to: int) -> TableText:
     return replace(table, rows=_numbered(rows))
 
 
-def pasted(table: TableText, row: int, field: str, text: str, columns: Sequence[str]) -> TableText:
-    """The table with the cells of a spreadsheet put in, from one cell to the right and downwards.
-
-    Args:
-        table: the table; rows are added where there are too few.
-        row: number of the row of the first cell.
-        field: its field.
-        text: lines of cells with tabs between them, as spreadsheets copy them.
-        columns: the fields that are on the screen, in order.
-    """
-    lines = [line.split("\t") for line in text.rstrip("\r\n").splitlines()]
-    first = columns.index(field)
-    table = resized(table, max(len(table.rows), min(row + len(lines), MOST_ROWS)))
-    cells = {
-        (row + down, columns[first + right]): cell
-        for down, line in enumerate(lines)
-        for right, cell in enumerate(line)
-        if row + down < len(table.rows) and first + right < len(columns)
-    }
-    return with_cells(table, cells)
+def cleared(table: TableText, first: int, last: int, fields: Sequence[str]) -> TableText:
+    """The table with empty cells: of some fields, in the rows from one number to another."""
+    rows = range(max(first, 0), min(last + 1, len(table.rows)))
+    return with_cells(table, {(row, field): "" for row in rows for field in fields})
 
 
 def begun(table: TableText) -> int:

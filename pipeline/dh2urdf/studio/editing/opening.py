@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 from dataclasses import fields, replace
+from itertools import islice
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.errors import InputError
+from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import whole_records
@@ -18,7 +22,6 @@ from dh2urdf.table_text import FIELDS, TableText, table_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-    from pathlib import Path
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
@@ -30,17 +33,24 @@ class Opened(NamedTuple):
     Attributes:
         table: it as a table to edit.
         lost: what it says besides, which such a table has no place for: meshes, for one.
+        notices: what the reader noticed of the file, and cannot notice of the table: an ignored column, for one.
     """
 
     table: TableText
     lost: tuple[str, ...] = ()
+    notices: tuple[str, ...] = ()
 
 
-def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
+def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[Opened, ...]:
     """The manipulators of a file.
 
     Their texts are those of the file where the reader tells them and they read as the same arm; else the texts of the
     numbers that were read. Tables that do not say their convention are opened as they stand, for a person to say it.
+
+    Args:
+        path: the file.
+        catalog: the installed stages.
+        most: how many manipulators are read; None reads all of them.
 
     Raises:
         InputError: the file cannot be read, or none of its manipulators can.
@@ -54,9 +64,9 @@ def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
             )
         )
     reader = catalog.reader_for(path)
-    items = list(read_items(default_call(catalog, reader), path))
+    items = list(islice(read_items(default_call(catalog, reader), path), most))
     arms = [item for item in items if isinstance(item, Manipulator)]
-    typed = _typed(path, reader, catalog)
+    typed = _typed(path, reader, catalog, most)
     if arms:
         return tuple(_opened(arm, typed.get(arm.name), catalog) for arm in arms)
     rejected = [item for item in items if isinstance(item, Rejected)]
@@ -68,12 +78,28 @@ def open_tables(path: Path, catalog: Catalog) -> tuple[Opened, ...]:
     )
 
 
-def _typed(path: Path, reader: Reader[Any], catalog: Catalog) -> dict[str, TableText]:
+def tables_of(name: str, content: bytes, catalog: Catalog, most: int | None = None) -> tuple[Opened, ...] | str:
+    """The tables of a file by its name and bytes, or what is wrong with it, without the folder that it was read in."""
+
+    def without_folder(text: str) -> str:
+        return text.replace(f"{folder}{os.sep}", "")
+
+    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
+        path = Path(folder) / Path(name).name
+        try:
+            path.write_bytes(content)
+            opened = open_tables(path, catalog, most)
+        except Dh2UrdfError as error:
+            return without_folder(str(error))
+        return tuple(each._replace(notices=tuple(map(without_folder, each.notices))) for each in opened)
+
+
+def _typed(path: Path, reader: Reader[Any], catalog: Catalog, most: int | None) -> dict[str, TableText]:
     if reader.texts is None:
         return {}
     try:
         with blaming(default_call(catalog, reader), "texts"):
-            return {table.name: table for table in whole_records(reader.texts(path), TableText)}
+            return {table.name: table for table in whole_records(islice(reader.texts(path), most), TableText)}
     except InputError:  # It can be read, if not so: then its numbers are what there is.
         return {}
 
@@ -82,11 +108,18 @@ def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> Open
     """A table as it was typed, names and types filled in, if that reads as the arm; else the texts of its numbers."""
     if typed is not None:
         completed = _completed(typed, [row.joint for row in arm.rows])
-        if read_whole(completed, catalog).manipulator == arm:
-            return Opened(completed)
+        again = read_whole(completed, catalog).manipulator
+        if again == arm:
+            return Opened(completed, notices=_unseen(arm, again))
     table = table_text(_without_meshes(arm))
     again = read_whole(table, catalog).manipulator
-    return Opened(table, tuple(_lost(arm, again)) if again else ())
+    return Opened(table, tuple(_lost(arm, again)) if again else (), _unseen(arm, again))
+
+
+def _unseen(arm: Manipulator, again: Manipulator | None) -> tuple[str, ...]:
+    """What the reader noticed of an arm, and nobody would see on the page."""
+    seen = {notice.message for notice in again.notices} if again else ()
+    return tuple(str(notice) for notice in arm.notices if notice.message not in seen)
 
 
 def _without_meshes(arm: Manipulator) -> Manipulator:

@@ -145,8 +145,26 @@ def _without_path(problem: Problem, path: Path, written: WrittenTable) -> Proble
         row, _ = written.at(Mark(file=str(path), line=int(match[1]))) if match[1] else (None, None)
         return "the table" if row is None else f"row {row + 1}"
 
-    texts = {name: pattern.sub(said, text) for name in _TEXTS if (text := getattr(problem, name))}
+    texts = {name: on_the_page(pattern.sub(said, text)) for name in _TEXTS if (text := getattr(problem, name))}
     return replace(problem, **texts)  # type: ignore[arg-type]  # all are texts
+
+
+_WAYS = re.compile(r"(?:`[^`]*`(?: (?:above a CSV header|in the header|in YAML))?(?:, or give | or |, or |, )?)+")
+"""Ways to state a thing in a file or on the command line, one after the other."""
+_UNIT = re.compile(r"(?:length|angle)(?:-unit|:) ?(\w+)")
+
+
+def on_the_page(text: str) -> str:
+    """A reader's advice for somebody who has switches: not what to write into a file, but what to press."""
+
+    def pressed(ways: re.Match[str]) -> str:
+        if "convention" in ways[0]:
+            return "press standard or modified above the table"
+        unit = _UNIT.search(ways[0])
+        rest = ", or " if ways[0].endswith(", or ") else ""
+        return f"press {unit[1]} above the table{rest}" if unit else ways[0]
+
+    return re.sub(r"(?:write|declare it:|say so:) " + _WAYS.pattern, pressed, text)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,21 +8,29 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error, reach
-from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.kinematics.chain import (
+    KinematicChain,
+    angle_error,
+    forward_kinematics,
+    joint_variables,
+    position_error,
+    reach,
+)
+from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio import joints
+from dh2urdf.studio.drawing.scene import PAPER, Drawing, Figure, extent
 from dh2urdf.studio.editing import conversions, edits
 from dh2urdf.studio.editing.history import History
 from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read
-from dh2urdf.studio.scene import PAPER, Drawing, Figure, Stroke, extent
 from dh2urdf.table_text import FIELDS, TableText
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.studio.drawing.strokes import Stroke
     from dh2urdf.studio.joints import Slider
 
 Variant = Literal["exact", "paper", "both"]
@@ -201,8 +209,16 @@ class Session:
 
     @property
     def reach(self) -> float:
-        """An upper bound of the distance from base_link to tool0 [m]."""
-        return reach(self.arm.manipulator) if self.arm else 0.0
+        """An upper bound of the distance from base_link to tool0, every joint anywhere inside its limits [m]."""
+        if self.arm is None:
+            return 0.0
+        ends = {slider.name: (slider.lower, slider.upper) for slider in self.sliders}
+        sliding = [row for row in self.arm.manipulator.moving_rows if row.type is JointType.PRISMATIC]
+        travel = (
+            max(abs(joint_variables(row, q)[1]) for q in ends.get(row.joint, (0.0,))) - abs(joint_variables(row)[1])
+            for row in sliding
+        )
+        return reach(self.arm.manipulator) + sum(travel, 0.0)
 
     @property
     def paper_error(self) -> tuple[float, float] | None:
@@ -261,7 +277,7 @@ class Session:
         figures = []
         if variant != "paper" or arm.paper is None:
             title = "the arm" if variant == "both" and arm.paper else ""
-            figures.append(Figure(robot=arm.robot, manipulator=arm.manipulator, title=title))
+            figures.append(Figure(robot=arm.robot, manipulator=arm.manipulator, typed=arm.table, title=title))
         if variant == "paper" and arm.paper is not None:
             figures.append(Figure(robot=arm.paper, tint=PAPER, link_frames=False))
         if variant == "both" and arm.paper is not None:

@@ -14,7 +14,8 @@ from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.profiles import PROFILES, adapted, notices_of
 from dh2urdf_plugins.emitters.ros2.description_xacro import Kind, control_file, macro_file, top_file
-from dh2urdf_plugins.emitters.ros2.names import check_names, proposed_name, robot_name
+from dh2urdf_plugins.emitters.ros2.moveit_package import moveit_name, moveit_notices, moveit_package
+from dh2urdf_plugins.emitters.ros2.names import check_names, package_stem, proposed_name, robot_name
 from dh2urdf_plugins.emitters.ros2.options import Ros2Options
 from dh2urdf_plugins.emitters.ros2.package_files import (
     CONTROLLING,
@@ -28,6 +29,7 @@ from dh2urdf_plugins.emitters.ros2.package_files import (
 )
 from dh2urdf_plugins.emitters.ros2.viewing import launch_file, rviz_file, test_file
 from dh2urdf_plugins.emitters.ros2.yaml_files import (
+    arm_joints,
     controllers,
     dh_file,
     follows_whole_table,
@@ -39,18 +41,21 @@ from dh2urdf_plugins.emitters.urdf_tree import check_lines
 from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from dh2urdf.robot import Link, Robot
+    from dh2urdf.stages import Expansion, Inspection
 
 _VERSION = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
 
 
 def emit(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ...]:
-    """The description package of a robot; the xacro to open comes first.
+    """The packages of a robot; the xacro to open comes first.
 
     Raises:
-        EmitterError: ROS cannot use a name, an option is wrong, or the robot lacks what URDF requires.
+        EmitterError: ROS cannot use a name, an option is wrong, or the robot lacks what URDF or MoveIt requires.
+        MissingDependencyError: what finds collision pairs for MoveIt is not installed.
     """
     if not _VERSION.fullmatch(options.version):
         accepted = "three numbers with dots between them, such as 1.2.0 (REP 149)"
@@ -65,10 +70,20 @@ def emit(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ..
     contents = dict(_description(robot, kinds, name, package, options))
     contents.update(sorted(copies.items()))
     folders = {PurePosixPath(path).parts[0] for path in contents if "/" in path} - {"test"}
-    contents["CMakeLists.txt"] = cmake_lists(package, folders)
-    for path in (path for path in contents if path.endswith(".xacro")):
-        check_lines(contents[path])
-    return tuple(EmittedFile(name=f"{package}/{path}", content=content) for path, content in contents.items())
+    contents["CMakeLists.txt"] = cmake_lists(package, folders, "test_description")
+    written = {f"{package}/{path}": content for path, content in contents.items()}
+    if options.moveit:
+        files = moveit_package(robot, name, package, options)
+        written.update({f"{moveit_name(name)}/{path}": content for path, content in files.items()})
+    for path in (path for path in written if path.endswith(".xacro")):
+        check_lines(written[path])
+    return tuple(EmittedFile(name=path, content=content) for path, content in written.items())
+
+
+def folders(stem: str, options: Ros2Options) -> tuple[str, ...]:
+    """The packages of a robot."""
+    name = package_stem(stem, options.package)
+    return (f"{name}_description", *([moveit_name(name)] if options.moveit else ()))
 
 
 def _kinds(robot: Robot, name: str) -> list[Kind]:
@@ -91,7 +106,7 @@ def _description(
     robot: Robot, kinds: Sequence[Kind], name: str, package: str, options: Ros2Options
 ) -> Iterator[tuple[str, bytes]]:
     """The files of the description package by their places in it, the one to open first."""
-    controlled = options.hardware != "none"
+    controlled = options.controlled
     yield f"urdf/{name}.urdf.xacro", top_file(robot, kinds, package, options)
     for kind in kinds:
         yield f"urdf/{kind.macro}_macro.xacro", macro_file(kind, package)
@@ -103,8 +118,7 @@ def _description(
             yield f"urdf/{kind.macro}.ros2_control.xacro", control_file(kind, package, options)
             yield f"{kind.folder}/initial_positions.yaml", initial_positions(kind.robot)
     if controlled:
-        arms = [(arm.prefix, arm.kind.moving_joints) for arm in robot.arms] or [("", robot.moving_joints)]
-        yield "config/ros2_controllers.yaml", controllers(arms)
+        yield "config/ros2_controllers.yaml", controllers(arm_joints(robot))
     yield "launch/view_robot.launch.py", launch_file(package, name, robot)
     yield "rviz/view_robot.rviz", rviz_file(robot)
     yield "test/test_description.py", test_file(package, name, robot)
@@ -154,17 +168,40 @@ def notices(robot: Robot, options: Ros2Options) -> list[Problem]:
                 suggestion="set the options " + ", ".join(f"`{name}`" for name in missing),
             )
         )
+    if options.moveit:
+        found += moveit_notices(robot, options)
     return found
+
+
+def check(path: Path, expansion: Expansion) -> Inspection:
+    """What there is to report of the package, of any origin, that a file is in.
+
+    Raises:
+        InputError: the file is in no package, or a folder of packages is none.
+    """
+    from dh2urdf_plugins.lint.packages.inspection import inspect_package
+
+    return inspect_package(path, expansion)
+
+
+def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
+    """The package.xml of each package among the files of a folder."""
+    from dh2urdf_plugins.lint.packages.inspection import packages
+
+    return packages(roots)
 
 
 EMITTER = Emitter(
     name="ros2",
-    summary="a ROS 2 description package: xacros, limits, ros2_control, launch files and tests",
+    summary="ROS 2 packages: a description with ros2_control, launch files and tests, and a configuration of MoveIt",
     suffixes=(),
     options=Ros2Options,
     emit=emit,
-    in_folders=True,
+    in_folders=folders,
     read_back=read_foreign_xacro,
     costly_proof=True,
     notices=notices,
+    check=check,
+    finds_packages=True,
+    descriptions=descriptions,
 )

@@ -19,6 +19,11 @@ _SHORTEST = 2
 _SUFFIX = "_description"
 
 
+def package_stem(stem: str, package: str) -> str:
+    """What the names of a robot's packages begin with: as `robot_name` has it, allowed or not."""
+    return package.removesuffix(_SUFFIX) or stem
+
+
 def robot_name(stem: str, package: str) -> str:
     """The name of a robot in the names of its packages.
 
@@ -29,7 +34,7 @@ def robot_name(stem: str, package: str) -> str:
     Raises:
         EmitterError: REP 144 does not allow the name; the error proposes another.
     """
-    name = package.removesuffix(_SUFFIX) or stem
+    name = package_stem(stem, package)
     if _PACKAGE.fullmatch(name) and len(name) >= _SHORTEST:
         return name
     message = f"a ROS package cannot be named {shown(f'{name}{_SUFFIX}')}"

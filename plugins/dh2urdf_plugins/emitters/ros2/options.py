@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
+
+from dh2urdf.errors import ConfigError
+from dh2urdf.source import Problem
+from dh2urdf_plugins.emitters.srdf.emitter import SrdfOptions
 
 HardwareName: TypeAlias = Literal["mock", "gazebo", "topic", "none"]
 
@@ -20,8 +25,8 @@ NO_MAINTAINER, NO_EMAIL = "user", "user@todo.todo"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ros2Options:
-    """How a description package is named, and what it drives."""
+class Ros2Options(SrdfOptions):
+    """How the packages are named, what they drive, and how MoveIt plans."""
 
     package: str = field(
         default="",
@@ -35,3 +40,31 @@ class Ros2Options:
         default="mock",
         metadata={"help": "hardware of ros2_control that is the default of the description; none: no ros2_control"},
     )
+    moveit: bool = field(
+        default=False,
+        metadata={"help": "also write the configuration of MoveIt, which trials, seed, min_distance and group are for"},
+    )
+    acceleration: float | None = field(
+        default=None,
+        metadata={
+            "help": "largest acceleration of all joints for MoveIt [rad/s², m/s²]; by default each joint reaches its "
+            "full velocity in 0.5 s"
+        },
+    )
+
+    @property
+    def controlled(self) -> bool:
+        """Whether ros2_control is in the description."""
+        return self.hardware != "none"
+
+    def __post_init__(self) -> None:
+        """Refuses numbers that are out of their ranges.
+
+        Raises:
+            ConfigError: some are.
+        """
+        SrdfOptions.__post_init__(self)
+        if self.acceleration is not None and not (math.isfinite(self.acceleration) and self.acceleration > 0.0):
+            message, found = "this is no acceleration that a joint can plan with", f"{self.acceleration:.9g}"
+            accepted = "a finite number greater than 0 [rad/s², m/s²]"
+            raise ConfigError(Problem(message=message, field="acceleration", found=found, accepted=accepted))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
+from importlib.resources import files as resources
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -33,7 +33,9 @@ TESTING = ("ament_cmake_pytest", "liburdfdom-tools", "xacro")
 
 def filled(template: str, **words: str) -> bytes:
     """A file of the folder ``templates``, with words in the places that ``@`` marks."""
-    text = files("dh2urdf_plugins.emitters.ros2").joinpath("templates", f"{template}.in").read_text(encoding="utf-8")
+    text = (
+        resources("dh2urdf_plugins.emitters.ros2").joinpath("templates", f"{template}.in").read_text(encoding="utf-8")
+    )
     for name, word in words.items():
         text = text.replace(f"@{name}@", word)
     return text.encode()
@@ -61,9 +63,10 @@ def package_xml(
     return b'<?xml version="1.0"?>\n' + b"\n".join(parts) + b"\n"
 
 
-def cmake_lists(package: str, folders: Iterable[str]) -> bytes:
-    """``CMakeLists.txt``, which installs the folders that are there."""
-    return filled("CMakeLists.txt", PACKAGE=package, FOLDERS=" ".join(sorted(folders)))
+def cmake_lists(package: str, folders: Iterable[str], test: str, names: Iterable[str] = ()) -> bytes:
+    """``CMakeLists.txt``, which installs the folders and files that are there, and runs a test."""
+    files = "".join(f"\ninstall(FILES {name} DESTINATION share/${{PROJECT_NAME}})" for name in names)
+    return filled("CMakeLists.txt", PACKAGE=package, FOLDERS=" ".join(sorted(folders)), FILES=files, TEST=test)
 
 
 def changelog(package: str, version: str) -> bytes:
@@ -87,7 +90,7 @@ def readme(package: str, name: str, robot: Robot, kinds: Sequence[Kind], options
         PACKAGE=package,
         NAME=name,
         ROBOT=robot.name,
-        CONTROL="" if options.hardware == "none" else control,
+        CONTROL=control if options.controlled else "",
         USE="" if robot.arms else _use(package, kinds[0]),
         CALIBRATION="\n".join(_calibration(kind) for kind in kinds),
     )

@@ -9,13 +9,12 @@ from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import norm
 from dh2urdf_plugins.emitters.ros2.package_files import filled
-from dh2urdf_plugins.emitters.ros2.yaml_files import initial_position
+from dh2urdf_plugins.emitters.srdf.semantics import TOOL, initial_position
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.rotations import RigidTransform
 
-TOOL = "tool0"
 _PARTS = (0.5, 0.2, 0.9)
 """Where between their limits the joints are in the test of a package."""
 _UNLIMITED = 3.0
@@ -43,9 +42,18 @@ def launch_file(package: str, name: str, robot: Robot) -> bytes:
 
 def rviz_file(robot: Robot) -> bytes:
     """``view_robot.rviz``: the robot from a distance that suits its size."""
+    return _view("view_robot.rviz", robot)
+
+
+def planning_view(robot: Robot) -> bytes:
+    """``moveit.rviz``: the same view, with MoveIt's panel for plans."""
+    return _view("moveit.rviz", robot)
+
+
+def _view(template: str, robot: Robot) -> bytes:
     size = max(sum(norm(joint.origin.xyz) for joint in robot.joints) / max(len(robot.arms), 1), 0.1)
     numbers = {"CELL": size / 5.0, "MARKER": size / 3.0, "DISTANCE": 2.0 * size, "HEIGHT": size / 3.0}
-    return filled("view_robot.rviz", ROOT=robot.root, **{name: f"{value:.3g}" for name, value in numbers.items()})
+    return filled(template, ROOT=robot.root, **{name: f"{value:.3g}" for name, value in numbers.items()})
 
 
 def test_file(package: str, name: str, robot: Robot) -> bytes:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import re
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.manipulator import JointType
+from dh2urdf_plugins.emitters.srdf.semantics import initial_position
 from dh2urdf_plugins.emitters.urdf_tree import INERTIA, LIMITS_OF
 
 if TYPE_CHECKING:
@@ -23,6 +23,9 @@ LIMIT_KEYS = {"lower": "min_position", "upper": "max_position", "velocity": "max
 UPDATE_RATE = 100
 """Cycles of the controller manager [1/s]."""
 STATE_BROADCASTER = "joint_state_broadcaster"
+
+ArmJoints: TypeAlias = tuple[str, "Sequence[Joint]"]
+"""The prefix of an arm, and its moving joints, whose names are without the prefix."""
 
 _OF_A_ROW = re.compile(r"(.+)_[0-9]+")
 
@@ -123,14 +126,6 @@ def resistances(joint: Joint) -> dict[str, float]:
 # --- ros2_control -----------------------------------------------------------------------------------------------------
 
 
-def initial_position(joint: Joint) -> float:
-    """Where a joint starts: at 0, or in the middle of its limits where 0 is outside [rad or m]."""
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.type is JointType.CONTINUOUS or lower is None or upper is None or lower <= 0.0 <= upper:
-        return 0.0
-    return 0.5 * lower + 0.5 * upper
-
-
 def initial_positions(robot: Robot) -> bytes:
     """``initial_positions.yaml``: where the joints start."""
     positions = {joint.name: initial_position(joint) for joint in robot.moving_joints}
@@ -142,7 +137,13 @@ def controller_name(prefix: str) -> str:
     return f"{prefix}joint_trajectory_controller"
 
 
-def controllers(arms: Sequence[tuple[str, Sequence[Joint]]]) -> bytes:
+def arm_joints(robot: Robot) -> list[ArmJoints]:
+    """The arms of a robot that move."""
+    arms = [(arm.prefix, arm.kind.moving_joints) for arm in robot.arms] or [("", robot.moving_joints)]
+    return [(prefix, joints) for prefix, joints in arms if joints]
+
+
+def controllers(arms: Sequence[ArmJoints]) -> bytes:
     """``ros2_controllers.yaml``: a trajectory controller for each arm, and the broadcaster of joint states.
 
     Args:

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 import yaml
 
+from dh2urdf_plugins.emitters.ros2.options import Ros2Options
+
 if TYPE_CHECKING:
     from pathlib import Path
 
-# The names and keyword arguments of ros2/launch 3.x and ros2/launch_ros 0.26 that launch files may use.
+# The names and keyword arguments of ros2/launch 3.x, ros2/launch_ros 0.26 and moveit_configs_utils 2.x that launch files
+# may use.
 KNOWN = {
     "launch": {"LaunchDescription": ()},
     "launch.actions": {"DeclareLaunchArgument": ("default_value", "description", "choices")},
@@ -29,6 +32,19 @@ KNOWN = {
     },
     "launch_ros.parameter_descriptions": {"ParameterValue": ("value_type",)},
     "launch_ros.substitutions": {"FindPackageShare": ("package",)},
+    "moveit_configs_utils.launches": {
+        f"generate_{name}_launch": ()
+        for name in (
+            "demo",
+            "move_group",
+            "moveit_rviz",
+            "rsp",
+            "setup_assistant",
+            "spawn_controllers",
+            "static_virtual_joint_tfs",
+            "warehouse_db",
+        )
+    },
 }
 
 
@@ -51,10 +67,22 @@ def recorder(monkeypatch: pytest.MonkeyPatch) -> None:
 
         return record
 
-    for module, names in {"launch_ros": {}, **KNOWN}.items():
+    class MoveItConfigsBuilder(Made):
+        """The start of a chain of calls, which ends with the configuration."""
+
+        def to_moveit_configs(self) -> Made:
+            return Made("configs", self.given, self.named)
+
+    def builder(*given: Any, **named: Any) -> MoveItConfigsBuilder:
+        assert set(named) <= {"robot_description", "package_name"}
+        return MoveItConfigsBuilder("MoveItConfigsBuilder", given, named)
+
+    for module, names in {"launch_ros": {}, "moveit_configs_utils": {}, **KNOWN}.items():
         made = ModuleType(module)
         for name, accepted in names.items():
             setattr(made, name, recording(name, accepted))
+        if module == "moveit_configs_utils":
+            made.__dict__["MoveItConfigsBuilder"] = builder
         monkeypatch.setitem(sys.modules, module, made)
 
 
@@ -112,3 +140,30 @@ def test_every_package_that_a_launch_file_uses_is_a_dependency(package: Any) -> 
     entities = executed(folder / "launch" / "view_robot.launch.py")
     assert {each.named["package"] for each in entities if each.name == "Node"} <= needed
     assert {"launch", "launch_ros", "xacro"} <= needed
+
+
+@pytest.mark.usefixtures("recorder")
+def test_launch_files_of_moveit_ask_its_builder_for_the_package(package: Any) -> None:
+    """Each calls the function of its own name with the configuration of the robot's package."""
+    pytest.importorskip("pinocchio")
+    description, _, _ = package("ur5.csv", "aligned", Ros2Options(moveit=True, trials=10))
+    launches = sorted(description.with_name("ur5_moveit_config").glob("launch/*.launch.py"))
+    assert launches
+    for path in launches:
+        made = runpy.run_path(str(path))["generate_launch_description"]()
+        assert made.name == f"generate_{path.name.removesuffix('.launch.py')}_launch"
+        assert made.given == (Made("configs", ("ur5",), {"package_name": "ur5_moveit_config"}),)
+
+
+def test_the_view_of_moveit_is_fixed_to_the_root(package: Any) -> None:
+    """Its panel for plans reads the topics that move_group has."""
+    pytest.importorskip("pinocchio")
+    description, _, _ = package("ur5.csv", "aligned", Ros2Options(moveit=True, trials=10))
+    path = description.with_name("ur5_moveit_config") / "config" / "moveit.rviz"
+    content = yaml.safe_load(path.read_text())["Visualization Manager"]
+    assert content["Global Options"]["Fixed Frame"] == "base_link"
+    (planning,) = [each for each in content["Displays"] if each["Class"] == "moveit_rviz_plugin/MotionPlanning"]
+    assert (planning["Robot Description"], planning["Planning Scene Topic"]) == (
+        "robot_description",
+        "monitored_planning_scene",
+    )

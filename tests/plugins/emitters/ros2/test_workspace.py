@@ -29,7 +29,7 @@ cells:
       - {{name: track, of: track}}
       - {{name: rider, of: ur5, prefix: r_, parent: track/tool0, xyz: [0, 0, 50 mm]}}
       - {{name: fixed, of: ur5, prefix: f_, xyz: [-1.5, 0, 0], rpy: [0, 0, pi]}}
-emitters: [ros2]
+emitters: [{{stage: ros2, options: {{moveit: true, trials: 300}}}}]
 """
 
 
@@ -62,26 +62,37 @@ def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules:
     """A UR5, a Panda in the modified convention, a SCARA and a cell: built, installed, found, and their tests pass."""
     source = tmp_path / "src"
     for table, frames in (("panda.yaml", "dh"), ("scara.csv", "aligned")):
-        cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "-o", source)
+        cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "--set", "moveit=true", "-o", source)
     run_file = tmp_path / "cell.yaml"
     run_file.write_text(CELL.format(tables=TABLES))
     cli("run", run_file, "-o", source / "made")
-    names = [f"{name}_description" for name in ("panda", "scara", "ur5", "track", "workshop")]
+    cli("run", TABLES.parent / "ros2_cell.yaml", "-o", tmp_path / "example")
+    for package in (tmp_path / "example").glob("two_arms_*"):  # The run writes the packages of a single UR5, too.
+        package.rename(source / package.name)
+    shutil.rmtree(tmp_path / "example")
+    names = [
+        f"{name}_{kind}"
+        for name in ("panda", "scara", "ur5", "track", "workshop", "two_arms")
+        for kind in ("description", "moveit_config")
+    ]
     system("colcon", "build", cwd=tmp_path, PYTHONPATH=str(modules))
     system("colcon", "test", "--return-code-on-test-failure", cwd=tmp_path, PYTHONPATH=str(modules))
     results = system("colcon", "test-result", "--all", cwd=tmp_path)
     assert "0 errors, 0 failures, 0 skipped" in results.splitlines()[-1]
     for name in names:
-        assert f"build/{name}/test_results/{name}/test_description.xunit.xml" in results
+        is_description = name.endswith("_description")
+        robot = name.removesuffix("_description").removesuffix("_moveit_config")
+        test, place = ("test_description", "urdf") if is_description else ("test_moveit_config", "config")
+        assert f"build/{name}/test_results/{name}/{test}.xunit.xml" in results
         prefix = tmp_path / "install" / name
+        assert (prefix / "share" / name / ".setup_assistant").is_file() is not is_description
         index = prefix / "share" / "ament_index" / "resource_index" / "packages" / name
         assert index.is_file()
-        top = prefix / "share" / name / "urdf" / f"{name.removesuffix('_description')}.urdf.xacro"
+        top = prefix / "share" / name / place / f"{robot}.urdf.xacro"
+        found = f"{prefix}:{tmp_path / 'install' / f'{robot}_description'}"
         code = f"import xacro; print(xacro.process_file({str(top)!r}).documentElement.getAttribute('name'))"
-        printed = system(
-            SYSTEM_PYTHON, "-c", code, cwd=tmp_path, PYTHONPATH=str(modules), AMENT_PREFIX_PATH=str(prefix)
-        )
-        assert printed.strip() == name.removesuffix("_description")
+        printed = system(SYSTEM_PYTHON, "-c", code, cwd=tmp_path, PYTHONPATH=str(modules), AMENT_PREFIX_PATH=found)
+        assert printed.strip() == robot
 
 
 @needs_ament
@@ -89,14 +100,15 @@ def test_catkin_pkg_accepts_package_xml_without_a_warning(cli: Cli, tmp_path: Pa
     """It is the parser that colcon, bloom and rosdep read the file with."""
     options = ["maintainer=Ada", "email=ada@lab.org", "license=MIT"]
     given = [word for option in options for word in ("--set", option)]
-    cli("convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path, *given)
+    cli("convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path, "--set", "moveit=true", *given)
     code = (
         "import sys; from catkin_pkg.package import parse_package; warnings = []; "
         "package = parse_package(sys.argv[1], warnings=warnings); "
         "package.validate(warnings=warnings); print(warnings, package.name, package.get_build_type())"
     )
-    printed = system(SYSTEM_PYTHON, "-c", code, str(tmp_path / "ur5_description"), cwd=tmp_path)
-    assert printed.strip() == "[] ur5_description ament_cmake"
+    for name in ("ur5_description", "ur5_moveit_config"):
+        printed = system(SYSTEM_PYTHON, "-c", code, str(tmp_path / name), cwd=tmp_path)
+        assert printed.strip() == f"[] {name} ament_cmake"
 
 
 def test_a_package_goes_into_a_folder(cli: Cli, tmp_path: Path) -> None:
@@ -126,6 +138,23 @@ def test_a_run_of_several_robots_does_not_write_them_into_one_package(cli: Cli, 
     result = cli("run", run_file, "-o", tmp_path / "out", status=1)
     assert "name the folder of one robot, and the run has several" in result.stdout + result.stderr
     assert b"The description of ur5" in (tmp_path / "out" / "lab_description" / "package.xml").read_bytes()
+
+
+@pytest.mark.parametrize("package", ["a1", "a1_b"])
+@pytest.mark.parametrize("names", [("a1", "a1_b"), ("a1_b", "a1")])
+def test_names_that_begin_alike_share_no_package(
+    cli: Cli, tmp_path: Path, names: tuple[str, str], package: str
+) -> None:
+    """The second robot fails also where its own package has the name of the option, and the first one stays whole."""
+    for name in names:
+        (tmp_path / f"{name}.csv").write_text("# convention: standard\njoint, a, alpha, d\nj1, 0.3, 0, 0.1\n")
+    run_file = tmp_path / "run.yaml"
+    stage = {"stage": "ros2", "options": {"package": package}}
+    run_file.write_text(yaml.safe_dump({"inputs": [f"{name}.csv" for name in names], "emitters": [stage]}))
+    result = cli("run", run_file, "-o", tmp_path / "out", status=1)
+    assert "name the folder of one robot, and the run has several" in result.stdout + result.stderr
+    description = f"The description of {names[0]}</description>".encode()
+    assert description in (tmp_path / "out" / f"{package}_description" / "package.xml").read_bytes()
 
 
 def test_a_second_run_removes_the_files_that_it_has_no_part_in(cli: Cli, tmp_path: Path) -> None:

@@ -1,0 +1,36 @@
+"""The folders that an emitter names itself: two robots of a run do not share one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.plugin_system.calls import blaming
+from dh2urdf.plugin_system.stage_answers import items_of
+from dh2urdf.source import Problem
+
+if TYPE_CHECKING:
+    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.stages import Emitter
+
+
+def refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
+    """Refuses options with which two robots would be written into one folder.
+
+    Raises:
+        EmitterError: the folder of the stem is that of another stem, too.
+    """
+    if call.stage.in_folders is None:
+        return
+    with blaming(call, "in_folders"):
+        own, others = (set(items_of(call.stage.in_folders(each, call.options), "names")) for each in (stem, f"{stem}_"))
+    if shared := sorted(own & others):
+        raise EmitterError(
+            Problem(
+                message=f"the options of the emitter {call.stage.name!r} name the folder of one robot, and the run "
+                "has several",
+                found=shared[0],
+                accepted="options that leave the name of the folder to the robot",
+                suggestion="name the tables as their packages, or convert them one by one",
+            )
+        )

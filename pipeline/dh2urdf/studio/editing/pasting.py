@@ -1,0 +1,122 @@
+"""What a person pastes: cells of a spreadsheet, a table of a text or of a page, or a whole table with its header."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dh2urdf.studio.editing.edits import MOST_ROWS, resized, with_cells
+from dh2urdf.studio.editing.opening import Opened, tables_of
+from dh2urdf.table_text import TableText
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.plugin_system.catalog import Catalog
+
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
+_DECIMAL_POINT = re.compile(r"\d\.\d")
+_RULE = re.compile(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
+"""The line below the header of a Markdown table."""
+_DIGIT = re.compile(r"\d")
+MIN_LINES = MIN_COLUMNS = 2
+"""Of a table with a header."""
+_WORD = re.compile(r"[^\W\d_]", re.UNICODE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Put:
+    """A table with pasted cells in it.
+
+    Attributes:
+        table: the table.
+        left_out: how many cells found no place, to the right of the last column or below the last row.
+    """
+
+    table: TableText
+    left_out: int = 0
+
+
+def cells_of(text: str) -> list[list[str]]:
+    """The cells of a pasted text, line by line: with tabs, semicolons, bars or commas between them.
+
+    Decimal commas become points where no number has a point. A comma is a separator only where nothing else is, and
+    where every line has as many of them.
+    """
+    lines = [line for line in text.replace("\r\n", "\n").rstrip("\n").split("\n") if not _RULE.fullmatch(line.strip())]
+    if any("\t" in line for line in lines):
+        rows = [line.split("\t") for line in lines]
+    elif any(line.strip().startswith("|") for line in lines):
+        rows = [line.strip().removeprefix("|").removesuffix("|").split("|") for line in lines]
+    elif any(";" in line for line in lines):
+        rows = [line.split(";") for line in lines]
+    elif (commas := {line.count(",") for line in lines}) != {0} and len(commas) == 1 and not _decimal(lines):
+        rows = [line.split(",") for line in lines]
+    else:
+        rows = [[line] for line in lines]
+    stripped = [[cell.strip() for cell in row] for row in rows]
+    every = [cell for row in stripped for cell in row]
+    if any(map(_DECIMAL_COMMA.fullmatch, every)) and not any(map(_DECIMAL_POINT.search, every)):
+        return [
+            [_DECIMAL_COMMA.sub(lambda found: found[0].replace(",", "."), cell) for cell in row] for row in stripped
+        ]
+    return stripped
+
+
+def _point(number: re.Match[str]) -> str:
+    return number[0].replace(",", ".")
+
+
+def _decimal(lines: Sequence[str]) -> bool:
+    """Whether each line is one number with a decimal comma."""
+    return all(_DECIMAL_COMMA.fullmatch(line.strip()) for line in lines)
+
+
+def whole_tables(text: str, catalog: Catalog) -> tuple[Opened, ...] | str:
+    """The tables of a pasted text that begins with comments or a header, as the reader of CSV files reads them.
+
+    Returns:
+        The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
+    """
+    if not has_header(text):
+        return ()
+    if any(line.lstrip().startswith("|") for line in text.splitlines()):
+        text = "\n".join("\t".join(row) for row in cells_of(text)) + "\n"
+    return tables_of("clipboard.csv", text.encode(), catalog)
+
+
+def has_header(text: str) -> bool:
+    """Whether a text has comments of a table, or a first line of words with lines of numbers below."""
+    lines = [line for line in text.splitlines() if line.strip()]
+    if lines and lines[0].lstrip().startswith("#"):
+        return True
+    rows = cells_of("\n".join(lines))
+    if len(rows) < MIN_LINES or len(rows[0]) < MIN_COLUMNS:
+        return False
+    words = all(_WORD.match(cell) or not cell for cell in rows[0])
+    return words and sum(bool(_DIGIT.search(cell)) for cell in rows[1]) >= MIN_COLUMNS
+
+
+def pasted(table: TableText, row: int, field: str, text: str, columns: Sequence[str]) -> Put:
+    """The table with the cells of a text put in, from one cell to the right and downwards.
+
+    Args:
+        table: the table; rows are added where there are too few.
+        row: number of the row of the first cell.
+        field: its field.
+        text: the text.
+        columns: the fields that are on the screen, in order.
+    """
+    lines = cells_of(text)
+    first = columns.index(field)
+    table = resized(table, max(len(table.rows), min(row + len(lines), MOST_ROWS)))
+    every = {(row + down, first + right): cell for down, line in enumerate(lines) for right, cell in enumerate(line)}
+    fitting = {
+        (down, columns[right]): cell
+        for (down, right), cell in every.items()
+        if down < len(table.rows) and right < len(columns)
+    }
+    return Put(
+        table=with_cells(table, fitting), left_out=sum(map(bool, every.values())) - sum(map(bool, fitting.values()))
+    )

@@ -1,0 +1,254 @@
+"""The files of a MoveIt package: joints and links of its description, typed numbers, and a package that is one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import yaml
+from lxml import etree
+
+from dh2urdf.errors import ConfigError, EmitterError
+from dh2urdf.manipulator import JointType
+from dh2urdf.stages import Expansion
+from dh2urdf_plugins.emitters.ros2.emitter import EMITTER
+from dh2urdf_plugins.emitters.ros2.options import Ros2Options
+from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.robot import Robot
+
+    Cli = Callable[..., Any]
+
+pytest.importorskip("pinocchio")
+
+TABLES = Path(__file__).parents[4] / "configs" / "tables"
+OPTIONS = Ros2Options(moveit=True, trials=300)
+FORMAT = etree.RelaxNG(etree.parse(Path(__file__).with_name("package_format3.rng")))
+CELL = f"""
+inputs: [{TABLES}/ur5.csv, {TABLES}/track.csv]
+cells:
+  - name: workshop
+    arms:
+      - {{name: track, of: track}}
+      - {{name: rider, of: ur5, prefix: r_, parent: track/tool0}}
+      - {{name: fixed, of: ur5, prefix: f_, xyz: [-1.5, 0, 0]}}
+emitters: [{{stage: ros2, options: {{moveit: true, trials: 300}}}}]
+"""
+
+
+def moveit_folder(description: Path) -> Path:
+    return description.with_name(description.name.replace("_description", "_moveit_config"))
+
+
+def content(folder: Path, name: str) -> Any:
+    return yaml.safe_load((folder / "config" / f"{name}.yaml").read_text(encoding="utf-8"))
+
+
+def expanded(folder: Path, **arguments: str) -> etree._Element:
+    """The description that MoveIt is given, which includes that of the other package."""
+    (top,) = folder.glob("config/*.urdf.xacro")
+    expansion = Expansion(arguments=arguments, package_paths=(folder.parent,))
+    return etree.fromstring(expand_foreign(top, expansion).content)
+
+
+def moving(description: etree._Element) -> list[str]:
+    return [each.get("name") for each in description.findall("joint") if each.get("type") != "fixed"]
+
+
+@pytest.fixture
+def ur5(package: Any) -> Path:
+    return moveit_folder(package("ur5.csv", "aligned", OPTIONS)[0])
+
+
+@pytest.fixture
+def workshop(cli: Cli, tmp_path: Path) -> Path:
+    (tmp_path / "run.yaml").write_text(CELL)
+    cli("run", tmp_path / "run.yaml", "-o", tmp_path / "src")
+    return tmp_path / "src" / "workshop_moveit_config"
+
+
+def test_it_has_the_files_that_the_setup_assistant_writes(ur5: Path) -> None:
+    """And its tests, a README and a changelog."""
+    names = {str(path.relative_to(ur5)) for path in ur5.rglob("*") if path.is_file()}
+    launches = ["demo", "move_group", "moveit_rviz", "rsp", "setup_assistant", "spawn_controllers"]
+    config = ["initial_positions", "joint_limits", "kinematics", "moveit_controllers", "pilz_cartesian_limits"]
+    assert names == {
+        ".setup_assistant",
+        "CHANGELOG.rst",
+        "CMakeLists.txt",
+        "README.md",
+        "package.xml",
+        "config/moveit.rviz",
+        "config/ros2_controllers.yaml",
+        "config/ur5.srdf",
+        "config/ur5.urdf.xacro",
+        "test/test_moveit_config.py",
+        *(f"config/{name}.yaml" for name in config),
+        *(f"launch/{name}.launch.py" for name in [*launches, "static_virtual_joint_tfs"]),
+    }
+
+
+def test_the_builder_finds_the_description_and_the_srdf(ur5: Path) -> None:
+    """`.setup_assistant` names files that are there."""
+    found = yaml.safe_load((ur5 / ".setup_assistant").read_text())["moveit_setup_assistant_config"]
+    assert (ur5.parent / found["urdf"]["package"] / found["urdf"]["relative_path"]).is_file()
+    assert (ur5 / found["srdf"]["relative_path"]).is_file()
+
+
+@pytest.mark.parametrize("table", ["ur5.csv", "panda.yaml", "scara.csv"])
+def test_all_files_have_the_joints_of_the_description(package: Any, table: str) -> None:
+    """In the same order, with reals that are floats; initial positions and named states are within the limits."""
+    folder = moveit_folder(package(table, "aligned", OPTIONS)[0])
+    description = expanded(folder)
+    joints = moving(description)
+    limits = content(folder, "joint_limits")
+    assert list(limits["joint_limits"]) == joints
+    for limit in limits["joint_limits"].values():
+        assert {name: type(value) for name, value in limit.items()} == {
+            "has_velocity_limits": bool,
+            "max_velocity": float,
+            "has_acceleration_limits": bool,
+            "max_acceleration": float,
+        }
+    manager = content(folder, "moveit_controllers")["moveit_simple_controller_manager"]
+    (name,) = manager["controller_names"]
+    assert (manager[name]["action_ns"], manager[name]["default"]) == ("follow_joint_trajectory", True)
+    ros2 = content(folder, "ros2_controllers")
+    assert name in ros2["controller_manager"]["ros__parameters"]
+    assert manager[name]["joints"] == ros2[name]["ros__parameters"]["joints"] == joints
+    positions = content(folder, "initial_positions")["initial_positions"]
+    assert list(positions) == joints
+    semantic = etree.parse(next(folder.glob("config/*.srdf"))).getroot()
+    assert semantic.get("name") == description.get("name")
+    states = {each.get("name"): float(each.get("value")) for each in semantic.find("group_state")}
+    assert list(states) == joints
+    for each in description.findall("joint"):
+        lower, upper = (each.find("limit").get(end) for end in ("lower", "upper")) if each.get("name") in joints else ("0", "0")  # fmt: skip
+        if each.get("name") in joints and lower is not None:
+            for value in (states[each.get("name")], positions[each.get("name")]):
+                assert float(lower) <= value <= float(upper)
+    reals = [*positions.values(), *content(folder, "pilz_cartesian_limits")["cartesian_limits"].values()]
+    assert {type(value) for value in reals} == {float}
+
+
+def test_velocities_are_those_of_the_table_and_reached_in_half_a_second(package: Any) -> None:
+    """Unless an acceleration is given."""
+    folder, robot, _ = package("panda.yaml", "aligned", OPTIONS)
+    limits = content(moveit_folder(folder), "joint_limits")["joint_limits"]
+    for joint in robot.moving_joints:
+        assert limits[joint.name]["max_velocity"] == joint.limits.velocity
+        assert limits[joint.name]["max_acceleration"] == pytest.approx(joint.limits.velocity / 0.5, rel=1e-12)
+    folder, _, _ = package("panda.yaml", "aligned", replace(OPTIONS, acceleration=3))
+    limits = content(moveit_folder(folder), "joint_limits")["joint_limits"]
+    assert {limit["max_acceleration"] for limit in limits.values()} == {3.0}
+    assert "max_acceleration: 3.0" in (moveit_folder(folder) / "config" / "joint_limits.yaml").read_text()
+
+
+@pytest.mark.parametrize("acceleration", [0.0, -1.0, math.inf, math.nan])
+def test_an_acceleration_is_greater_than_0(acceleration: float) -> None:
+    """MoveIt cannot plan with another."""
+    with pytest.raises(ConfigError, match="a finite number greater than 0"):
+        Ros2Options(acceleration=acceleration)
+
+
+@pytest.mark.parametrize("table", ["ur5.csv", "panda.yaml", "scara.csv"])
+def test_fewer_than_six_joints_reach_positions(package: Any, table: str) -> None:
+    """The solver is asked for positions only, and a notice reports it."""
+    folder, robot, _ = package(table, "aligned", OPTIONS)
+    solver = content(moveit_folder(folder), "kinematics")["manipulator"]
+    assert solver["kinematics_solver"] == "kdl_kinematics_plugin/KDLKinematicsPlugin"
+    has_few = len(robot.moving_joints) < 6
+    assert has_few is (table == "scara.csv")
+    assert solver.get("position_only_ik", False) is has_few
+    messages = [problem.message for problem in EMITTER.notices(robot, OPTIONS)]
+    assert any("leaves orientations free" in message for message in messages) is has_few
+    assert any("no table has accelerations" in message for message in messages)
+    assert not any("acceleration" in problem.message for problem in EMITTER.notices(robot, Ros2Options()))
+
+
+def test_the_demonstration_has_hardware_that_runs_alone(package: Any) -> None:
+    """Whatever the description has; another file of initial positions than that of the description."""
+    folder = moveit_folder(package("ur5.csv", "aligned", replace(OPTIONS, hardware="gazebo"))[0])
+    path = folder / "config" / "initial_positions.yaml"
+    path.write_text(path.read_text().replace("elbow_joint: 0.0", "elbow_joint: 1.5"))
+    description = expanded(folder)
+    assert description.findtext("ros2_control/hardware/plugin") == "mock_components/GenericSystem"
+    assert description.find("gazebo") is None
+    values = [float(each.text) for each in description.iterfind("ros2_control/joint/state_interface/param")]
+    assert values == [0.0, 0.0, 1.5, 0.0, 0.0, 0.0]
+    gazebo = expanded(folder, hardware="gz_ros2_control/GazeboSimSystem")
+    assert gazebo.find("gazebo/plugin") is not None
+
+
+def test_without_hardware_nothing_starts_controllers(package: Any) -> None:
+    """MoveIt still knows the controllers that a driver brings."""
+    folder = moveit_folder(package("ur5.csv", "aligned", replace(OPTIONS, hardware="none"))[0])
+    names = {path.name for path in folder.rglob("*")}
+    assert not names & {
+        "ros2_controllers.yaml",
+        "initial_positions.yaml",
+        "demo.launch.py",
+        "spawn_controllers.launch.py",
+    }
+    assert "moveit_controllers.yaml" in names
+    assert "demo.launch.py" not in (folder / "README.md").read_text()
+    assert expanded(folder).find("ros2_control") is None
+
+
+def test_a_cell_has_a_group_and_a_controller_for_each_arm(workshop: Path) -> None:
+    """Its root is world, so no virtual joint is published."""
+    description = expanded(workshop)
+    manager = content(workshop, "moveit_controllers")["moveit_simple_controller_manager"]
+    assert manager["controller_names"] == [f"{arm}joint_trajectory_controller" for arm in ("track_", "r_", "f_")]
+    joints = [joint for name in manager["controller_names"] for joint in manager[name]["joints"]]
+    assert joints == list(content(workshop, "joint_limits")["joint_limits"]) == moving(description)
+    semantic = etree.parse(workshop / "config" / "workshop.srdf").getroot()
+    groups = [group.get("name") for group in semantic.findall("group")]
+    assert groups == [*content(workshop, "kinematics"), "all"] == [f"{arm}manipulator" for arm in ("track_", "r_", "f_")] + ["all"]  # fmt: skip
+    links = {link.get("name") for link in description.findall("link")}
+    for pair in semantic.findall("disable_collisions"):
+        assert {pair.get("link1"), pair.get("link2")} <= links
+    assert not (workshop / "launch" / "static_virtual_joint_tfs.launch.py").exists()
+
+
+def test_the_group_has_the_name_that_is_given(package: Any) -> None:
+    """In the SRDF and among the solvers."""
+    folder = moveit_folder(package("scara.csv", "aligned", replace(OPTIONS, group="arm"))[0])
+    assert list(content(folder, "kinematics")) == ["arm"]
+    assert etree.parse(folder / "config" / "scara.srdf").find("group").get("name") == "arm"
+
+
+def test_what_does_not_move_has_no_plan(package: Any) -> None:
+    """The error names the option."""
+    robot: Robot = package("ur5.csv", "aligned")[1]
+    still = replace(robot, joints=tuple(replace(joint, type=JointType.FIXED) for joint in robot.joints))
+    with pytest.raises(EmitterError, match="MoveIt plans for joints that move, and this robot has none"):
+        EMITTER.emit(still, "ur5", OPTIONS)
+
+
+@pytest.mark.parametrize("hardware", ["mock", "none"])
+def test_package_xml_has_the_form_of_rep_149(package: Any, hardware: Any) -> None:
+    """Both packages; that of MoveIt needs the other one."""
+    description = package("ur5.csv", "aligned", replace(OPTIONS, hardware=hardware))[0]
+    for folder in (description, moveit_folder(description)):
+        document = etree.parse(folder / "package.xml")
+        FORMAT.assertValid(document)
+        assert document.findtext("name") == folder.name
+    needed = [each.text for each in document.findall("exec_depend")]
+    assert "ur5_description" in needed
+    assert ("controller_manager" in needed) is (hardware == "mock")
+
+
+def test_the_same_bytes_twice(package: Any) -> None:
+    """The collision pairs come from a seed, and the file of the setup assistant has no time."""
+    first, second = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        for folder in (moveit_folder(package("panda.yaml", "dh", OPTIONS)[0]) for _ in range(2))
+    )
+    assert first == second

@@ -1,0 +1,31 @@
+"""What a browser keeps of a table is that table."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.table_text import TableText
+
+if TYPE_CHECKING:
+    from dh2urdf.plugin_system.catalog import Catalog
+
+
+@pytest.mark.parametrize("name", [item.file for item in gallery.exhibits()])
+def test_a_table_comes_back(name: str, catalog: Catalog) -> None:
+    table = gallery.exhibit(name, catalog)
+    assert kept_table(kept_text(table)) == table
+
+
+@pytest.mark.parametrize("text", ["", "no", "[]", "{}", '{"rows": 3}', '{"rows": []}', kept_text(TableText(name="x"))])
+def test_what_is_no_table(text: str) -> None:
+    """A text that somebody else has put there, or a table without rows, is nothing to offer."""
+    assert kept_table(text) is None
+
+
+def test_foreign_fields_and_types_are_left_out() -> None:
+    table = kept_table('{"name": 3, "evil": "x", "rows": [{"a": "1\\u0000", "b?": "2", "d": 4}, "no"]}')
+    assert table == TableText(rows=({"a": "1"},))

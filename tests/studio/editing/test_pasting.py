@@ -1,0 +1,83 @@
+"""Pasted texts: cells of spreadsheets and of texts, and whole tables with their headers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.studio.editing import edits, pasting
+from dh2urdf.table_text import TableText
+
+if TYPE_CHECKING:
+    from dh2urdf.plugin_system.catalog import Catalog
+
+THREE = edits.with_cells(edits.resized(TableText(), 3), {(0, "a"): "1", (1, "a"): "2", (2, "a"): "3"})
+COLUMNS = ("joint", "a", "alpha", "d")
+
+
+def column(table: TableText, field: str) -> list[str]:
+    return [row.get(field, "") for row in table.rows]
+
+
+def test_cells_of_a_spreadsheet() -> None:
+    """Lines of cells go in from the cursor on, rows are added for them, and what is too wide is counted."""
+    put = pasting.pasted(THREE, 2, "a", "0.1\tpi/2\t0.2\tbeyond\r\n0.3\t0\t\r\n", COLUMNS)
+    assert column(put.table, "a") == ["1", "2", "0.1", "0.3"]
+    assert column(put.table, "alpha") == ["", "", "pi/2", "0"]
+    assert column(put.table, "d") == ["", "", "0.2", ""]
+    assert put.left_out == 1
+
+
+def test_more_rows_than_a_table_may_have() -> None:
+    put = pasting.pasted(THREE, 0, "a", "1\n" * (edits.MOST_ROWS + 5), COLUMNS)
+    assert len(put.table.rows) == edits.MOST_ROWS
+    assert put.left_out == 5
+
+
+@pytest.mark.parametrize(
+    ("text", "cells"),
+    [
+        ("1\t2\n3\t4", [["1", "2"], ["3", "4"]]),
+        ("1, 2\n3, 4", [["1", "2"], ["3", "4"]]),
+        ("1;2", [["1", "2"]]),
+        ("0,5;2", [["0.5", "2"]]),
+        ("0,5\t1,25", [["0.5", "1.25"]]),
+        ("0,5;1.25", [["0,5", "1.25"]]),  # one of them is a slip: the reader says what it thinks of it
+        ("0,5\n0,25", [["0.5"], ["0.25"]]),
+        ("| 1 | 2 |\n|---|:--:|\n| 3 | 4 |", [["1", "2"], ["3", "4"]]),
+        ("atan2(1, 2)\n0", [["atan2(1, 2)"], ["0"]]),
+        ("-0.4", [["-0.4"]]),
+    ],
+)
+def test_separators(text: str, cells: list[list[str]]) -> None:
+    assert pasting.cells_of(text) == cells
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# convention: standard\na,alpha,d\n0.1,pi/2,0.2\n",
+        "a\talpha\td\n0.1\tpi/2\t0.2\n",
+        "| θ | d | a | α |\n|---|---|---|---|\n| 0 | 0.2 | 0.1 | pi/2 |\n",
+    ],
+)
+def test_a_table_with_a_header(text: str, catalog: Catalog) -> None:
+    """It is read as a file would be: columns are known by their names, in any order."""
+    found = pasting.whole_tables(text, catalog)
+    assert isinstance(found, tuple)
+    ((table, *_),) = found
+    assert [table.rows[0][field] for field in ("a", "alpha", "d")] == ["0.1", "pi/2", "0.2"]
+
+
+@pytest.mark.parametrize("text", ["0.1\t0\n0.2\t0", "shoulder\trevolute\nelbow\trevolute", "a", "", "\n"])
+def test_cells_have_no_header(text: str, catalog: Catalog) -> None:
+    assert pasting.whole_tables(text, catalog) == ()
+
+
+def test_what_cannot_be_read_is_said(catalog: Catalog) -> None:
+    """In the reader's words, by its line, without a folder that nobody knows."""
+    found = pasting.whole_tables("# convention: standard\na,alpha,d\n0.1,x,2\n", catalog)
+    assert isinstance(found, str)
+    assert found.startswith("clipboard.csv:3:")
+    assert "'x' cannot be read" in found

@@ -1,0 +1,429 @@
+"""What people do all day in the studio, in a real browser: undo, copy, cut, paste, look, and lose the connection."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+ROWS = "document.querySelectorAll('.dh-table .ag-center-cols-container .ag-row').length"
+
+
+@pytest.fixture
+def tab(studio_address: str, new_tab: Callable[..., Any]) -> Any:
+    """A tab with an empty table, which may use the clipboard."""
+    tab = new_tab(studio_address)
+    tab.open()
+    tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=studio_address.rstrip("/"))
+    return tab
+
+
+def copy_text(tab: Any, text: str) -> None:
+    """Puts a text into the clipboard, as another program would."""
+    tab.page.evaluate("text => navigator.clipboard.writeText(text)", text)
+
+
+def paste(tab: Any, row: int, field: str, text: str) -> None:
+    copy_text(tab, text)
+    tab.cell(row, field).click()
+    tab.page.keyboard.press("Control+v")
+
+
+def wait_until_empty(tab: Any, row: int, field: str) -> None:
+    tab.cell(row, field).filter(has_text=re.compile(r"^\s*$")).wait_for()
+
+
+# --- Undo -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("how", ["New", "undo"])
+def test_no_ghosts_of_rows(tab: Any, how: str) -> None:
+    """After New, and after undo back to the start, no row of the old table is on the screen."""
+    tab.open_exhibit("ur5")
+    tab.page.get_by_role("button", name=how, exact=True).click()
+    tab.page.wait_for_function(f"{ROWS} === 0")
+    tab.wait_for_status("choose the number of axes")
+
+
+def test_undo_is_the_studios(tab: Any) -> None:
+    """A name is typed, then a cell: Ctrl+Z takes back the cell, then the name, whole, and no letter of it before."""
+    tab.open_exhibit("ur5")
+    name = tab.page.locator(".studio-name input")
+    name.click()
+    tab.page.keyboard.press("End")
+    tab.page.keyboard.type("_left")
+    tab.page.keyboard.press("Enter")
+    tab.type_into(1, "a", "-0.5")
+    tab.wait_for_cell(1, "a", "-0.5")
+    tab.page.keyboard.press("Control+z")
+    tab.wait_for_cell(1, "a", "-0.425")
+    assert name.input_value() == "ur5_left", tab.page.evaluate("document.activeElement.outerHTML")
+    tab.page.keyboard.press("Control+z")
+    tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5'")
+    tab.page.keyboard.press("Control+Shift+z")
+    tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5_left'")
+
+
+def test_a_field_that_is_being_typed_has_its_own_undo(tab: Any) -> None:
+    """Ctrl+Z in the middle of a name takes back letters; once the name is taken, it takes back the name."""
+    tab.open_exhibit("ur5")
+    name = tab.page.locator(".studio-name input")
+    name.click()
+    tab.page.keyboard.press("End")
+    tab.page.keyboard.type("x")
+    tab.page.keyboard.press("Control+z")
+    assert name.input_value() == "ur5"
+    tab.page.keyboard.type("y")
+    tab.page.keyboard.press("Enter")
+    tab.page.wait_for_function("!document.querySelector('[aria-label=undo]').disabled")
+    tab.page.keyboard.press("Control+z")
+    tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5'")
+
+
+# --- The clipboard ----------------------------------------------------------------------------------------------------
+
+
+def test_a_range_is_copied_cut_and_put_elsewhere(tab: Any) -> None:
+    """Shift and arrows choose cells; Ctrl+C has them as a spreadsheet does, Ctrl+X empties them, Ctrl+V puts them in."""
+    tab.open_exhibit("ur5")
+    tab.cell(1, "a").click()
+    for key in ("Shift+ArrowDown", "Shift+ArrowRight", "Shift+ArrowRight"):
+        tab.page.keyboard.press(key)
+    tab.page.wait_for_function("document.querySelectorAll('.dh-table .ag-cell.dh-range').length === 6")
+    tab.page.keyboard.press("Control+c")
+    tab.page.wait_for_function("navigator.clipboard.readText().then(text => text.includes('\\t'))")
+    cells = tab.page.evaluate("navigator.clipboard.readText()")
+    assert [line.split("\t") for line in cells.splitlines()] == [["-0.425", "0", "0"], ["-0.39225", "0", "0"]]
+    tab.page.keyboard.press("Control+x")
+    wait_until_empty(tab, 2, "a")
+    assert tab.cells(1, "a", "alpha", "d") == ["", "", ""]
+    tab.cell(1, "a").click()
+    tab.page.keyboard.press("Control+v")
+    tab.wait_for_cell(2, "a", "-0.39225")
+    tab.wait_for_status("the arm is the table's")
+
+
+def test_a_click_with_shift_and_delete(tab: Any) -> None:
+    """The cells from one click to the next are chosen; Delete empties them, and undo brings all of them back."""
+    tab.open_exhibit("ur5")
+    tab.cell(0, "d").click()
+    tab.cell(5, "d").click(modifiers=["Shift"])
+    tab.page.wait_for_function("document.querySelectorAll('.dh-table .ag-cell.dh-range').length === 6")
+    tab.page.keyboard.press("Delete")
+    wait_until_empty(tab, 5, "d")
+    tab.page.keyboard.press("Control+z")
+    tab.wait_for_cell(5, "d", "0.0823")
+
+
+def test_all_cells_are_copied(tab: Any) -> None:
+    tab.open_exhibit("scara")
+    tab.cell(0, "a").click()
+    tab.page.keyboard.press("Control+a")
+    tab.page.keyboard.press("Control+c")
+    tab.page.wait_for_function("navigator.clipboard.readText().then(text => text.split('\\n').length === 4)")
+    assert tab.page.evaluate("navigator.clipboard.readText()").startswith("shoulder\t")
+
+
+def test_a_header_is_understood(tab: Any) -> None:
+    """A pasted table with header, units and decimal commas is what the CSV reader makes of it; the page asks once."""
+    tab.page.get_by_label("number of axes").fill("1")
+    tab.page.keyboard.press("Enter")
+    paste(tab, 0, "a", "# convention: standard\nalpha [deg];a [mm];d [mm]\n90;0,5;120\n0;300;0\n")
+    tab.page.get_by_role("button", name="Open it in place of this table").click()
+    tab.wait_for_status("2 axes; the arm is the table's")
+    assert tab.cells(0, "alpha", "d") == ["90", "120"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param("0.1, pi/2, 0.2\n0.3, 0, 0", id="commas"),
+        pytest.param("| 0.1 | pi/2 | 0.2 |\n| 0.3 | 0 | 0 |", id="Markdown"),
+        pytest.param("0,1;pi/2;0,2\n0,3;0;0", id="decimal commas"),
+    ],
+)
+def test_cells_of_a_text(tab: Any, text: str) -> None:
+    """Cells of CSV files, of Markdown and with decimal commas go to cells of their own, and nobody is asked."""
+    tab.page.get_by_role("button", name="standard").click()
+    tab.page.get_by_label("number of axes").fill("1")
+    tab.page.keyboard.press("Enter")
+    paste(tab, 0, "a", text)
+    tab.wait_for_status("2 axes; the arm is the table's")
+    assert [tab.cells(row, "a", "alpha", "d") for row in (0, 1)] == [["0.1", "pi/2", "0.2"], ["0.3", "0", "0"]]
+
+
+def test_cells_without_a_place_are_told(tab: Any) -> None:
+    """What is wider than the table is put in as far as it goes, and the page says what is left."""
+    tab.open_exhibit("ur5")
+    last = tab.page.evaluate(
+        "[...document.querySelectorAll('.dh-table .ag-header-cell')].at(-1).getAttribute('col-id')"
+    )
+    paste(tab, 0, last, "1\t2\t3")
+    tab.page.get_by_text("2 cells find no place").wait_for()
+    tab.wait_for_cell(0, last, "1")
+
+
+# --- The camera -------------------------------------------------------------------------------------------------------
+
+ALL_IN_VIEW = """() => {
+    const view = document.querySelector('.arm-view'), {scene, camera} = view;
+    camera.updateMatrixWorld();
+    const points = [];
+    scene.traverse(part => {
+        if (!part.isMesh || !part.visible || !['links', 'frames'].includes(part.userData.layer)) return;
+        const {array, count} = part.geometry.attributes.position;
+        for (let i = 0; i < count; i++)
+            points.push(camera.position.clone().fromArray(array, 3 * i).applyMatrix4(part.matrixWorld).project(camera));
+    });
+    const span = axis => Math.max(...points.map(p => p[axis])) - Math.min(...points.map(p => p[axis]));
+    return points.every(({x, y}) => Math.abs(x) < 1 && Math.abs(y) < 1) && Math.max(span('x'), span('y')) > 0.5;
+}"""
+
+
+def test_the_camera_follows_what_is_typed(tab: Any) -> None:
+    """An arm that grows tenfold in a cell, and one of which a window shows less, stay in the picture, arrows included."""
+    tab.open_exhibit("ur5")
+    tab.page.wait_for_function(ALL_IN_VIEW)
+    tab.type_into(1, "a", "-4")
+    tab.page.wait_for_function(ALL_IN_VIEW)
+    tab.type_into(1, "a", "-0.1")
+    tab.page.wait_for_function(ALL_IN_VIEW)
+    tab.page.set_viewport_size({"width": 820, "height": 1180})
+    tab.page.wait_for_function(ALL_IN_VIEW)
+
+
+def test_the_camera_stays_where_a_person_looks(tab: Any) -> None:
+    """Who has come near a part of the arm goes on looking at it while cells change."""
+    tab.open_exhibit("ur5")
+    tab.page.wait_for_function(ALL_IN_VIEW)
+    box = tab.page.locator(".arm-view").bounding_box()
+    tab.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    for _ in range(12):
+        tab.page.mouse.wheel(0, -300)
+    tab.page.wait_for_function(f"!({ALL_IN_VIEW})()")
+    camera = "document.querySelector('.arm-view').camera.position.toArray()"
+    tab.page.wait_for_function("document.querySelector('.arm-view').drawn > 3")
+    before = tab.page.evaluate(camera)
+    shown = tab.page.evaluate("document.querySelector('.arm-view').shown")
+    tab.type_into(1, "a", "-0.43")
+    tab.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
+    assert tab.page.evaluate(camera) == pytest.approx(before, abs=0.05)
+
+
+def test_the_reach_holds_where_joints_slide(tab: Any) -> None:
+    """Of the Stanford arm, whatever the pose: tool0 is no farther than the page says it can be."""
+    tab.open_exhibit("stanford")
+    sliders = tab.page.locator(".joint-slider-number")
+    sliders.nth(2).fill("99")
+    sliders.nth(2).press("Enter")
+    tab.page.wait_for_function("document.querySelectorAll('.joint-slider input[type=range]')[2].valueAsNumber > 0.5")
+    tab.page.wait_for_function(
+        """() => {
+            const [distance, reach] = [...document.querySelectorAll('.studio-numbers b')].slice(-2).map(b => Number(b.textContent));
+            return distance > 0.7 && distance <= reach;
+        }"""
+    )
+
+
+# --- The connection ---------------------------------------------------------------------------------------------------
+
+
+def test_the_server_goes_and_another_comes(
+    serving: Callable[..., Any], new_tab: Callable[..., Any], free_port: int
+) -> None:
+    """While it is away nothing can be typed and the page says why; the next server is given the table back."""
+    with serving("studio", port=free_port) as address:
+        tab = new_tab(address, faults=False)
+        page = tab.open()
+        tab.open_exhibit("ur5")
+        tab.type_into(1, "a", "-0.77")
+        tab.wait_for_cell(1, "a", "-0.77")
+        tab.wait_for_status("the arm is the table's")
+    page.get_by_text("The studio does not answer").wait_for()
+    assert page.evaluate("document.querySelector('.studio').inert")
+    with serving("studio", port=free_port):
+        page.get_by_role("button", name="Bring it back").click()
+        tab.wait_for_cell(1, "a", "-0.77")
+        tab.wait_for_status("6 axes; the arm is the table's")
+        assert not page.evaluate("document.querySelector('.studio').inert")
+
+
+# --- A telephone ------------------------------------------------------------------------------------------------------
+
+
+def test_a_telephone(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """At 390 px every button of the head can be reached, Generate too, and nothing hangs over at the side."""
+    tab = new_tab(studio_address, width=390, height=844)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    for name in ("New", "Open", "Save", "Generate", "undo", "redo"):
+        box = page.get_by_role("button", name=name, exact=True).bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= 390
+    with page.expect_download() as generating:
+        page.get_by_role("button", name="Generate").click()
+    assert generating.value.suggested_filename == "ur5.urdf"
+
+
+# --- The way through the page by keyboard -----------------------------------------------------------------------------
+
+
+def test_the_table_is_one_stop(tab: Any) -> None:
+    """Tab goes into the table and out of it at once; arrows lead from cell to cell, and while a cell is typed, Tab does."""
+    tab.open_exhibit("ur5")
+    tab.cell(2, "a").click()
+    inside = "Boolean(document.activeElement.closest('.dh-table'))"
+    assert tab.page.evaluate(inside)
+    tab.page.keyboard.press("Tab")
+    assert not tab.page.evaluate(inside)
+    tab.page.keyboard.press("Shift+Tab")
+    assert tab.page.evaluate(inside)
+    tab.page.keyboard.press("Shift+Tab")
+    assert not tab.page.evaluate(inside)
+    tab.page.keyboard.press("Tab")
+    assert tab.page.evaluate(inside)
+
+
+def test_row_numbers_are_whole(tab: Any) -> None:
+    """Of a hundred rows, the number of the last is not cut."""
+    tab.page.get_by_label("number of axes").fill("100")
+    tab.page.keyboard.press("Enter")
+    tab.page.wait_for_function("document.querySelectorAll('.dh-table .ag-cell[col-id=number]').length > 5")
+    tab.page.evaluate("document.querySelector('.dh-table .ag-body-viewport').scrollTop = 1e6")
+    number = tab.page.locator(".dh-table .ag-row[row-index='99'] .ag-cell[col-id='number'] .ag-cell-value")
+    number.wait_for()
+    assert number.inner_text() == "100"
+    assert number.evaluate("cell => cell.scrollWidth <= cell.clientWidth")
+
+
+# --- What is said and shown -------------------------------------------------------------------------------------------
+
+
+def test_the_page_speaks_of_its_switches(tab: Any) -> None:
+    """Where a file would need a line or the command line an option, the page has a button, and the message names it."""
+    tab.open_exhibit("ur5")
+    tab.type_into(1, "alpha", "90")
+    tab.page.get_by_text("if these are degrees, press deg above the table").wait_for()
+    tab.type_into(1, "alpha", "0")
+    tab.type_into(1, "a", "425")
+    tab.page.get_by_text("if its lengths are in mm, press mm above the table").wait_for()
+
+
+def test_a_joint_box_takes_what_a_cell_takes(tab: Any) -> None:
+    """An expression, degrees, a number; what is none is marked with the reason and stays, and the arm stays too."""
+    tab.open_exhibit("ur5")
+    box, slider = tab.page.locator(".joint-slider-number").first, ".joint-slider input[type=range]"
+    for text, value in (("pi/2", 1.5707963), ("-45°", -0.7853982), ("0.25", 0.25)):
+        box.fill(text)
+        box.press("Enter")
+        tab.page.wait_for_function(
+            f"value => Math.abs(document.querySelector('{slider}').valueAsNumber - value) < 1e-6", arg=value
+        )
+    box.fill("pi/x")
+    box.press("Enter")
+    tab.page.locator(".joint-slider-number[aria-invalid=true]").wait_for()
+    assert "'x' is no number" in (box.get_attribute("title") or "")
+    assert box.input_value() == "pi/x"
+    assert tab.sliders()[0] == 0.25
+
+
+def test_the_camera_by_keyboard(tab: Any) -> None:
+    """Arrows turn it, plus brings it nearer, 0 sees all again."""
+    tab.open_exhibit("ur5")
+    distance = "(({camera, scene}) => camera.position.length())(document.querySelector('.arm-view'))"
+    position = "document.querySelector('.arm-view').camera.position.toArray()"
+    tab.page.locator(".arm-view").focus()
+    before = tab.page.evaluate(position)
+    tab.page.keyboard.press("ArrowRight")
+    assert tab.page.evaluate(position) != pytest.approx(before, abs=1e-3)
+    far = tab.page.evaluate(distance)
+    for _ in range(10):
+        tab.page.keyboard.press("+")
+    assert tab.page.evaluate(distance) < far
+    tab.page.keyboard.press("0")
+    tab.page.wait_for_function(ALL_IN_VIEW)
+
+
+def test_more_axes_than_there_may_be(tab: Any) -> None:
+    tab.page.get_by_label("number of axes").fill("1001")
+    tab.page.keyboard.press("Enter")
+    tab.page.get_by_text("at most 1000 rows: these are the first of 1001").wait_for()
+
+
+@pytest.mark.parametrize("lengths", [("0.3 mm", "0.1 mm"), ("10", "1"), ("0", "0")])
+def test_arms_of_any_size_are_seen(tab: Any, lengths: tuple[str, str]) -> None:
+    """Of 1 mm, of 50 m and of none: the picture holds the arm, and its links are wider than a pixel."""
+    tab.page.get_by_role("button", name="standard").click()
+    tab.page.get_by_label("number of axes").fill("5")
+    tab.page.keyboard.press("Enter")
+    a, d = lengths
+    paste(tab, 0, "a", "\n".join(f"{a}\tpi/2\t{d}" for _ in range(5)))
+    tab.wait_for_status("5 axes; the arm is the table's")
+    tab.page.wait_for_function(ALL_IN_VIEW)
+    widths = tab.page.evaluate(
+        """() => {
+            const view = document.querySelector('.arm-view'), {scene, camera} = view, widths = [];
+            scene.traverse(part => {
+                if (part.userData.layer !== 'links' || !part.isMesh || part.geometry.type !== 'CylinderGeometry') return;
+                const centre = camera.position.clone().setFromMatrixPosition(part.matrixWorld);
+                const radius = camera.position.clone().setFromMatrixColumn(part.matrixWorld, 0).length();
+                const tall = 2 * Math.tan(camera.fov * Math.PI / 360) * centre.distanceTo(camera.position);
+                widths.push(2 * radius / tall * view.clientHeight);
+            });
+            return widths;
+        }"""
+    )
+    assert min(widths) > 1.5
+
+
+def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
+    """While a large file is read the page says so; a person who goes on without it is not disturbed."""
+    large = tmp_path / "many.csv"
+    rows = "".join(f"r{number},0.1,0,0\nr{number},0.2,pi/2,0\n" for number in range(60_000))
+    large.write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
+    tab.page.get_by_role("button", name="Open", exact=True).click()
+    tab.page.locator("input[type=file]").set_input_files(large)
+    tab.page.get_by_text("reading many.csv").wait_for()
+    tab.page.locator(".q-dialog").get_by_role("button", name="Cancel").click()
+    tab.page.locator(".q-dialog").wait_for(state="detached")
+    tab.open_exhibit("ur5")
+    assert tab.page.get_by_text("The studio failed at this").count() == 0
+    assert tab.status == "6 axes; the arm is the table's"
+
+
+def test_what_the_reader_noticed_is_shown(tab: Any, tmp_path: Path) -> None:
+    """A column that means nothing is not in the table on the page; the page says that it was ignored."""
+    path = tmp_path / "arm.csv"
+    path.write_text("# convention: standard\na,alpha,d,cable\n1,0,0,red\n")
+    tab.page.get_by_role("button", name="Open", exact=True).click()
+    tab.page.locator("input[type=file]").set_input_files(path)
+    tab.page.locator(".q-notification", has_text="cable").wait_for()
+
+
+@pytest.mark.parametrize("state", ["empty", "ur5", "wrong", "open"])
+def test_axe_finds_nothing_serious(tab: Any, state: str) -> None:
+    """axe-core on the page, empty, with an arm, with a wrong cell, and on a dialog."""
+    axe = pytest.importorskip("axe_playwright_python")
+    page, where = tab.page, "document"
+    if state in ("ur5", "wrong"):
+        tab.open_exhibit("ur5")
+    if state == "wrong":
+        tab.type_into(1, "alpha", "pi/x")
+        tab.wait_for_status("1 problem")
+    if state == "open":
+        page.get_by_role("button", name="Open", exact=True).click()
+        page.wait_for_function("document.querySelector('.studio-card h2') !== null")
+        page.wait_for_timeout(500)  # it has come in
+        # axe takes the veil behind the card for what its texts are on.
+        page.evaluate("document.querySelector('.q-dialog__backdrop').remove()")
+        where = "document.querySelector('.q-dialog')"
+    page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text("utf-8"))
+    found = page.evaluate(f"axe.run({where})")["violations"]
+    serious = [one for one in found if one["impact"] != "minor"]
+    assert [(one["id"], [node["failureSummary"] for node in one["nodes"]]) for one in serious] == []

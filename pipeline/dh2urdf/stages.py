@@ -161,11 +161,13 @@ class EmittedFile:
     Attributes:
         name: its name in the output folder. Of an emitter with `Emitter.in_folders` it is a path of several parts with
             ``/`` between them; of all others it has no folder.
-        content: what stands in it.
+        content: its bytes.
+        is_robot: whether `Emitter.read_back` reads it, where it is the main file; files for people have False.
     """
 
     name: str
     content: bytes
+    is_robot: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

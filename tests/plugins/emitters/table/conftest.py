@@ -58,9 +58,7 @@ def arm(request: pytest.FixtureRequest) -> Manipulator:
             ),
             DHRow(joint="spin", link="spun", type=JointType.CONTINUOUS, a=0.0, alpha=0.3, d=0.1),
             DHRow(joint="reach", link="hand", type=JointType.PRISMATIC, a=0.2, alpha=0.0, d=0.0, theta=-0.6),
-            DHRow(
-                joint="flange", link="plate_2", type=JointType.FIXED, a=0.0, alpha=math.pi, d=0.05, theta=math.pi / 3
-            ),
+            DHRow(joint="last", link="plate_2", type=JointType.FIXED, a=0.0, alpha=math.pi, d=0.05, theta=math.pi / 3),
         ),
     )
 

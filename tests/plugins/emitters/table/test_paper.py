@@ -38,7 +38,7 @@ def test_markdown(arm: Manipulator) -> None:
         "| 2 | slide | prismatic | 0.05 | −1.1 | −d₂ + 0.4 + 0.2 | 0.7 | 0 | 0.75 |",
         "| 3 | spin | continuous | 0 | 0.3 | 0.1 | θ₃ |  |  |",
         "| 4 | reach | prismatic | 0.2 | 0 | d₄ | −0.6 |  |  |",
-        "|  | flange | fixed | 0 | π | 0.05 | π/3 |  |  |",
+        "|  | last | fixed | 0 | π | 0.05 | π/3 |  |  |",
     ]
     assert lines[13] == "Base: `{xyz: [0.1, -0.2, 0.3], rpy: [0.4, -0.5, 0.6]}`"
     assert lines[15].startswith("Tool: `")
@@ -80,7 +80,7 @@ def test_latex(arm: Manipulator) -> None:
 
 def test_small_numbers_in_latex(arm: Manipulator) -> None:
     """A power of ten is a power of ten."""
-    text = latex_file([replace(arm, rows=(replace(arm.rows[1], a=-1.5e-7),))], RADIANS).decode()
+    text = latex_file([replace(arm, rows=(replace(arm.rows[1], alpha=-1.5e-7),))], RADIANS).decode()
     assert r"$-1.5 \times 10^{-7}$" in text
 
 
@@ -109,4 +109,4 @@ def test_latex_compiles(arm: Manipulator, tmp_path: Path) -> None:
         "\\documentclass{article}\n\\usepackage{booktabs}\n\\begin{document}\n\\input{arm}\n\\end{document}\n"
     )
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "main.tex"]
-    assert subprocess.run(command, cwd=tmp_path, capture_output=True, timeout=120).returncode == 0
+    subprocess.run(command, cwd=tmp_path, capture_output=True, timeout=120, check=True)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 import dh2urdf as api
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshFile, MeshShape, Payload
-from dh2urdf.plugin_system import load
 from dh2urdf.robot import Arm, Link, Origin, Robot
-from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.emitters.table.emitter import EMITTER
 from dh2urdf_plugins.emitters.table.options import SUFFIXES, TableOptions
 
@@ -54,7 +55,9 @@ def full(arm: Manipulator, tmp_path: Path) -> Manipulator:
     """An arm that says all that a table can say."""
     mesh = tmp_path / "link one.stl"
     mesh.write_bytes(TRIANGLE)
-    shape = MeshShape(file=MeshFile(path=str(mesh)), scale=(0.5, 1.0, 2.0), pose=arm.base)
+    shape = MeshShape(
+        file=MeshFile(path=str(mesh), sha256=hashlib.sha256(TRIANGLE).hexdigest()), scale=(0.5, 1.0, 2.0), pose=arm.base
+    )
     rows = (arm.rows[0], replace(arm.rows[1], visual=shape, radius=0.05), *arm.rows[2:])
     return replace(
         arm,
@@ -69,6 +72,8 @@ def full(arm: Manipulator, tmp_path: Path) -> Manipulator:
     )
 
 
+ROUNDED = ("rtb_P8", "rtbm_nao_left_leg")
+"""Robots whose base or tool is a quarter turn to 1e-16: the readers make such turns exact."""
 TRIANGLE = b"solid c\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid c\n"
 
 
@@ -104,8 +109,13 @@ def test_csv_names_what_it_leaves_out(full: Manipulator, tmp_path: Path) -> None
 def test_published_tables_come_back(
     reference_robot: ReferenceRobot, name: Any, units: tuple[Any, Any], tmp_path: Path
 ) -> None:
-    """The very manipulator in m and rad; in other units the same to rounding. The same bytes at once or after two."""
+    """The very manipulator in m and rad, in other units the same to rounding; written again, the same bytes."""
     arm = reference_robot.manipulator
+    if arm.name in ROUNDED:
+        (exact,) = read(written(arm), ".yaml", tmp_path)
+        assert replace(exact, base=arm.base, tool=arm.tool) == arm
+        assert abs(exact.fk([0.0] * len(arm.moving_rows)) - arm.fk([0.0] * len(arm.moving_rows))).max() <= 1e-15
+        arm = exact
     options: Any = {"formats": (name,), "length_unit": units[0], "angle_unit": units[1]}
     content = written(arm, **options)
     (again,) = read(content, SUFFIXES[name], tmp_path)
@@ -140,7 +150,7 @@ def test_a_description_becomes_a_table(cli: Callable[..., Answer], tmp_path: Pat
 def test_split_rows_are_in_the_table(cli: Callable[..., Answer], tmp_path: Path) -> None:
     """What the option near_parallel makes of a calibrated table is what is written."""
     lines = (TABLES / "ur5.csv").read_text().splitlines()
-    calibrated = [line.replace("-0.425,0,", "-0.425,0.001,") for line in lines]
+    calibrated = [re.sub(r"-0\.425, *0,", "-0.425, 0.001,", line) for line in lines]
     assert calibrated != lines
     (tmp_path / "calibrated.csv").write_text("\n".join(calibrated))
     given = api.read(tmp_path / "calibrated.csv")
@@ -210,5 +220,5 @@ def test_the_proof_reads_the_file(name: Any, reference_robot: ReferenceRobot, tm
         path.write_bytes(written(changed, formats=(name,)))
         robot = EMITTER.read_back(path)
         q = [0.3] * len(arm.moving_rows)
-        tip = link_poses(robot, dict(zip([row.joint for row in arm.moving_rows], q, strict=True)))["tool0"]
-        assert np.abs(tip - changed.fk(q)).max() <= 1e-12 * max(1.0, np.abs(changed.fk(q)).max())
+        found, expected = robot.fk(q), changed.fk(q)
+        assert np.abs(found - expected).max() <= 1e-12 * max(1.0, np.abs(expected).max())

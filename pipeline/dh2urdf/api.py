@@ -126,7 +126,7 @@ def extract(
         given = {name: word_of(value) for name, value in options.items()}
         arm = the_one(description_reader(catalog, path, asker, reader=reader, given=given), path)
         if out is not None:
-            write_extracted(arm, Path(out), catalog, inputs=[path])
+            write_extracted([arm], Path(out), catalog, inputs=[path])
     return arm
 
 

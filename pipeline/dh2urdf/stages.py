@@ -94,7 +94,9 @@ class Reader(Generic[O]):
         options: its options dataclass.
         read: yields the manipulators of a file one by one, without holding them.
         schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
-        write: the file of a table as its author typed it, which `read` reads. None where the format is only read.
+        write: the file of tables as their authors typed them, which `read` reads; it raises
+            `dh2urdf.errors.InputError` where one file cannot hold several such tables. None where the format is only
+            read.
         trace: reads a file as `read` does, and before each manipulator fills a trace with what its cells say, which
             `dh2urdf info` shows. None where the reader does not know it.
         texts: the tables of a file as their authors typed them, as far as that can be told; what it gives is taken only
@@ -115,7 +117,7 @@ class Reader(Generic[O]):
     options: type[O]
     suffixes: tuple[str, ...] = ()
     schema: Callable[[], dict[str, Any]] | None = None
-    write: Callable[[TableText], WrittenTable] | None = None
+    write: Callable[[Sequence[TableText]], WrittenTable] | None = None
     texts: Callable[[Path], Iterator[TableText]] | None = None
     trace: Callable[[Path, O, Trace], Iterator[Manipulator | Rejected]] | None = None
     read_cells: Callable[[Iterable[CellRow], str, O], Iterator[Manipulator | Rejected]] | None = None

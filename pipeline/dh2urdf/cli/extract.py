@@ -104,7 +104,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         return 0
     if output is not None:
         arm = the_one(call(), robots[0])
-        lost = write_extracted(arm, output, installed, inputs=robots, length_unit=length_unit, angle_unit=angle_unit)
+        lost = write_extracted([arm], output, installed, inputs=robots, length_unit=length_unit, angle_unit=angle_unit)
         if not quiet:
             print_notices((*arm.notices, *lost))
             joints = len(arm.moving_rows)

@@ -2,38 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.chosen_table import chosen_reader
 from dh2urdf.commands.options_of_stages import stage_calls
-from dh2urdf.commands.written_tables import in_format
+from dh2urdf.commands.written_tables import table_file
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
-from dh2urdf.errors import ConfigError, InputError, OutputError, RecordValueError, TableError
-from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
+from dh2urdf.errors import ConfigError, InputError, OutputError, TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Reader, Rejected
-from dh2urdf.table_text import MESHES, table_text, transform_text
+from dh2urdf.table_text import table_text, transform_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.commands.options_of_stages import Asker, Setting
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.table_text import TableText
-
-_SAME = 1e-12
-"""How far a table that was written in other units may be from what was extracted [m, rad]."""
-_POSES = ((0.0,), (0.7, -1.1, 0.4), (-2.3, 0.9, 1.7, -0.6))
 
 
 def description_reader(
@@ -113,7 +105,7 @@ def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
 
 
 def write_extracted(
-    arm: Manipulator,
+    arms: Sequence[Manipulator],
     out: Path,
     catalog: Catalog,
     *,
@@ -121,10 +113,10 @@ def write_extracted(
     length_unit: str = "m",
     angle_unit: str = "rad",
 ) -> tuple[Problem, ...]:
-    """Write the table of a description, with what is known of it in comments above, once it reads back as the same arm.
+    """Write the tables of descriptions, with what is known of them in comments above, once they read back as the same.
 
     Args:
-        arm: what was extracted.
+        arms: what was extracted.
         out: the file to write; its suffix chooses the format.
         catalog: the stages that there are.
         inputs: files that must not be overwritten.
@@ -135,7 +127,7 @@ def write_extracted(
         What the format has no place for, as notices.
 
     Raises:
-        InputError: no reader that writes takes the suffix.
+        InputError: no reader that writes takes the suffix, or its files hold one arm.
         RecordValueError: what was written reads back as another arm.
         OutputError: the file cannot be written, or is an input.
     """
@@ -148,31 +140,16 @@ def write_extracted(
                 accepted="a name that ends in .yaml or .csv",
             )
         )
-    text, lost = _held(table_text(arm, length_unit, angle_unit), call, out)
-    content = _header(arm) + in_format(text, call).content
-    _refuse_another_arm(arm, content, call, out)
+    header = b"".join(map(_header, arms))
+    file = table_file(arms, call, str(out), length_unit=length_unit, angle_unit=angle_unit, header=header)
     refuse_inputs([out], inputs)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         message = f"the folder {shown(str(out.parent))} cannot be made: {error.strerror}"
         raise OutputError(Problem(message=message, mark=Mark(file=str(out)))) from error
-    write_whole(out, content)
-    return lost
-
-
-def _held(text: TableText, call: Call[Reader[Any]], out: Path) -> tuple[TableText, tuple[Problem, ...]]:
-    """A table without meshes, where they are only in rows and the format is one of cells."""
-    if not any(mesh in row for row in text.rows for mesh in MESHES) or call.stage.schema is not None:
-        return text, ()
-    rows = tuple({field: cell for field, cell in row.items() if field not in MESHES} for row in text.rows)
-    notice = Problem(
-        message=f"the format {call.stage.name!r} has no place for meshes: they are left out",
-        severity="notice",
-        mark=Mark(file=str(out)),
-        suggestion="a YAML table holds them",
-    )
-    return replace(text, rows=rows), (notice,)
+    write_whole(out, file.content)
+    return file.left_out
 
 
 def _header(arm: Manipulator) -> bytes:
@@ -180,26 +157,6 @@ def _header(arm: Manipulator) -> bytes:
     source = f"of {Path(arm.mark.file).name}" if arm.mark else ""
     lines = [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
     return "".join(f"# {' '.join(line.split())}\n" for line in lines).encode()
-
-
-def _refuse_another_arm(arm: Manipulator, content: bytes, call: Call[Reader[Any]], out: Path) -> None:
-    """Read a written table back, and compare its forward kinematics with what was extracted.
-
-    Raises:
-        RecordValueError: it is another arm.
-    """
-    with spooled(content, str(out), call.stage.suffixes[0]) as path:
-        (again,) = read_items(call, path)
-    if isinstance(again, Rejected):
-        raise RecordValueError(again.problems)
-    count = len(arm.moving_rows)
-    for pattern in _POSES:
-        q = [pattern[number % len(pattern)] for number in range(count)]
-        one, other = forward_kinematics(arm, q), forward_kinematics(again, q)
-        far = max(position_error(one, other), angle_error(one, other))
-        if not far <= _SAME * max(1.0, *(abs(row.d) for row in arm.rows)):
-            message = f"the table that was written reads back {far:.2g} m, rad from what was extracted"
-            raise RecordValueError(Problem(message=message, mark=Mark(file=str(out)), robot=arm.name))
 
 
 def table_lines(arm: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> Iterator[str]:

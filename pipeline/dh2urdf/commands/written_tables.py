@@ -1,13 +1,14 @@
-"""The table of a manipulator as a file, which is read back before anybody gets it: the same arm to the last bit."""
+"""Tables of manipulators as files, which are read back before anybody gets them: the same arms to the last bit."""
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError, RecordValueError
+from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.calls import Call, blaming, default_call
@@ -19,18 +20,44 @@ from dh2urdf.table_text import WrittenTable, table_text
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Reader
     from dh2urdf.table_text import TableText
 
+_SAME = 1e-12
+"""How far a table that was written in other units than m and rad may be from its manipulator [m, rad]."""
+_POSES = ((0.0,), (0.7, -1.1, 0.4), (-2.3, 0.9, 1.7, -0.6))
 
-def in_format(table: TableText, call: Call[Reader[Any]]) -> WrittenTable:
-    """A table as a file in the format of a reader.
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableFile:
+    """The tables of some manipulators as a file.
+
+    Attributes:
+        content: the file.
+        left_out: what the format has no place for, as notices.
+    """
+
+    content: bytes
+    left_out: tuple[Problem, ...] = ()
+
+
+class _Difference(NamedTuple):
+    """A place in which a manipulator that was read back differs from the one that was written."""
+
+    robot: str
+    place: str
+    given: Any
+    found: Any
+
+
+def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTable:
+    """Tables as a file in the format of a reader.
 
     Raises:
-        InputError: the reader only reads.
+        InputError: the reader only reads, or a file of its format cannot hold several such tables.
         StageError: the reader is at fault.
     """
     if call.stage.write is None:
@@ -38,7 +65,94 @@ def in_format(table: TableText, call: Call[Reader[Any]]) -> WrittenTable:
             Problem(message=f"the reader {call.stage.name!r} does not write tables", found=call.stage.name)
         )
     with blaming(call, "write"):
-        return a_whole_record(call.stage.write(table), WrittenTable)
+        return a_whole_record(call.stage.write(tables), WrittenTable)
+
+
+def table_file(
+    manipulators: Sequence[Manipulator],
+    call: Call[Reader[Any]],
+    place: str,
+    *,
+    length_unit: str = "m",
+    angle_unit: str = "rad",
+    header: bytes = b"",
+) -> TableFile:
+    """The tables of some manipulators in the format of a reader, once they read back as the same arms.
+
+    Args:
+        manipulators: the arms.
+        call: the reader of the format.
+        place: where the file will be, for messages.
+        length_unit: the unit of lengths.
+        angle_unit: the unit of angles.
+        header: comments above the table.
+
+    Raises:
+        InputError: the reader only reads, or a file of its format cannot hold several such tables.
+        RecordValueError: what was written reads back as another arm.
+    """
+    texts = [table_text(manipulator, length_unit, angle_unit) for manipulator in manipulators]
+    content = header + in_format(texts, call).content
+    return TableFile(content=content, left_out=left_out(manipulators, content, call, place))
+
+
+def table_file_as(
+    format_name: str, manipulators: Sequence[Manipulator], *, length_unit: str = "m", angle_unit: str = "rad"
+) -> TableFile:
+    """The tables of some manipulators in the format of an installed reader, once they read back as the same arms.
+
+    Args:
+        format_name: name of the reader.
+        manipulators: the arms.
+        length_unit: the unit of lengths.
+        angle_unit: the unit of angles.
+
+    Raises:
+        InputError: no such reader is installed, it only reads, or its format cannot hold several such tables.
+        RecordValueError: what was written reads back as another arm.
+    """
+    call = _reader(format_name)
+    return table_file(manipulators, call, call.stage.name, length_unit=length_unit, angle_unit=angle_unit)
+
+
+def left_out_of(format_name: str, manipulators: Sequence[Manipulator], content: bytes) -> tuple[Problem, ...]:
+    """What a table file that is written otherwise lacks, in the format of an installed reader; see `left_out`."""
+    call = _reader(format_name)
+    return left_out(manipulators, content, call, call.stage.name)
+
+
+def left_out(
+    manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
+) -> tuple[Problem, ...]:
+    """What a written table file does not hold of its manipulators, as notices.
+
+    Raises:
+        RecordValueError: what was written reads back as other arms.
+    """
+    missing: dict[str, list[str]] = {}
+    for difference in _differences(manipulators, content, call, place):
+        if difference.found is None:
+            *_, owner, field = ["", *difference.place.split(".")]
+            missing.setdefault(field, []).append(owner)
+        elif not _close(difference.given, difference.found):
+            raise RecordValueError(_other(difference, call, place))
+    for given, again in zip(manipulators, _read_back(content, call, place), strict=True):
+        _refuse_another_arm(given, again, place)
+    return tuple(
+        Problem(
+            message=f"the format {call.stage.name!r} has no place for {_shown(field, owners)}: left out",
+            severity="notice",
+            mark=Mark(file=place),
+            suggestion="a YAML table holds everything",
+        )
+        for field, owners in missing.items()
+    )
+
+
+def _shown(field: str, owners: Sequence[str]) -> str:
+    """A field that is missing, and of how many rows."""
+    rows = sum(owner.startswith("rows[") for owner in owners)
+    return f"{field!r} of {rows} row{'' if rows == 1 else 's'}" if rows else repr(field)
 
 
 def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLike[str] | None, function: str) -> str:
@@ -57,32 +171,54 @@ def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLi
         RecordValueError: the format has no place for something that the manipulator says.
         OutputError: the file cannot be written.
     """
-    catalog = load()
-    reader: Reader[Any] = catalog.get("reader", format_name)
-    call = default_call(catalog, reader)
-    content = in_format(table_text(manipulator), call).content
-    with spooled(content, function, reader.suffixes[0]) as path:
-        (again,) = read_items(call, path)
-    if isinstance(again, Rejected):
-        raise RecordValueError(again.problems)
-    if again != manipulator:
-        raise RecordValueError(
-            Problem(
-                message=f"a table as {format_name} cannot say this as it is",
-                mark=Mark(file=function),
-                robot=manipulator.name,
-                field=place,
-                found=str(value),
-            )
-            for place, value in _different(manipulator, again, "")
-        )
+    call = _reader(format_name)
+    content = in_format([table_text(manipulator)], call).content
+    if found := list(_differences([manipulator], content, call, function)):
+        raise RecordValueError(_other(difference, call, function) for difference in found)
     if out is not None:
         write_whole(Path(out), content)
     return content.decode()
 
 
-def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - records and their parts
-    """The places in which two records differ, and what the first has there."""
+def _reader(format_name: str) -> Call[Reader[Any]]:
+    catalog = load()
+    return default_call(catalog, catalog.get("reader", format_name))
+
+
+def _read_back(content: bytes, call: Call[Reader[Any]], place: str) -> list[Manipulator]:
+    """The manipulators of a file.
+
+    Raises:
+        RecordValueError: one of them cannot be read.
+    """
+    read: list[Manipulator] = []
+    with spooled(content, place, (*call.stage.suffixes, "")[0]) as path:
+        for item in read_items(call, path):
+            if isinstance(item, Rejected):
+                raise RecordValueError(item.problems)
+            read.append(item)
+    return read
+
+
+def _differences(
+    manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
+) -> Iterator[_Difference]:
+    """The places in which manipulators differ from what a file of them reads back as.
+
+    Raises:
+        RecordValueError: the file holds another number of manipulators.
+    """
+    read = _read_back(content, call, place)
+    if len(read) != len(manipulators):
+        message = f"{len(manipulators)} tables were written, and {len(read)} are read back"
+        raise RecordValueError(Problem(message=message, mark=Mark(file=place)))
+    for given, again in zip(manipulators, read, strict=True):
+        for inner, value, found in _different(given, again, ""):
+            yield _Difference(given.name, inner, value, found)
+
+
+def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, Any]]:  # noqa: ANN401 - records and their parts
+    """The places in which two records differ, what the first has there, and what the second."""
     if given == again:
         return
     if is_dataclass(given) and type(given) is type(again):
@@ -94,4 +230,39 @@ def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any]]:
         for number, (left, right) in enumerate(zip(given, again, strict=True)):
             yield from _different(left, right, f"{place}[{number}]")
     else:
-        yield place, given
+        yield place, given, again
+
+
+def _other(difference: _Difference, call: Call[Reader[Any]], place: str) -> Problem:
+    return Problem(
+        message=f"a table as {call.stage.name} cannot say this as it is",
+        mark=Mark(file=place),
+        robot=difference.robot,
+        field=difference.place,
+        found=str(difference.given),
+    )
+
+
+def _close(given: Any, found: Any) -> bool:  # noqa: ANN401 - parts of records
+    """Whether two numbers, or two tuples of numbers, differ by the rounding of a unit at most."""
+    if isinstance(given, tuple) and isinstance(found, tuple) and len(given) == len(found):
+        return all(map(_close, given, found))
+    if isinstance(given, float) and isinstance(found, float):
+        return abs(given - found) <= _SAME * max(1.0, abs(given))
+    return bool(given == found)
+
+
+def _refuse_another_arm(given: Manipulator, again: Manipulator, place: str) -> None:
+    """Compare the forward kinematics of a manipulator with that of what was read back.
+
+    Raises:
+        RecordValueError: it is another arm.
+    """
+    count = len(given.moving_rows)
+    for pattern in _POSES:
+        q = [pattern[number % len(pattern)] for number in range(count)]
+        one, other = forward_kinematics(given, q), forward_kinematics(again, q)
+        far = max(position_error(one, other), angle_error(one, other))
+        if not far <= _SAME * max(1.0, *(abs(row.d) for row in given.rows)):
+            message = f"the table that was written reads back {far:.2g} m, rad from the manipulator"
+            raise RecordValueError(Problem(message=message, mark=Mark(file=place), robot=given.name))

@@ -81,7 +81,7 @@ def table_template(
         angle_unit="deg",
         rows=tuple(_rows(convention, joints)),
     )
-    content = "".join(f"# {line}\n" for line in lines).encode() + in_format(text, call).content
+    content = "".join(f"# {line}\n" for line in lines).encode() + in_format([text], call).content
     _check(call, content, file)
     return content
 

@@ -40,7 +40,7 @@ def as_csv(path: Path) -> str:
     """The table as it stands, or as the project writes it where it is YAML."""
     if path.suffix == ".csv":
         return path.read_text("utf-8")
-    return csv_texts.write(table_text(arm_of(path))).content.decode()
+    return csv_texts.write([table_text(arm_of(path))]).content.decode()
 
 
 def same(left: Manipulator, right: Manipulator) -> bool:

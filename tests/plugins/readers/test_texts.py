@@ -27,7 +27,7 @@ TABLES = Path(__file__).parents[3] / "configs" / "tables"
 def written(table: TableText, reader: Reader[Any], folder: Path) -> Path:
     assert reader.write is not None
     path = folder / f"arm{reader.suffixes[0]}"
-    path.write_bytes(reader.write(table).content)
+    path.write_bytes(reader.write([table]).content)
     return path
 
 
@@ -91,13 +91,13 @@ def test_places_are_those_of_the_reader(tmp_path: Path) -> None:
     )
     table = TableText(name="x", convention="standard", base="{xyz: 3}", rows=rows)
     assert csv.READER.write is not None
-    file = csv.READER.write(TableText(**{**_said(table), "base": ""}))
+    file = csv.READER.write([TableText(**{**_said(table), "base": ""})])
     path = tmp_path / "x.csv"
     path.write_bytes(file.content)
     (arm,) = csv.READER.read(path, TableOptions())
     assert not isinstance(arm, Manipulator)
     assert [file.at(problem.mark) for problem in arm.problems] == [(0, "alpha"), (1, "d")]
-    assert csv.READER.write(table).at(Mark(file="x", line=3, column=9)) == (None, "base")
+    assert csv.READER.write([table]).at(Mark(file="x", line=3, column=9)) == (None, "base")
 
 
 def _said(table: TableText) -> dict[str, Any]:

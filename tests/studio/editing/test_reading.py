@@ -54,7 +54,7 @@ def test_a_wrong_cell_is_found_with_the_readers_words(
     reader = catalog.get("reader", "csv")
     assert reader.write is not None
     path = tmp_path / "x.csv"
-    path.write_bytes(reader.write(table).content)
+    path.write_bytes(reader.write([table]).content)
     (rejected,) = reader.read(path, reader.options())
     problems = in_file_order((*rejected.notices, *rejected.problems))
     said = [problem.message.replace(f"{path}:4", "row 1") for problem in problems]

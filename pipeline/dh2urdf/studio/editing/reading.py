@@ -100,7 +100,7 @@ def read_whole(table: TableText, catalog: Catalog) -> Reading:
     reader = catalog.get("reader", READER)
     if blank := [number for number, row in enumerate(table.rows) if not row]:
         return Reading(table=table, problems=tuple(map(_blank, blank)))
-    written = in_format(table, default_call(catalog, reader))
+    written = in_format([table], default_call(catalog, reader))
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         path = Path(folder) / f"table{reader.suffixes[0]}"
         path.write_bytes(written.content)
@@ -186,7 +186,7 @@ def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Cata
     try:
         robot = make_robot(manipulator, transform_call(catalog, variant))
     except ManipulatorError as error:
-        return Made(problems=located(error.problems, in_format(table, default_call(catalog, reader)), table))
+        return Made(problems=located(error.problems, in_format([table], default_call(catalog, reader)), table))
     return Made(robot=robot)
 
 

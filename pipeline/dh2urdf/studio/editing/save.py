@@ -57,7 +57,7 @@ def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
         InputError: no such reader is installed, or it only reads.
     """
     reader = catalog.get("reader", format_name)
-    written = in_format(table, default_call(catalog, reader))
+    written = in_format([table], default_call(catalog, reader))
     return Saved(name=f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", content=written.content)
 
 

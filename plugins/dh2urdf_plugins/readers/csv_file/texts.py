@@ -4,35 +4,64 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.source import Mark
-from dh2urdf.table_text import Place, TableText, WrittenTable, yaml_word
+from dh2urdf.errors import InputError
+from dh2urdf.source import Mark, Problem
+from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable, yaml_word
 from dh2urdf_plugins.readers.csv_file.rows import CsvRows
 from dh2urdf_plugins.readers.statements.top import read_top
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_of, units_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.quantities import Unit
 
 _QUOTED = frozenset(',;\t"#')
 """Characters that mean something to a reader of CSV where they stand bare."""
+_COMMON = ("convention", "length_unit", "angle_unit", "base", "tool", "payload", "defaults")
+"""What comments say of all rows."""
 
 
-def write(table: TableText) -> WrittenTable:
-    """A CSV file with a column for every field that the table says anything of."""
+def write(tables: Sequence[TableText]) -> WrittenTable:
+    """A CSV file with a column for every field that a table says anything of, and one of names for several tables.
+
+    Raises:
+        InputError: there are several tables, and what comments say of all rows is not the same of each.
+    """
+    if len(tables) == 1:
+        return _written(tables[0], tables[0].columns(), tables[0].rows)
+    first, *others = tables
+    for table in others:
+        if differing := [key for key in _COMMON if getattr(table, key) != getattr(first, key)]:
+            raise InputError(
+                Problem(
+                    message=f"a CSV file has one {' and '.join(differing)} for all of its manipulators, and these "
+                    "have different ones",
+                    robot=table.name,
+                    found=f"{getattr(table, differing[0]) or 'none'}, after {getattr(first, differing[0]) or 'none'}",
+                    accepted="the same for all",
+                    suggestion="write a YAML table, or one file for each",
+                )
+            )
+    used = {field for table in tables for field in table.columns()}
+    rows = [{"robot": table.name, **row} for table in tables for row in table.rows]
+    return _written(replace(first, name=""), ("robot", *(field for field in FIELDS if field in used)), rows)
+
+
+def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str, str]]) -> WrittenTable:
+    """A CSV file of some columns, below what comments say."""
     lines: list[str] = []
     places: list[Place] = []
     for field, value in _top(table).items():
         places.append(Place(line=len(lines) + 1, column=1, row=None, field=field))
         lines.append(f"# {field if field not in ('length_unit', 'angle_unit') else 'units'}: {value}")
-    fields = table.columns()
     lines.append(",".join(fields))
-    for number, row in enumerate(table.rows):
+    for number, row in enumerate(rows):
         line = ""
         for index, field in enumerate(fields):
             line += "," if index else ""

@@ -12,7 +12,7 @@ from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.documents import Node
@@ -22,8 +22,18 @@ _GROUPED = {field: group for group, fields in _GROUPS.items() for field in field
 _LONGEST = 4 * 2**20
 
 
-def write(table: TableText) -> WrittenTable:
-    """A YAML file with a line for each joint."""
+def write(tables: Sequence[TableText]) -> WrittenTable:
+    """A YAML file with a line for each joint; several tables are a list of robots."""
+    if len(tables) == 1:
+        lines = _lines(tables[0])
+    else:
+        items = [_lines(table) for table in tables]
+        lines = ["robots:", *(f"{'    ' if at else '  - '}{line}" for item in items for at, line in enumerate(item))]
+    return WrittenTable(content="\n".join([*lines, ""]).encode())
+
+
+def _lines(table: TableText) -> list[str]:
+    """A table as the lines of a mapping."""
     lines = [f"name: {yaml_word(table.name)}"] if table.name.strip() else []
     lines += [f"convention: {yaml_word(table.convention)}"] if table.convention else []
     lines.append(f"units: {units_text(table)}")
@@ -33,8 +43,7 @@ def write(table: TableText) -> WrittenTable:
         if (text := getattr(table, key)).strip()
     ]
     lines.append("joints:" if table.rows else "joints: []")
-    lines += [f"  - {{{', '.join(_entries(row))}}}" for row in table.rows]
-    return WrittenTable(content="\n".join([*lines, ""]).encode())
+    return [*lines, *(f"  - {{{', '.join(_entries(row))}}}" for row in table.rows)]
 
 
 def _entries(row: Mapping[str, str]) -> Iterator[str]:

@@ -1,15 +1,1 @@
 """What the command line, the Python API and the studio do: one way for each command."""
-
-from __future__ import annotations
-
-from dh2urdf._faces import face
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from dh2urdf.commands.written_tables import (
-        TableFile as TableFile,
-        left_out_of as left_out_of,
-        table_file_as as table_file_as,
-    )
-else:
-    __all__, __getattr__, __dir__ = face(__name__, {"written_tables": "TableFile left_out_of table_file_as"})

@@ -44,7 +44,7 @@ class TableFile:
     left_out: tuple[Problem, ...] = ()
 
 
-class _Difference(NamedTuple):
+class _FieldChange(NamedTuple):
     """A place in which a manipulator that was read back differs from the one that was written."""
 
     robot: str
@@ -94,31 +94,6 @@ def table_file(
     texts = [table_text(manipulator, length_unit, angle_unit) for manipulator in manipulators]
     content = header + in_format(texts, call).content
     return TableFile(content=content, left_out=left_out(manipulators, content, call, place))
-
-
-def table_file_as(
-    format_name: str, manipulators: Sequence[Manipulator], *, length_unit: str = "m", angle_unit: str = "rad"
-) -> TableFile:
-    """The tables of some manipulators in the format of an installed reader, once they read back as the same arms.
-
-    Args:
-        format_name: name of the reader.
-        manipulators: the arms.
-        length_unit: the unit of lengths.
-        angle_unit: the unit of angles.
-
-    Raises:
-        InputError: no such reader is installed, it only reads, or its format cannot hold several such tables.
-        RecordValueError: what was written reads back as another arm.
-    """
-    call = _reader(format_name)
-    return table_file(manipulators, call, call.stage.name, length_unit=length_unit, angle_unit=angle_unit)
-
-
-def left_out_of(format_name: str, manipulators: Sequence[Manipulator], content: bytes) -> tuple[Problem, ...]:
-    """What a table file that is written otherwise lacks, in the format of an installed reader; see `left_out`."""
-    call = _reader(format_name)
-    return left_out(manipulators, content, call, call.stage.name)
 
 
 def left_out(
@@ -202,7 +177,7 @@ def _read_back(content: bytes, call: Call[Reader[Any]], place: str) -> list[Mani
 
 def _differences(
     manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
-) -> Iterator[_Difference]:
+) -> Iterator[_FieldChange]:
     """The places in which manipulators differ from what a file of them reads back as.
 
     Raises:
@@ -214,7 +189,7 @@ def _differences(
         raise RecordValueError(Problem(message=message, mark=Mark(file=place)))
     for given, again in zip(manipulators, read, strict=True):
         for inner, value, found in _different(given, again, ""):
-            yield _Difference(given.name, inner, value, found)
+            yield _FieldChange(given.name, inner, value, found)
 
 
 def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, Any]]:  # noqa: ANN401 - records and their parts
@@ -233,7 +208,7 @@ def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, A
         yield place, given, again
 
 
-def _other(difference: _Difference, call: Call[Reader[Any]], place: str) -> Problem:
+def _other(difference: _FieldChange, call: Call[Reader[Any]], place: str) -> Problem:
     return Problem(
         message=f"a table as {call.stage.name} cannot say this as it is",
         mark=Mark(file=place),

@@ -192,6 +192,16 @@ class Tab:
         script = "document.querySelector('.arm-view').scene.children[0].children.map(node => node.name)"
         return list(self.page.evaluate(script))
 
+    def wait_for_triangles(self, count: int) -> None:
+        """Waits until so many triangles of links are in the scene, and no mesh is on its way."""
+        script = """count => {
+            let found = 0;
+            document.querySelector('.arm-view').scene.traverse(part => found += part.isMesh && part.visible &&
+                part.userData.layer === 'links' ? part.geometry.attributes.position.count / 3 : 0);
+            return found > count && !document.querySelector('.arm-view-progress');
+        }"""
+        self.page.wait_for_function(script, arg=count)
+
     def foreign(self) -> list[str]:
         """What it asked for from elsewhere."""
         here = urlsplit(self.address).netloc
@@ -229,3 +239,17 @@ def new_tab(profile: BrowserContext) -> Iterator[Callable[..., Tab]]:
     for tab in tabs:
         assert tab.foreign() == []
         assert tab in excused or tab.faults == []
+
+
+@pytest.fixture(scope="session")
+def example_robots() -> Path:
+    """The folder of the descriptions in example-robot-data."""
+    from importlib.util import find_spec
+
+    spec = find_spec("cmeel")
+    places = (spec.submodule_search_locations or ()) if spec else ()
+    folders = [Path(place).parent / "cmeel.prefix" / "share" / "example-robot-data" / "robots" for place in places]
+    found = [folder for folder in folders if folder.is_dir()]
+    if not found:
+        pytest.skip("example-robot-data is not installed")
+    return found[0]

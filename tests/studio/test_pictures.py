@@ -70,7 +70,7 @@ STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
     "paper": (paper, LAPTOP),
     "tablet": (ur5, TABLET),
 }
-ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP}
+ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP, "meshes": LAPTOP}
 
 
 @pytest.mark.parametrize("name", STUDIO)
@@ -97,6 +97,21 @@ def test_picture_of_a_cell(renew: bool, request: pytest.FixtureRequest) -> None:
         set_sliders(tab, [15, -110, 115, -95, -90, 0, -15, -110, 115, -95, -90, 0])
         take(tab, "dual_arm")
         tab.page.close()  # before its server ends, of which it would complain
+
+
+def test_picture_of_meshes(renew: bool, request: pytest.FixtureRequest) -> None:  # noqa: FBT001 - a fixture
+    """With `--renew` a maker's description is shown, and the picture is taken."""
+    if not renew:
+        return
+    robots = request.getfixturevalue("example_robots")
+    with request.getfixturevalue("serving")("view", robots / "panda_description" / "urdf" / "panda.urdf") as address:
+        tab = request.getfixturevalue("new_tab")(address)
+        tab.page.goto(address)
+        tab.page.wait_for_function("document.querySelectorAll('.joint-slider').length === 9")
+        tab.wait_for_triangles(100_000)
+        set_sliders(tab, [20, -30, 0, -120, 0, 90, 45, 0.03, 0.03])
+        take(tab, "meshes")
+        tab.page.close()
 
 
 def take(tab: Any, name: str) -> None:

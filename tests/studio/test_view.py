@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import trimesh
+
 from dh2urdf.studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
@@ -45,3 +47,78 @@ def test_a_cell_and_an_arm_in_one_scene(
             "document.querySelector('.arm-view').scene.getObjectByName('panda/base_link').matrixWorld.elements[13] === 0"
         )
         page.close()  # before its server ends, of which it would complain
+
+
+MESHES = """<?xml version="1.0"?>
+<robot name="meshes">
+  <link name="base_link"><visual><geometry><mesh filename="package://arm_description/meshes/box.stl"/></geometry>
+    <material name="blue"><color rgba="0 0 1 1"/></material></visual></link>
+  <link name="upper"><visual><geometry><mesh filename="meshes/ball.obj" scale="2 2 2"/></geometry></visual>
+    <collision><geometry><mesh filename="meshes/ball.obj"/></geometry></collision></link>
+  <link name="fore"/>
+  <link name="tool0"><visual><geometry><mesh filename="meshes/gone.stl"/></geometry></visual>
+    <visual><geometry><mesh filename="meshes/broken.stl"/></geometry></visual></link>
+  <joint name="hip" type="continuous"><parent link="base_link"/><child link="upper"/><origin xyz="0 0 0.5"/></joint>
+  <joint name="knee" type="continuous"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.5"/></joint>
+  <joint name="end" type="fixed"><parent link="fore"/><child link="tool0"/><origin xyz="0.4 0 0.3"/></joint>
+</robot>
+"""
+
+
+def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
+    """The files that a description names, from its package or beside it, and nothing else; what is missing is named."""
+    package = tmp_path / "arm_description"
+    (package / "meshes").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>arm_description</name></package>")
+    trimesh.creation.box((0.2, 0.2, 0.1)).export(package / "meshes" / "box.stl")
+    trimesh.creation.icosphere(subdivisions=2, radius=0.05).export(package / "meshes" / "ball.obj")
+    (package / "meshes" / "broken.stl").write_text("solid x\nendsolid x\n")
+    (package / "arm.urdf").write_text(MESHES)
+    with serving("view", package / "arm.urdf") as address:
+        tab = new_tab(address, faults=False)  # the browser complains of the file that is no mesh
+        page = tab.page
+        page.goto(address)
+        page.get_by_text("1 mesh file was not found: meshes/gone.stl").wait_for()
+        page.locator(".q-notification", has_text="'broken.stl' cannot be read").wait_for()
+        tab.wait_for_triangles(300)
+        drawn = page.evaluate(
+            """() => {
+                const found = [];
+                const {scene} = document.querySelector('.arm-view');
+                scene.updateMatrixWorld();
+                scene.traverse(part => {
+                    if (!part.isMesh || !part.geometry.attributes.normal || part.geometry.attributes.normal.itemSize !== 4) return;
+                    const {min, max} = part.geometry.boundingBox;
+                    const [a, b] = [min, max].map(corner => corner.clone().applyMatrix4(part.matrixWorld));
+                    found.push([part.userData.layer, part.visible, '#' + part.material.color.getHexString(),
+                                b.sub(a).toArray().map(x => Number(x.toFixed(3)))]);
+                });
+                return found;
+            }"""
+        )
+        sizes = {(layer, shown, colour): size for layer, shown, colour, size in drawn}
+        assert sizes == {
+            ("links", True, "#0000ff"): [0.2, 0.2, 0.1],
+            ("links", True, "#b8bdc4"): [0.2, 0.2, 0.2],
+            ("collision", False, "#d93373"): [0.1, 0.1, 0.1],
+        }
+        answers = page.evaluate(
+            "Promise.all(['meshes/nothing', 'meshes/..%2Farm.urdf', 'meshes/'].map(path => fetch(path).then(a => a.status)))"
+        )
+        assert answers == [404, 404, 404]
+        assert tab.foreign() == []
+        page.close()
+
+
+def test_makers_meshes_look_like_their_robot(
+    new_tab: Callable[..., Any], serving: Callable[..., Any], example_robots: Path
+) -> None:
+    """All meshes of a Panda are found by the name of their package, and the arm is white with a black hand."""
+    with serving("view", example_robots / "panda_description" / "urdf" / "panda.urdf") as address:
+        tab = new_tab(address)
+        page = tab.page
+        page.goto(address)
+        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 9")
+        tab.wait_for_triangles(100_000)
+        assert page.get_by_text("not found").count() == 0
+        page.close()

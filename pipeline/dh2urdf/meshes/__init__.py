@@ -6,6 +6,12 @@ from dh2urdf._faces import face
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from dh2urdf.meshes.addresses import (
+        mesh_finder as mesh_finder,
+        own_folder as own_folder,
+        packages_in as packages_in,
+        with_its_own as with_its_own,
+    )
     from dh2urdf.meshes.files import (
         REMEDY as REMEDY,
         copy_name as copy_name,
@@ -26,6 +32,7 @@ else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
+            "addresses": "mesh_finder own_folder packages_in with_its_own",
             "files": "REMEDY copy_name find_mesh has_meshes read_mesh",
             "triangles": "Asset FORMATS asset_of enclosed load_scene read_parts to_metres",
         },

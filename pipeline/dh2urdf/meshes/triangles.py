@@ -83,11 +83,15 @@ def load_scene(content: bytes, suffix: str, *, process: bool) -> Any:  # noqa: A
 
 
 def asset_of(content: bytes, suffix: str) -> Asset:
-    """What a file says of its unit and its axes; of STL and OBJ nothing is said, and metres with z up are meant.
+    """What a file says of its unit and its axes.
+
+    STL and OBJ say nothing: metres with z up are meant. glTF has metres with y up.
 
     Raises:
         ValueError: it is no XML, or its unit is no length.
     """
+    if suffix in (".glb", ".gltf"):
+        return Asset(up="Y_UP")
     if suffix != ".dae":
         return Asset()
     from xml.etree import ElementTree as ET
@@ -133,7 +137,9 @@ def to_metres(asset: Asset) -> Any:  # noqa: ANN401 - an array
     return matrix
 
 
-def read_parts(content: bytes, suffix: str, scale: tuple[float, float, float]) -> list[Part]:
+def read_parts(
+    content: bytes, suffix: str, scale: tuple[float, float, float], *, as_in_ros: bool = False
+) -> list[Part]:
     """All triangles of a file, scaled, by their colours in the order of their first appearance.
 
     Nothing is merged, moved or left out. Where the scale or a node of the file is a mirror, triangles are turned
@@ -143,6 +149,8 @@ def read_parts(content: bytes, suffix: str, scale: tuple[float, float, float]) -
         content: the file.
         suffix: one of `FORMATS`.
         scale: factors along the axes of the mesh.
+        as_in_ros: whether the axis up of a COLLADA file is taken for z whatever the file says: so do RViz and MoveIt,
+            and makers' descriptions are drawn for them.
 
     Raises:
         ImportError: as `load_scene`.
@@ -152,7 +160,10 @@ def read_parts(content: bytes, suffix: str, scale: tuple[float, float, float]) -
     import numpy as np
 
     scene = load_scene(content, suffix, process=False)
-    outer = np.diag([*scale, 1.0]) @ to_metres(asset_of(content, suffix))
+    asset = asset_of(content, suffix)
+    if as_in_ros and suffix == ".dae":
+        asset = asset._replace(up="Z_UP")
+    outer = np.diag([*scale, 1.0]) @ to_metres(asset)
     found: dict[tuple[float, ...] | None, list[tuple[Any, Any]]] = {}
     for matrix, mesh in _placed_meshes(scene):
         whole = outer @ matrix

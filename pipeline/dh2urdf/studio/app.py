@@ -6,8 +6,11 @@ from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, Self, TypeVar
 
-from nicegui import app, ui
+from fastapi import Response
+from nicegui import app, run, ui
 
+from dh2urdf.errors import OutputError
+from dh2urdf.studio.drawing.mesh_files import triangles
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.page import StudioPage
 from dh2urdf.studio.view_page import ViewPage
@@ -86,6 +89,18 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
 def build_view(figures: Sequence[Figure]) -> None:
     """Declares the page that shows some robots."""
     views = Sessions(lambda: View(figures))
+    meshes = View(figures).meshes()
+
+    @app.get("/meshes/{key}")
+    async def mesh(key: str) -> Response:
+        """The triangles of a file that the descriptions name; nothing else can be asked for."""
+        if key not in meshes:
+            return Response("there is no such mesh", status_code=404)
+        try:
+            content = await run.io_bound(triangles, meshes[key])
+        except OutputError as error:
+            return Response(str(error), status_code=422)
+        return Response(content, media_type="application/octet-stream")
 
     @ui.page("/")
     async def view() -> None:

@@ -5,6 +5,7 @@ import { OrbitControls, THREE } from "nicegui-scene";
 const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44 };
 const HIGHLIGHT = new THREE.Color(0x4dabf7);
 const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
+const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
 const STEP = Math.PI / 36; // of an arrow key [rad]
 const MARGIN = 34; // of the picture, for labels [px]
 const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
@@ -58,6 +59,24 @@ function emptied(group) {
   return held;
 }
 
+// What a mesh file holds, as `triangles` of drawing/mesh_files.py sends it: a geometry for each colour.
+async function triangles(address) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(await answer.text());
+  const bytes = await answer.arrayBuffer();
+  const length = new DataView(bytes).getUint32(0, true);
+  const { parts } = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  let at = 4 + length;
+  return parts.map(({ rgba, corners }) => {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes, at, 3 * corners), 3));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(new Int8Array(bytes, at + 12 * corners, 4 * corners), 4, true));
+    geometry.computeBoundingBox();
+    at += 16 * corners;
+    return { rgba, geometry };
+  });
+}
+
 function matrixOf(numbers, at = 0) {
   const [a, b, c, x, d, e, f, y, g, h, i, z] = numbers.slice(at, at + 12);
   return new THREE.Matrix4().set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
@@ -69,14 +88,18 @@ export default {
          aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all">
       <canvas></canvas>
       <div class="arm-view-labels"></div>
+      <div v-if="waiting" class="arm-view-progress">
+        meshes: {{ loaded }} of {{ waiting }} <progress :max="waiting" :value="loaded" aria-label="meshes"></progress>
+      </div>
       <div v-if="fault" class="arm-view-fault">{{ fault }}</div>
     </div>`,
 
-  data: () => ({ fault: "" }),
+  data: () => ({ fault: "", waiting: 0, loaded: 0 }),
 
   created() {
     // Not reactive: three.js has its own ideas of objects.
     this.layers = new Set(["links", "axes", "frames"]);
+    this.meshes = new Map(); // by their keys, promises of what mesh files hold
     this.nodes = [];
     this.worn = []; // what can be disposed of after the next picture
     this.geometries = {
@@ -163,9 +186,9 @@ export default {
       return node;
     },
 
-    part({ shape, size, pose, layer, colour, opacity }, number) {
+    material(shape, layer, colour, opacity, number) {
       const sign = layer === "frames" || layer === "axes"; // not a thing: not lit, and seen through the link that it is in
-      const material = new (sign ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial)({
+      return new (sign ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial)({
         color: shape === "frame" ? 0xffffff : new THREE.Color(...colour).convertSRGBToLinear(),
         vertexColors: shape === "frame",
         transparent: sign || opacity < 1,
@@ -178,15 +201,51 @@ export default {
         polygonOffsetFactor: layer === "collision" ? -1 : 0,
         polygonOffsetUnits: -4 * (number % 8) - (layer === "collision" ? 4 : 0),
       });
-      const mesh = new THREE.Mesh(this.geometries[shape], material);
+    },
+
+    part({ shape, size, pose, layer, colour, opacity, mesh: key }, number) {
+      if (shape === "mesh") return this.mesh(key, pose, layer, colour, opacity, number);
+      const mesh = new THREE.Mesh(this.geometries[shape], this.material(shape, layer, colour, opacity, number));
       const thin = layer === "links" ? THINNEST * this.reach : 0; // else the links of a very long arm are less than a pixel
-      const [x, y, z] = shape === "box" ? size.map((side) => Math.max(side, thin)) : shape === "cylinder" ? [Math.max(size[0], thin), Math.max(size[0], thin), size[1]] : Array(3).fill(size[0]);
+      const [x, y, z] = shape === "box" ? size.map((side) => Math.max(side, thin)) : shape === "cylinder" ? [Math.max(size[0], thin), Math.max(size[0], thin), size[1]] : size.length === 3 ? size : Array(3).fill(size[0]);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(x, y, z));
       mesh.renderOrder = { axes: 1, frames: 3 }[layer] ?? 0; // strokes are between them
       mesh.userData = { layer, shared: true }; // its geometry is that of all parts of its shape
       mesh.visible = this.layers.has(layer);
       return mesh;
+    },
+
+    // A mesh file: its triangles come in their own time, once for all parts that show it.
+    mesh(key, pose, layer, colour, opacity, number) {
+      const group = new THREE.Group();
+      group.matrixAutoUpdate = false;
+      group.matrix.copy(matrixOf(pose));
+      if (!this.meshes.has(key)) {
+        const refuse = (error) => (this.$emit("undrawn", { message: error.message }), []);
+        this.meshes.set(key, triangles(`meshes/${key}`).catch(refuse));
+      }
+      this.waiting += 1;
+      this.meshes.get(key).then((parts) => {
+        for (const { rgba, geometry } of parts) {
+          const [own, clear] = [colour ?? rgba?.slice(0, 3) ?? GREY, opacity * (colour ? 1 : (rgba?.[3] ?? 1))];
+          const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
+          mesh.userData = { layer, shared: true };
+          mesh.visible = this.layers.has(layer);
+          group.add(mesh);
+        }
+        this.arrived();
+        this.draw();
+      });
+      return group;
+    },
+
+    // A part of a mesh file is there; after the last one the camera sees all, if a person has not turned it meanwhile.
+    arrived() {
+      this.loaded += 1;
+      if (this.loaded < this.waiting) return;
+      this.waiting = this.loaded = 0;
+      if (!this.own && !this.seen()) this.fit(true);
     },
 
     label(text, layer, kind) {
@@ -306,10 +365,9 @@ export default {
         if (object.isMesh && object.visible && object.userData.layer === "frames")
           for (const [, tip] of AXES) points.push(tip.clone().multiplyScalar(1.1).applyMatrix4(object.matrixWorld));
         if (!object.isMesh || !["links", "axes"].includes(object.userData.layer)) return;
-        for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) {
-          const half = object.geometry.boundingBox.max; // the shapes have their middle in the origin
-          points.push(new THREE.Vector3(x, y, z).multiply(half).applyMatrix4(object.matrixWorld));
-        }
+        const { min, max } = object.geometry.boundingBox;
+        for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z])
+          points.push(new THREE.Vector3(x, y, z).applyMatrix4(object.matrixWorld));
       });
       return points.length ? points : [[-0.8, -0.8, 0], [0.8, -0.8, 0], [0.8, 0.8, 0], [0, 0, 0.9]].map((p) => new THREE.Vector3(...p));
     },

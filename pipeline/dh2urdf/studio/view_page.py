@@ -52,12 +52,17 @@ class ViewPage:
             if len(self.view.figures) > 1:
                 choice = ui.toggle({True: "side by side", False: "at one place"}, value=self.view.apart)
                 choice.props("dense unelevated no-caps").on_value_change(self._choose_place)
+            if self.view.turns:
+                up = ui.toggle({True: "meshes as in ROS", False: "as their files say"}, value=self.view.as_in_ros)
+                up.props("dense unelevated no-caps").on_value_change(self._choose_up)
+                up.tooltip("COLLADA files name the axis that points up. RViz and MoveIt take z, whatever they name.")
             button = ui.button(icon="center_focus_strong", on_click=self._see_all)
             button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
         if unseen := self.view.drawing.unseen:
-            told = words.count(len(unseen), "mesh file is", "mesh files are")
-            ui.label(f"{told} not drawn: frames, axes and other shapes are.").classes("studio-bar studio-remark")
-        self._scene = ArmView(on_pick=self._highlight)
+            told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
+            remark = ui.label(f"{told}: {words.some_of(unseen)}").classes("studio-bar studio-remark")
+            remark.tooltip("\n".join(unseen[:50]))
+        self._scene = ArmView(on_pick=self._highlight, on_undrawn=dialogs.warn)
 
     def _highlight(self, row: int | None) -> None:
         self._scene.highlight(row)
@@ -99,6 +104,10 @@ class ViewPage:
         self.view.place(apart=bool(event.value))
         self._show()
         self._scene.fit()
+
+    def _choose_up(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        self.view.place(as_in_ros=bool(event.value))
+        self._show()
 
     def _see_all(self) -> None:
         self._scene.fit()

@@ -11,6 +11,7 @@ from dh2urdf.conversion.one_manipulator import make_item, make_robot, read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.kinematics.chain import link_poses
+from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.robot import Robot
@@ -21,7 +22,7 @@ from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
-from dh2urdf.studio.drawing.scene import Drawing, Figure, extent
+from dh2urdf.studio.drawing.scene import Drawing, Figure, extent, meshes_of
 from dh2urdf.studio.editing.reading import transform_call
 from dh2urdf.tasks.batch import Expected, items
 from dh2urdf.variations.variation import Variant
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.studio.drawing.mesh_files import DrawnMesh
     from dh2urdf.studio.joints import Slider
 
 MOST_FIGURES = 50
@@ -100,7 +102,11 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
     given = expanded_with(emitter, expansion, path) if emitter.expandable else ()
     with blaming(default_call(catalog, emitter), "read_foreign" if emitter.read_foreign else "read_back"):
         robot = a_whole_record(reading(path, *given), Robot)
-    yield Figure(robot=robot, title=robot.name or path.stem)
+    packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))
+    find = mesh_finder(path.resolve().parent, packages)
+    addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(robot))
+    files = {address: file for address in addresses if (file := find(address))}
+    yield Figure(robot=robot, title=robot.name or path.stem, files=files)
 
 
 def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
@@ -151,6 +157,7 @@ class View:
         figures: the robots.
         layers: what is shown.
         apart: whether the robots stand side by side, or all at one place.
+        as_in_ros: whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
         sliders: the joints of all robots.
         q: their values by name [rad or m].
         drawing: the robots, as they are drawn.
@@ -159,23 +166,38 @@ class View:
     def __init__(self, figures: Sequence[Figure]) -> None:
         self.figures = tuple(figures)
         self.layers: frozenset[str] = frozenset(("links", "axes"))
-        self.apart = True
+        self.apart, self.as_in_ros = True, True
         moving = [
             replace(joint, name=figure.name + joint.name) for figure in figures for joint in figure.robot.moving_joints
         ]
         self.sliders: tuple[Slider, ...] = joints.sliders(moving, angle_unit="deg")
         self.q = joints.zero(self.sliders)
         self.drawing = Drawing()
-        self.place(apart=True)
+        self.place()
 
     def copy(self) -> View:
         """Another view of the same robots."""
         return View(self.figures)
 
-    def place(self, *, apart: bool) -> None:
-        """Puts the robots side by side, or all at one place."""
-        self.apart = apart
-        self.drawing = Drawing.of(list(_placed(self.figures)) if apart else self.figures)
+    def place(self, *, apart: bool | None = None, as_in_ros: bool | None = None) -> None:
+        """Puts the robots side by side or all at one place, and their meshes as ROS or as their files have them."""
+        self.apart = self.apart if apart is None else apart
+        self.as_in_ros = self.as_in_ros if as_in_ros is None else as_in_ros
+        figures = [replace(figure, as_in_ros=self.as_in_ros) for figure in self.figures]
+        self.drawing = Drawing.of(list(_placed(figures)) if self.apart else figures)
+
+    @property
+    def turns(self) -> bool:
+        """Whether there are meshes whose files may say which axis is up, and need not be believed."""
+        return any(mesh.as_in_ros and mesh.path.suffix.lower() == ".dae" for mesh in self.drawing.meshes.values())
+
+    def meshes(self) -> dict[str, DrawnMesh]:
+        """Every mesh file that the page may ask for, by its key."""
+        return {
+            key: mesh
+            for as_in_ros in (True, False)
+            for key, mesh in Drawing.of([replace(one, as_in_ros=as_in_ros) for one in self.figures]).meshes.items()
+        }
 
     def move(self, values: Mapping[str, float]) -> None:
         """Joint values by name [rad or m]; they are kept inside the limits."""

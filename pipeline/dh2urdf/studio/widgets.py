@@ -27,9 +27,11 @@ _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
 class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # Element is any type to mypy
     """The arm in 3D."""
 
-    def __init__(self, on_pick: Callable[[int | None], None]) -> None:
+    def __init__(self, on_pick: Callable[[int | None], None], on_undrawn: Callable[[str], None] | None = None) -> None:
         super().__init__()
         self.on("pick", lambda event: on_pick(event.args["row"]))
+        if on_undrawn is not None:
+            self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
 
     def show(self, drawing: Drawing, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
         """Another drawing."""

@@ -53,9 +53,13 @@ def remarks(opened: Opened) -> list[str]:
 
 def without(lost: Sequence[str]) -> str:
     """What a table that was opened says, and the table on the screen does not."""
-    more = len(lost) - MOST_LOST
-    told = ", ".join(lost[:MOST_LOST]) + (f" and {more} more" if more > 0 else "")
-    return f"The studio's table has no place for {told}: what is made here is without."
+    return f"The studio's table has no place for {some_of(lost)}: what is made here is without."
+
+
+def some_of(things: Sequence[str]) -> str:
+    """The first of some things, and how many more there are."""
+    more = len(things) - MOST_LOST
+    return ", ".join(things[:MOST_LOST]) + (f" and {more} more" if more > 0 else "")
 
 
 def left_out(number: int) -> str:

@@ -143,11 +143,10 @@ def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], 
 
 def _arms(path: Path, options: O, described: Callable[[Path, O], Description]) -> Iterator[Manipulator | Rejected]:
     from dh2urdf.manipulator import Convention
+    from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
     from dh2urdf_plugins.descriptions.arms import Asked, manipulator_of
-    from dh2urdf_plugins.descriptions.mesh_paths import mesh_finder
     from dh2urdf_plugins.descriptions.trees import Tree
     from dh2urdf_plugins.extraction.solving import Choices
-    from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 
     try:
         description = described(path, options)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError, ProofError
+from dh2urdf.meshes import packages_in, with_its_own
 from dh2urdf.source import Mark
 from dh2urdf.stages import Expansion, Finding, Inspection
 from dh2urdf_plugins.lint import (
@@ -27,7 +28,6 @@ from dh2urdf_plugins.lint.document.reading import robot_of
 from dh2urdf_plugins.lint.document.tree import Element
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
-from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -58,6 +58,13 @@ class AlphaSwapOptions:
         default=False,
         metadata={"help": "give the base a collision shape; it may touch the first links in simulators"},
     )
+    base_frame: bool = field(
+        default=False,
+        metadata={
+            "help": "add the frame `base` of ROS (REP 199): the DH frame before the first row, where the base "
+            "transform of the table puts it"
+        },
+    )
     visuals: Literal["all", "none"] = field(
         default="all",
         metadata={"help": "whether links are seen; none is for learning runs: the masses stay as they are"},

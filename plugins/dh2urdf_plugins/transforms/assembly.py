@@ -79,11 +79,13 @@ class Base:
         origin: of base_link_inertia in base_link.
         visuals: what is seen, in base_link_inertia.
         collisions: what touches.
+        dh_frame: the DH frame before the first row, in base_link_inertia.
     """
 
     origin: Origin
     visuals: tuple[Visual, ...]
     collisions: tuple[Collision, ...]
+    dh_frame: Origin = Origin()
 
 
 def complete_limits(row: DHRow) -> Limits:
@@ -181,6 +183,9 @@ def assemble(
     last = links[-1].name
     joints += [fixed_joint(last, "flange", flange), fixed_joint(last, "tool0", tool0)]
     links += [own.link(name="flange", inertial=WEIGHTLESS), own.link(name="tool0", inertial=WEIGHTLESS)]
+    if options.base_frame:  # On the body of the base: a chain of frames without mass is lost in sdformat.
+        joints.append(fixed_joint("base_link_inertia", "base", base.dh_frame))
+        links.append(own.link(name="base", inertial=WEIGHTLESS))
     if payload:
         joints.append(fixed_joint(last, PAYLOAD, tool0))
         links.append(own.link(name=PAYLOAD, inertial=payload))

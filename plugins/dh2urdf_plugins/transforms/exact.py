@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, greater_of, hypot, smaller_of
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
@@ -197,4 +198,5 @@ def _base(manipulator: Manipulator, frames: Frames, style: Style, rail: Rail, op
         seen = (mesh_visual(manipulator.base_visual, dh_frame, BASE_COLOUR),)
     if manipulator.base_collision:
         touch = (mesh_collision(manipulator.base_collision, dh_frame),)
-    return Base(origin=origin(*frames.base), visuals=seen, collisions=touch)
+    place = own.origin(xyz=dh_frame.translation, rpy=dh_frame.rpy)
+    return Base(origin=origin(*frames.base), visuals=seen, collisions=touch, dh_frame=place)

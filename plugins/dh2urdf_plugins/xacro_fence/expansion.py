@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import enter, run_in_child
+from dh2urdf.meshes import packages_in
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
-from dh2urdf_plugins.xacro_fence.files import Files, packages_in
+from dh2urdf_plugins.xacro_fence.files import Files
 from dh2urdf_plugins.xacro_fence.places import Place, keep_places, place_of_failure, places
 
 if TYPE_CHECKING:

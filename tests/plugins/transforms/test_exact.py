@@ -354,6 +354,21 @@ def test_dh_link_frames_are_the_frames_of_the_table(convention: Convention) -> N
 
 @FRAMES
 @pytest.mark.parametrize("convention", Convention)
+def test_the_frame_base_is_the_dh_frame_before_the_first_row(frames: str, convention: Convention) -> None:
+    """On request alone, where the base transform puts it, with a base that turns about all axes."""
+    base = RigidTransform.from_xyz_rpy((0.1, -0.2, 0.3), (0.4, -0.5, math.pi))
+    rows = (DHRow(joint="j", link="link_1", a=0.3, alpha=0.2, d=0.1, theta=0.5),)
+    manipulator = Manipulator(name="arm", convention=convention, rows=rows, base=base)
+    assert "base" not in [link.name for link in alpha_swap(manipulator, AlphaSwapOptions(frames=frames)).links]
+    robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames, base_frame=True))
+    np.testing.assert_allclose(tree_pose(robot, [0.7], "base"), homogeneous(base), atol=1e-15)
+    (link,) = [link for link in robot.links if link.name == "base"]
+    assert (link.visuals, link.collisions, link.inertial and link.inertial.mass) == ((), (), 0.0)
+    assert [problem for problem in check_robot(robot) if problem.severity == "error"] == []
+
+
+@FRAMES
+@pytest.mark.parametrize("convention", Convention)
 def test_the_flange_looks_out_along_x(frames: str, convention: Convention) -> None:
     """The flange is the last DH frame turned by rpy (0, -π/2, -π/2), as in ROS-Industrial; the tool is not in it."""
     table = Manipulator(

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dh2urdf.kinematics.chain import as_matrices, forward_kinematics, joint_variables
-from dh2urdf.manipulator import Convention
-from dh2urdf.robot import Joint, Link, Mesh, Robot, Visual
+from dh2urdf.manipulator import Convention, Inertia, JointType
+from dh2urdf.robot import Inertial, Joint, Link, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
 from dh2urdf.studio.editing.reading import make
@@ -100,8 +100,8 @@ def test_a_drawing_is_plain_json(reference_robots: list[ReferenceRobot], catalog
     assert all(len(stroke["points"]) >= 2 for stroke in moved["strokes"])
 
 
-def test_meshes_are_told_and_not_drawn() -> None:
-    """A mesh file is not given to the browser; the page says that there are such."""
+def test_meshes_that_are_not_there_are_named() -> None:
+    """The page names a mesh whose file nobody finds."""
     mesh = Visual(geometry=Mesh(filename="package://x/arm.stl"))
     robot = Robot(name="x", links=(Link(name="base", visuals=(mesh,)),), joints=())
     drawing = Drawing.of([Figure(robot=robot)])
@@ -109,11 +109,42 @@ def test_meshes_are_told_and_not_drawn() -> None:
     assert [part.shape for node in drawing.nodes for part in node.parts] == []
 
 
+def test_a_link_with_nothing_to_draw_is_sticks() -> None:
+    """From its origin to the joints that it holds, as far as they are elsewhere."""
+    links = tuple(Link(name=name) for name in ("root", "arm", "here"))
+    joints = (
+        Joint(name="a", type=JointType.FIXED, parent="root", child="arm", origin=Origin(xyz=(0.3, 0.0, 0.4))),
+        Joint(name="b", type=JointType.FIXED, parent="root", child="here"),
+    )
+    drawing = Drawing.of([Figure(robot=Robot(name="x", links=links, joints=joints))])
+    ((stick,),) = ([part for part in node.parts if part.layer == "links"] for node in drawing.nodes[:1])
+    assert stick.size[1] == pytest.approx(0.5)
+    x, y, z = stick.pose.translation
+    assert (x, y, z) == pytest.approx((0.15, 0.0, 0.2))
+    assert [stick.pose.rotation[k] for k in (2, 5, 8)] == pytest.approx([0.6, 0.0, 0.8])
+    assert not any(part.layer == "links" for node in drawing.nodes[1:] for part in node.parts)
+
+
+def test_a_mass_is_the_ellipsoid_of_its_inertia() -> None:
+    """Of an even ellipsoid with half axes 0.1, 0.2 and 0.3 m, turned: the very ellipsoid."""
+    half, mass = np.array([0.1, 0.2, 0.3]), 2.0
+    turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+    tensor = turn @ np.diag([mass / 5 * (sum(half**2) - axis**2) for axis in half]) @ turn.T
+    inertia = Inertia(
+        ixx=tensor[0, 0], iyy=tensor[1, 1], izz=tensor[2, 2], ixy=tensor[0, 1], ixz=tensor[0, 2], iyz=tensor[1, 2]
+    )
+    inertial = Inertial(mass=mass, com=(1.0, 2.0, 3.0), inertia=inertia)
+    drawing = Drawing.of([Figure(robot=Robot(name="x", links=(Link(name="base", inertial=inertial),), joints=()))])
+    ((part,),) = ([part for part in node.parts if part.layer == "masses"] for node in drawing.nodes)
+    assert part.pose.translation == (1.0, 2.0, 3.0)
+    axes = np.reshape(part.pose.rotation, (3, 3))
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    drawn = axes @ np.diag(np.square(part.size)) @ axes.T
+    assert drawn == pytest.approx(turn @ np.diag(half**2) @ turn.T)
+
+
 def test_links_in_any_order_are_drawn() -> None:
     """A description of foreign origin may name children before parents, and joints in any order."""
-    from dh2urdf.manipulator import JointType
-    from dh2urdf.robot import Origin
-
     links = tuple(Link(name=name) for name in ("tip", "middle", "root"))
     joints = (
         Joint(name="b", type=JointType.FIXED, parent="middle", child="tip", origin=Origin(xyz=(1.0, 0.0, 0.0))),

@@ -7,20 +7,23 @@ DH frames from the table, by different code, so that the screen itself would sho
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, link_poses
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
+from dh2urdf.studio.drawing.mesh_files import DrawnMesh, drawn_mesh
 from dh2urdf.studio.drawing.strokes import Stroke, strokes
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
-    from dh2urdf.robot import Collision, Geometry, Link, Material, Visual
+    from dh2urdf.robot import Geometry, Link, Material
 
 Colour: TypeAlias = tuple[float, float, float]
 """Red, green, blue in 0..1."""
@@ -31,11 +34,13 @@ LAYERS = {
     "frames": "frames",
     "parameters": "a α d θ",
     "collision": "collision",
+    "masses": "masses",
 }
 """What can be shown and hidden, and what a person calls it."""
 
 GREY: Colour = (0.72, 0.74, 0.77)
 COLLISION: Colour = (0.85, 0.2, 0.45)
+MASS: Colour = (0.45, 0.3, 0.75)
 PAPER: Colour = (0.45, 0.24, 0.72)
 AXIS_COLOURS: Mapping[JointType, Colour] = {
     JointType.REVOLUTE: (0.95, 0.62, 0.07),
@@ -55,20 +60,23 @@ class ScenePart:
     """A body of a node.
 
     Attributes:
-        shape: ``box`` (size x, y, z), ``cylinder`` (radius, length), ``sphere`` (radius) or ``frame`` (length).
+        shape: ``box`` (size x, y, z), ``cylinder`` (radius, length), ``sphere`` (radius, or three half axes), ``frame``
+            (length) or ``mesh`` (none).
         size: its sizes [m].
         pose: where it is in the node.
         layer: with what it is shown, one of `LAYERS`.
-        colour: its colour.
+        colour: its colour; None for those of a mesh file.
         opacity: 1 for what cannot be looked through.
+        mesh: the mesh file.
     """
 
     shape: str
     size: tuple[float, ...]
     pose: RigidTransform = IDENTITY
     layer: str = "links"
-    colour: Colour = GREY
+    colour: Colour | None = GREY
     opacity: float = 1.0
+    mesh: DrawnMesh | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,6 +111,8 @@ class Figure:
         typed: the table as it was typed, whose texts and units stand at its parameters.
         title: a text that stands at its root.
         link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
+        files: the files that the addresses of its meshes mean.
+        as_in_ros: whether the axis up of their COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
     """
 
     robot: Robot
@@ -113,6 +123,8 @@ class Figure:
     tint: Colour | None = None
     title: str = ""
     link_frames: bool = True
+    files: Mapping[str, Path] = field(default_factory=dict)
+    as_in_ros: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,7 +135,7 @@ class Drawing:
         figures: the robots.
         nodes: everything that has a pose.
         reach: how far the largest of the robots reaches [m].
-        unseen: shapes that a browser cannot be given: meshes.
+        unseen: the meshes that have no file, or none that can be drawn.
     """
 
     figures: tuple[Figure, ...] = ()
@@ -137,14 +149,15 @@ class Drawing:
         size = max((extent(figure.robot) for figure in figures), default=1.0)
         size = size if size > 1 / 10**_DIGITS else REACH_OF_A_POINT
         nodes = tuple(node for figure in figures for node in _nodes(figure, size))
-        meshes = {
-            shape.geometry.filename: None
-            for figure in figures
-            for link in figure.robot.links
-            for shape in _shapes(link)
-            if isinstance(shape.geometry, Mesh)
-        }
-        return cls(figures=tuple(figures), nodes=nodes, reach=size, unseen=tuple(meshes))
+        meshes = ((mesh, figure) for figure in figures for mesh in meshes_of(figure.robot))
+        unseen = dict.fromkeys(mesh.filename for mesh, figure in meshes if _file_of(mesh, figure) is None)
+        return cls(figures=tuple(figures), nodes=nodes, reach=size, unseen=tuple(unseen))
+
+    @property
+    def meshes(self) -> dict[str, DrawnMesh]:
+        """The mesh files that are drawn, by what a page asks for them by."""
+        parts = (part for node in self.nodes for part in node.parts)
+        return {part.mesh.key: part.mesh for part in parts if part.mesh is not None}
 
     def poses(self, q: Mapping[str, float]) -> tuple[RigidTransform, ...]:
         """Where the nodes are, in their order.
@@ -187,6 +200,7 @@ class Drawing:
                             "layer": part.layer,
                             "colour": part.colour,
                             "opacity": part.opacity,
+                            "mesh": part.mesh and part.mesh.key,
                         }
                         for part in node.parts
                     ],
@@ -239,7 +253,10 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     for link in robot.links:
         joint = above.get(link.name)
         row = rows.get(joint.name) if joint else None
-        parts = [*_bodies(link, figure.tint), *(_axis(joint, size) if joint else ())]
+        bodies = list(_bodies(link, figure))
+        if not any(part.layer == "links" for part in bodies):
+            bodies += _sticks(link, robot, figure.tint, 0.15 * size)
+        parts = [*bodies, *_mass(link), *(_axis(joint, size) if joint else ())]
         is_flange = link.name == FLANGE
         is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
         if is_frame:  # The flange's is smaller: tool0 often stands where it does.
@@ -262,34 +279,79 @@ def _frame_size(reach: float, robot: Robot) -> float:
     return min(FRAME_SIZE, 0.5 / links) * reach
 
 
-def _bodies(link: Link, tint: Colour | None) -> Iterator[ScenePart]:
+def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
     for visual in link.visuals:
-        yield from _part(visual.geometry, visual.origin.transform, "links", *_colour(visual.material, tint))
+        part = _part(visual.geometry, figure)
+        if part is not None:
+            colour, opacity = _colour(visual.material, figure.tint)
+            plain = GREY if part.mesh is None else None
+            yield replace(part, pose=visual.origin.transform, colour=colour or plain, opacity=opacity)
     for collision in link.collisions:
-        yield from _part(collision.geometry, collision.origin.transform, "collision", COLLISION, 0.45)
+        part = _part(collision.geometry, figure)
+        if part is not None:
+            pose = collision.origin.transform
+            yield replace(part, pose=pose, layer="collision", colour=COLLISION, opacity=0.45)
 
 
-def _shapes(link: Link) -> tuple[Visual | Collision, ...]:
-    return (*link.visuals, *link.collisions)
+def _sticks(link: Link, robot: Robot, tint: Colour | None, radius: float) -> Iterator[ScenePart]:
+    """The skeleton of a link that has nothing to draw: from its own origin to those of the joints that it holds."""
+    for joint in robot.joints:
+        length = norm(joint.origin.xyz)
+        if joint.parent == link.name and length > 0.0:
+            pose = RigidTransform(towards(joint.origin.xyz), scale(0.5, joint.origin.xyz))
+            yield ScenePart(shape="cylinder", size=(radius, length), pose=pose, colour=tint or GREY)
 
 
-def _colour(material: Material | None, tint: Colour | None) -> tuple[Colour, float]:
+def _mass(link: Link) -> Iterator[ScenePart]:
+    """The centre of mass, and the ellipsoid of even density that has the inertia of a link."""
+    inertial = link.inertial
+    if inertial is None or not inertial.mass > 0.0:
+        return
+    import numpy as np
+
+    i = inertial.inertia
+    tensor = [[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]]
+    moments, axes = np.linalg.eigh(tensor)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 2] *= -1.0
+    squares = 2.5 / inertial.mass * (moments.sum() - 2.0 * moments)  # of the half axes: I1 = m (b² + c²) / 5
+    if not squares.min() >= 0.0:
+        return  # no body has such an inertia
+    half_axes = tuple(float(axis) for axis in np.sqrt(squares))
+    pose = RigidTransform(tuple(map(float, axes.ravel())), inertial.com)  # type: ignore[arg-type]  # nine of them
+    yield ScenePart(shape="sphere", size=half_axes, pose=pose, layer="masses", colour=MASS, opacity=0.5)
+
+
+def meshes_of(robot: Robot) -> Iterator[Mesh]:
+    """The meshes of a robot's visuals and collisions, link by link."""
+    for link in robot.links:
+        geometries = (*(visual.geometry for visual in link.visuals), *(other.geometry for other in link.collisions))
+        yield from (geometry for geometry in geometries if isinstance(geometry, Mesh))
+
+
+def _file_of(mesh: Mesh, figure: Figure) -> DrawnMesh | None:
+    return drawn_mesh(mesh, figure.files.get(mesh.filename), as_in_ros=figure.as_in_ros)
+
+
+def _colour(material: Material | None, tint: Colour | None) -> tuple[Colour | None, float]:
     if material is None:
-        return tint or GREY, 1.0
+        return tint, 1.0
     red, green, blue, opacity = material.rgba
     return tint or (red, green, blue), opacity
 
 
-def _part(geometry: Geometry, pose: RigidTransform, layer: str, colour: Colour, opacity: float) -> Iterator[ScenePart]:
+def _part(geometry: Geometry, figure: Figure) -> ScenePart | None:
+    """A shape in its own frame; None for a mesh that cannot be drawn."""
     match geometry:
         case Box(size=size):
-            yield ScenePart(shape="box", size=size, pose=pose, layer=layer, colour=colour, opacity=opacity)
+            return ScenePart(shape="box", size=size)
         case Cylinder(radius=radius, length=length):
-            yield ScenePart(
-                shape="cylinder", size=(radius, length), pose=pose, layer=layer, colour=colour, opacity=opacity
-            )
+            return ScenePart(shape="cylinder", size=(radius, length))
         case Sphere(radius=radius):
-            yield ScenePart(shape="sphere", size=(radius,), pose=pose, layer=layer, colour=colour, opacity=opacity)
+            return ScenePart(shape="sphere", size=(radius,))
+        case Mesh():
+            file = _file_of(geometry, figure)
+            return ScenePart(shape="mesh", size=(), mesh=file) if file else None
 
 
 def _axis(joint: Joint, size: float) -> Iterator[ScenePart]:

@@ -64,12 +64,11 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
         MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
     """
     from dh2urdf.documents import read_bytes
+    from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
     from dh2urdf_plugins.collision_pairs.mechanism import Mechanism
     from dh2urdf_plugins.collision_pairs.search import collision_pairs
     from dh2urdf_plugins.descriptions.description import LARGEST, urdf_description, xacro_description
-    from dh2urdf_plugins.descriptions.mesh_paths import mesh_finder
     from dh2urdf_plugins.emitters.srdf.pairs_text import new_file, updated
-    from dh2urdf_plugins.xacro_fence.files import packages_in, with_its_own
 
     has_macros = path.name.lower().endswith(_MACROS)
     if expansion.arguments and not has_macros:

@@ -8,12 +8,12 @@ from lxml import etree
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
+from dh2urdf.meshes import own_folder, packages_in, with_its_own
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import PACKAGE_FILE, Finding, Inspection
 from dh2urdf_plugins.lint.models.models import parsed
 from dh2urdf_plugins.lint.packages import manifest, names, paths
 from dh2urdf_plugins.lint.packages.package import CONSUMERS, LONGEST, Hit, Package, package_rules
-from dh2urdf_plugins.xacro_fence.files import own_folder, packages_in, with_its_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -1,0 +1,98 @@
+"""ROS packages by name, and the files that a description means by the addresses of its meshes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import unquote
+
+from dh2urdf.errors import InputError
+from dh2urdf.source import Problem
+from dh2urdf.stages import PACKAGE_FILE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+
+DEEPEST = 4
+"""How many folders below the one that a user names a package may be."""
+_NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
+_LARGEST = 2**26
+"""Size of a package.xml that is read [B]."""
+
+
+def own_folder(path: Path) -> Path:
+    """The folder of a file's package; the folder of the file where it is in none."""
+    folder = path.resolve().parent
+    return next((above for above in (folder, *folder.parents) if (above / PACKAGE_FILE).is_file()), folder)
+
+
+def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
+    """The ROS packages in some folders, by the names that they give themselves; the first of a name is meant.
+
+    A folder that holds ``package.xml`` is a package. Others may hold packages, up to `DEEPEST` folders below.
+
+    Raises:
+        InputError: a folder is none, or holds no package.
+    """
+    found: dict[str, Path] = {}
+    problems: list[Problem] = []
+    for path in paths:
+        if not path.is_dir():
+            problems.append(Problem(message="there is no such folder of packages", found=str(path)))
+        elif not (here := dict(_packages(path.resolve(), DEEPEST))):
+            message = f"no folder in it holds a {PACKAGE_FILE}: it is no ROS package, and holds none"
+            problems.append(
+                Problem(message=message, found=str(path), accepted="a package, or the `src` of a workspace")
+            )
+        else:
+            found = {**here, **found}
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def _packages(folder: Path, depth: int) -> Iterator[tuple[str, Path]]:
+    if (description := folder / PACKAGE_FILE).is_file():
+        match = _NAME.search(description.read_bytes()[:_LARGEST])
+        yield (match[1].decode("utf-8", "replace") if match else folder.name), folder
+    elif depth:
+        for inner in sorted(folder.iterdir(), reverse=True):  # the first of a name comes last, and stays
+            if inner.is_dir() and not inner.is_symlink():
+                yield from _packages(inner, depth - 1)
+
+
+def with_its_own(path: Path, packages: Mapping[str, Path]) -> dict[str, Path]:
+    """Some packages by name, and the one that a file is in."""
+    own = own_folder(path)
+    return {**packages, **(dict(_packages(own, 0)) if (own / PACKAGE_FILE).is_file() else {})}
+
+
+def mesh_finder(folder: Path, packages: Mapping[str, Path]) -> Callable[[str], Path | None]:
+    """What finds the file of an address: a path from the description's folder, or in a package.
+
+    The packages are those that the user names, the one that the file is in, and a folder of the package's name above.
+    """
+
+    def find(address: str) -> Path | None:
+        scheme, separator, rest = address.partition("://")
+        if not separator:
+            return _file(folder / address)
+        if scheme == "file":
+            return _file(Path(unquote(rest)))
+        if scheme not in ("package", "model"):
+            return None
+        name, _, inner = rest.partition("/")
+        roots = [packages[name]] if name in packages else []
+        roots += [above / name for above in (folder, *folder.parents)]
+        roots += [above for above in (folder, *folder.parents) if above.name == name]
+        return next((path for root in roots if (path := _file(root / inner))), None)
+
+    return find
+
+
+def _file(path: Path) -> Path | None:
+    try:
+        return path if path.is_file() else None
+    except (OSError, ValueError):
+        return None

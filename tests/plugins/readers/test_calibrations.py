@@ -101,7 +101,9 @@ def test_it_is_converted_with_links_of_its_own_size(folder: Path) -> None:
 
 
 def test_differences_are_a_table_of_some_joints(folder: Path) -> None:
-    (folder / "d.csv").write_text("joint,a [mm],alpha [deg],d [mm],theta [rad]\nelbow,0.2,0.1,0,0\nwrist_1,0,0,-0.3,1e-3\n")
+    (folder / "d.csv").write_text(
+        "joint,a [mm],alpha [deg],d [mm],theta [rad]\nelbow,0.2,0.1,0,0\nwrist_1,0,0,-0.3,1e-3\n"
+    )
     given, arm = (dh2urdf.read("ur3.csv", **more) for more in ({}, {"calibration": "d.csv"}))
     changed = {row.joint: row for row, other in zip(arm.rows, given.rows, strict=True) if row != other}
     assert changed.keys() == {"elbow", "wrist_1"}

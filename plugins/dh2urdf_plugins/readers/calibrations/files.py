@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import check_file
-from dh2urdf.errors import TableError
+from dh2urdf.errors import InputError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf.plugin_system import load
 from dh2urdf.provenance import Trace
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import Reader
 from dh2urdf_plugins.readers.calibrations.calibration import FIELDS, Calibration, RowDifference
 from dh2urdf_plugins.readers.calibrations.ur_conf import read_ur_conf
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dh2urdf.manipulator import Convention
-    from dh2urdf.stages import Reader
     from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 CONF = ".conf"
@@ -57,10 +57,6 @@ class CalibrationFile:
             TableError: the file cannot be read, or holds something else.
         """
         if convention not in self._read:
-            try:
-                check_file(self.path, TableError)
-            except TableError as error:
-                raise TableError(replace(problem, field="calibration") for problem in error.problems) from None
             is_conf = self.path.suffix.lower() == CONF
             self._read[convention] = read_ur_conf(self.path, convention) if is_conf else self._table(convention)
         return self._read[convention]
@@ -68,7 +64,9 @@ class CalibrationFile:
     def _table(self, convention: Convention) -> Calibration:
         """A table whose rows are differences."""
         reader = self._reader()
-        options = reader.options(convention=str(convention), **self._units)
+        known = {each.name for each in fields(reader.options)}
+        given = {"convention": str(convention), **self._units}
+        options = reader.options(**{name: value for name, value in given.items() if name in known})
         trace, file = Trace(), str(self.path)
         if reader.trace is None:
             raise TypeError(reader.name)
@@ -96,14 +94,20 @@ class CalibrationFile:
         )
 
     def _reader(self) -> Reader[Any]:
-        """The reader of tables by the file's suffix."""
-        from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+        """The reader of tables by the file's suffix.
 
-        readers = (csv.READER, yaml.READER, xlsx.READER, parquet.READER)
-        for reader in readers:
-            if self.path.name.lower().endswith(reader.suffixes):
-                return reader
-        suffixes = [suffix for reader in readers for suffix in reader.suffixes]
+        Raises:
+            TableError: there is none.
+        """
+        catalog = load()
+        try:
+            reader = catalog.reader_for(self.path)
+        except InputError:
+            reader = None
+        if reader is not None and reader.trace is not None:
+            return reader
+        stages = [provided.stage for provided in catalog.provided("reader")]
+        suffixes = [suffix for each in stages if isinstance(each, Reader) and each.trace for suffix in each.suffixes]
         raise TableError(
             Problem(
                 message=f"no calibration is known with the name {shown(self.path.name)}",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import load_yaml
+from dh2urdf.documents import check_file, load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, Payload
 from dh2urdf.provenance import Said
@@ -65,12 +65,20 @@ class TableOptions:
     )
 
     def __post_init__(self) -> None:
-        """Refuses words that mean nothing in any table.
+        """Refuses words that mean nothing in any table, and a calibration that is no file.
 
         Raises:
-            TableError: the convention or a unit is none that is known; whoever reads options knows its place.
+            TableError: the convention or a unit is unknown, or there is no such file; the caller knows its place.
         """
         problems: list[Problem] = []
+        if self.calibration is not None:
+            try:
+                check_file(self.calibration, TableError)
+            except TableError as error:
+                name = shown(str(self.calibration), 200)
+                problems += [
+                    replace(each, message=f"{name}: {each.message}", field="calibration") for each in error.problems
+                ]
         Statements().say_options(self, problems.append)
         if problems:
             fields = {"units.length": "length_unit", "units.angle": "angle_unit"}

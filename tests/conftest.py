@@ -47,7 +47,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--renew",
         action="store_true",
-        help="write generated files (table of stages and picture of the README) instead of comparing them",
+        help="write generated files instead of comparing them",
     )
 
 

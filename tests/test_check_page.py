@@ -120,4 +120,4 @@ def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
 
 def test_the_readme_leads_to_the_page() -> None:
     """From where it shows the command."""
-    assert "[docs/check.md](docs/check.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")
+    assert "(docs/check.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

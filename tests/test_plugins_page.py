@@ -180,4 +180,4 @@ def test_the_reader_of_another_container_refuses_other_files(ods: Reader[Any], t
 
 def test_the_readme_leads_here() -> None:
     """Whoever reads of plugins there finds this page."""
-    assert "[docs/plugins.md](docs/plugins.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")
+    assert "(docs/plugins.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

@@ -1,7 +1,7 @@
-"""The README keeps its word: its blocks are run, its table is generated, its picture is drawn, its numbers are measured.
+"""The README keeps its word: its blocks are run, its numbers are measured, and it stays short.
 
 The two blocks that set a machine up are run word for word by `.ci/run`; all others here. `pytest --renew` writes the
-table of stages and the picture.
+picture of the main job, which docs/ shows.
 """
 
 from __future__ import annotations
@@ -13,21 +13,15 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from lxml import etree
 from PIL import Image
 
-import dh2urdf_plugins
 from dh2urdf.cli import COMMANDS
-from dh2urdf.plugin_system.catalog import KINDS, Catalog, Plugin, load
-from dh2urdf.plugin_system.options import describe_options
-from dh2urdf.run_file.config import load_config
-from dh2urdf.run_file.plan import make_plan
-from dh2urdf.running.run import execute
+from dh2urdf.plugin_system.catalog import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,7 +31,6 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 PICTURE = ROOT / "docs" / "ur5.png"
-STAGES = re.compile(r"(?<=<!-- stages: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!-- /stages -->)", re.DOTALL)
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
@@ -49,10 +42,14 @@ def block(language: str, containing: str = "") -> str:
     return str(found)
 
 
+def test_it_is_short() -> None:
+    assert len(README.read_text("utf-8").splitlines()) <= 90
+
+
 def test_no_block_goes_untested() -> None:
-    """The README has the two blocks of `.ci/run` and the six of this file."""
+    """The README has the two blocks of `.ci/run` and the two of this file."""
     tags = [tag for tag, _ in BLOCK.findall(README.read_text("utf-8"))]
-    assert tags == ["sh", "sh", "csv", "sh", "text", "yaml", "yaml", "python"]
+    assert tags == ["sh", "sh", "csv", "sh"]
     assert README.read_text("utf-8").count("```") == 2 * len(tags)
 
 
@@ -97,15 +94,6 @@ def test_the_commands_write_what_they_say(converted: Path) -> None:
     }
 
 
-def test_what_info_prints(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """The lines of the README are lines of the command, one after the other."""
-    (tmp_path / "arm.csv").write_text(block("csv"), "utf-8")
-    head, *lines = block("text").splitlines()
-    printed = cli("info", "arm.csv").stdout.splitlines()
-    start = printed.index(head)
-    assert printed[start : start + 1 + len(lines)] == [head, *lines]
-
-
 def test_the_same_arm_three_times(converted: Path, tool0_of: Callable[[Path], Callable[..., np.ndarray]]) -> None:
     """The three files agree on where tool0 is, and the xacro is expanded by the real xacro."""
     import xacro
@@ -129,23 +117,21 @@ def test_the_table_says_what_it_means(converted: Path) -> None:
     assert float(joints["shoulder"].find("limit").get("upper")) == pytest.approx(np.pi, abs=1e-15)
 
 
-# --- The run file -----------------------------------------------------------------------------------------------------
+# --- The main job -----------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the run file of the README puts its files."""
+    """Where the run file of the first block puts its files."""
     from dh2urdf.cli import _status
 
     folder = tmp_path_factory.mktemp("readme")
     shutil.copytree(ROOT / "configs", folder / "configs")
-    (folder / "run.yaml").write_text(block("yaml", "execution:"), "utf-8")
-    assert _status(["run", str(folder / "run.yaml")], debug=False) == 0
+    assert _status(["run", str(folder / "configs" / "ur5.yaml"), "-o", str(folder / "build" / "ur5")], debug=False) == 0
     return folder / "build" / "ur5"
 
 
 def test_the_run_file_does_the_main_job(output: Path, reports: frozenset[str]) -> None:
-    """It is configs/ur5.yaml with every section said."""
     assert {path.name for path in output.iterdir()} == {
         *("ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", *reports)
     }
@@ -160,36 +146,6 @@ def test_the_errors_are_as_small_as_the_readme_says(output: Path) -> None:
     assert entry["proof"]["urdf"]["position_error"] < 1e-12
     assert entry["proof"]["xacro"]["position_error"] < 1e-12
     assert 1e-8 < entry["loaders"]["pybullet"]["position_error"] < 1e-6
-
-
-def test_what_the_run_file_says_is_the_default(tmp_path: Path) -> None:
-    """All but inputs, loaders, the xacro and the folder could be left out: the defaults are what it says."""
-    (tmp_path / "short.yaml").write_text("inputs: table.csv\n")
-    (tmp_path / "long.yaml").write_text(
-        block("yaml", "execution:").replace("configs/tables/ur5.csv", "table.csv"), "utf-8"
-    )
-    shutil.copy(ROOT / "configs" / "tables" / "ur5.csv", tmp_path / "table.csv")
-    catalog = load()
-    short, long = (make_plan(load_config(tmp_path / f"{name}.yaml"), catalog) for name in ("short", "long"))
-    assert short.recipe.transform == long.recipe.transform
-    assert short.recipe.emitters == long.recipe.emitters[:1]
-    assert short.executor == long.executor
-    assert [call.options for call in long.recipe.loaders] == [call.stage.options() for call in long.recipe.loaders]
-
-
-def test_the_cell_is_made(tmp_path: Path) -> None:
-    """The run file of a cell writes what is said of it, and every tool0 is proved."""
-    shutil.copytree(ROOT / "configs", tmp_path / "configs")
-    (tmp_path / "run.yaml").write_text(block("yaml", "cells:"), "utf-8")
-    _, report = execute(make_plan(load_config(tmp_path / "run.yaml"), load()))
-    *_, cell = report["manipulators"]
-    assert (cell["name"], cell["status"]) == ("workshop", "ok")
-    assert {file["path"] for file in cell["files"]} == {"workshop.urdf", "workshop.urdf.xacro", "workshop_macro.xacro"}
-    assert set(cell["proof"]) == {"urdf", "xacro"}
-    for proof in cell["proof"].values():
-        assert list(proof["tips"]) == ["track_tool0", "rider_tool0", "f_tool0"]
-    links = {link.get("name") for link in etree.parse(tmp_path / "build" / "run" / "workshop.urdf").findall("link")}
-    assert {"world", "track_base_link", "rider_link_1", "f_flange"} <= links
 
 
 def test_the_density_is_the_default() -> None:
@@ -208,32 +164,6 @@ def test_the_picture_is_what_comes_out(*, output: Path, renew: bool) -> None:
     assert different.mean() < 0.01
 
 
-# --- The stages -------------------------------------------------------------------------------------------------------
-
-
-def stages_table(catalog: Catalog) -> str:
-    """The built-in stages as a table of Markdown, by kind and name."""
-    lines = ["| kind | stage | what it does | options |", "|---|---|---|---|"]
-    for kind in KINDS:
-        for item in catalog.provided(kind):
-            if item.plugin.distribution.startswith("dh2urdf "):
-                options = ", ".join(f"`{name}`" for name, *_ in describe_options(item.stage.options))
-                lines.append(f"| {kind} | `{item.stage.name}` | {item.stage.summary} | {options} |")
-    return "\n".join([*lines, ""])
-
-
-def test_the_table_of_stages_is_that_of_the_catalog(*, renew: bool) -> None:
-    """Kind, name, summary and options of every built-in stage."""
-    text = README.read_text("utf-8")
-    table = stages_table(load())
-    if renew:
-        README.write_text(STAGES.sub(lambda found: found["remark"] + table, text), "utf-8")
-        text = README.read_text("utf-8")
-    found = STAGES.search(text)
-    assert found is not None
-    assert found["table"] == table, "run `pytest --renew tests/test_readme.py`"
-
-
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_and_flag_is_there(cli: Callable[..., Answer], command: str) -> None:
     """The README names every command, and no flag of one that does not have it."""
@@ -242,35 +172,3 @@ def test_every_command_and_flag_is_there(cli: Callable[..., Answer], command: st
     for line in re.findall(rf"dh2urdf {command} ([^`\n]*)", text):
         for flag in re.findall(r"(?<!\S)--?[a-z-]+", line):
             assert flag in cli(command, "--help").stdout
-
-
-# --- A plugin ---------------------------------------------------------------------------------------------------------
-
-
-def test_the_plugin_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The module of the README is a plugin: a run file names its emitter, with its option, beside a built-in one."""
-    module: Any = ModuleType("my_lab")
-    monkeypatch.setitem(sys.modules, "my_lab", module)  # where dataclasses look for the names of annotations
-    exec(compile(block("python"), "README.md", "exec"), module.__dict__)  # noqa: S102 - our own README
-    catalog = Catalog(
-        [
-            Plugin(name="builtin", distribution="dh2urdf", module=dh2urdf_plugins),
-            Plugin(name="my_lab", distribution="my-lab 1.0", module=module),
-        ]
-    )
-    (tmp_path / "arm.csv").write_text(block("csv"), "utf-8")
-    (tmp_path / "run.yaml").write_text(
-        "inputs: arm.csv\nemitters: [urdf, {stage: list, options: {bullet: '*'}}]\noutput: {directory: out}\n"
-    )
-    _, report = execute(make_plan(load_config(tmp_path / "run.yaml"), catalog))
-    (outcome,) = report["manipulators"]
-    assert (outcome["status"], outcome["errors"]) == ("ok", [])
-    assert (tmp_path / "out" / "arm.txt").read_text() == (
-        "* shoulder: revolute\n* elbow: revolute\n* slide: prismatic\n* wrist: revolute"
-    )
-
-
-def test_the_plugin_is_as_short_as_the_readme_says() -> None:
-    """A plugin of twenty lines, blank ones and imports aside."""
-    lines = [line for line in block("python").splitlines() if line and not line.startswith(("from ", "import "))]
-    assert len(lines) <= 20

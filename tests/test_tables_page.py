@@ -817,4 +817,4 @@ def test_every_link_of_the_page_leads_somewhere() -> None:
 
 def test_the_readme_leads_to_the_page() -> None:
     """From where it shows a table."""
-    assert "[docs/tables.md](docs/tables.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")
+    assert "(docs/tables.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import InputError, TableError
@@ -17,13 +16,12 @@ from dh2urdf_plugins.readers.calibrations.ur_conf import read_ur_conf
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from dh2urdf.manipulator import Convention
-    from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 CONF = ".conf"
 _ALLOWED = {"joint", "link", "type", "mark", *FIELDS}
-_UNITS = ("length_unit", "angle_unit", "units")
 
 
 class CalibrationFile:
@@ -34,18 +32,11 @@ class CalibrationFile:
 
         Args:
             path: the file.
-            units: the units of numbers that name none, as the options of a table have them.
+            units: the units of numbers that name none, as options of a reader of tables.
         """
         self.path = path
         self._units = units
         self._read: dict[Convention, Calibration] = {}
-
-    @classmethod
-    def of(cls, options: TableOptions) -> CalibrationFile | None:
-        """The file that the options name; None where they name none."""
-        if options.calibration is None:
-            return None
-        return cls(Path(options.calibration), {name: getattr(options, name) for name in _UNITS})
 
     def read(self, convention: Convention) -> Calibration:
         """The differences.

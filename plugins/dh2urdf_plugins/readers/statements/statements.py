@@ -310,7 +310,10 @@ class Statements:
     def say_options(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
         """Takes the convention and the units of the options; base and tool follow when the units are known."""
         mark = Mark(file=OPTIONS)
-        self.mesh_links, self.calibration = options.mesh_links, CalibrationFile.of(options)
+        self.mesh_links = options.mesh_links
+        if options.calibration is not None:
+            units = {name: getattr(options, name) for name in ("length_unit", "angle_unit", "units")}
+            self.calibration = CalibrationFile(options.calibration, units)
         if options.convention is not None:
             self.say_convention(Cell(options.convention, mark), add)
         if options.length_unit is not None:

@@ -3,7 +3,8 @@
 ``<stem>_macro.xacro`` holds one macro. Inside it, and never at the file's scope, where two macros would overwrite each
 other's, stand the numbers of the table as properties; origins and shapes are formulas over them. The macro prefixes
 every link, joint and material, and mounts the arm on a link of the caller's, or on none where ``parent`` is empty.
-``<stem>.urdf.xacro`` calls it with no parent. Expanded, that is the URDF of the same robot, element by element.
+A second macro is for calls without an origin block, which xacro cannot leave out. ``<stem>.urdf.xacro`` calls the
+first with its arguments, by default with no parent. Expanded, that is the URDF of the same robot, element by element.
 
 Of a cell, ``<stem>_macro.xacro`` holds one macro for every kind of arm, and ``<stem>.urdf.xacro`` the root link and one
 call for every arm, with its prefix, its parent and its origin.
@@ -54,7 +55,9 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Expansion, Inspection
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
-MACRO_PARAMETERS = "prefix parent:='' *origin"
+MACRO_PARAMETERS = "prefix:='' parent:='' *origin"
+PLACEMENT = {"prefix": "", "parent": "", "xyz": "0 0 0", "rpy": "0 0 0"}
+"""The arguments of a file for one arm, with their defaults."""
 
 _IDENTIFIER = re.compile(r"[^\W\d]\w*")
 _MACRO_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
@@ -151,7 +154,7 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
     macros = macros_of(robot, stem)
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
-        append_element(top, "arg", name="prefix", default="")
+        append_arguments(top, PLACEMENT)
     if profile.mujoco_element:
         append_mujoco_options(top, robot)
     library = top if options.single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
@@ -160,13 +163,15 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
         append_element(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
     for name, kind in macros.items():
         _append_macro(library, kind, name, profile)
+        if f"{name}_at" not in macros:
+            append_placed_macro(library, name)
     if robot.arms:
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
         for arm in robot.arms:
             name = next(name for name, kind in macros.items() if kind is arm.kind)
             _append_placed_call(top, name, arm, notation)
     else:
-        _append_call(top, *macros)
+        append_call(top, *macros)
     if options.single_file:
         return (EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment)),)
     return (
@@ -196,9 +201,43 @@ def append_element(parent: etree._Element, tag: str, /, **attributes: str) -> et
     return etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}", attributes)
 
 
-def _append_call(parent: etree._Element, macro: str) -> None:
-    call = append_element(parent, macro, prefix="$(arg prefix)")
-    etree.SubElement(call, "origin", {"xyz": "0 0 0", "rpy": "0 0 0"})
+def append_arguments(top: etree._Element, defaults: Mapping[str, str]) -> None:
+    """Appends the arguments of a file."""
+    for name, default in defaults.items():
+        append_element(top, "arg", name=name, default=default)
+
+
+def append_call(top: etree._Element, macro: str, files: Iterable[str] = ()) -> None:
+    """Appends the call of a macro with the arguments of the file, and the link that the caller wants the arm on.
+
+    Args:
+        top: the file.
+        macro: the name of the macro.
+        files: further arguments, which the macro takes by the same names.
+    """
+    mounted = append_element(top, "unless", value="${'$(arg parent)' == ''}")
+    etree.SubElement(mounted, "link", {"name": "$(arg parent)"})
+    call = append_element(top, macro, **{name: f"$(arg {name})" for name in ("prefix", "parent", *files)})
+    etree.SubElement(call, "origin", {"xyz": "$(arg xyz)", "rpy": "$(arg rpy)"})
+
+
+def append_placed_macro(parent: etree._Element, macro: str, files: Mapping[str, str] | None = None) -> None:
+    """Appends a second macro of the same arm, for a call without a block.
+
+    Args:
+        parent: the library.
+        macro: the name of the first macro.
+        files: its further parameters, with their defaults.
+    """
+    files = files or {}
+    append_comment(
+        parent,
+        f'The same without a block, which xacro cannot leave out: <xacro:{macro}_at parent="world" xyz="0 0 1"/>.',
+    )
+    defaults = [f"{name}:='{default}'" for name, default in {**PLACEMENT, **files}.items()]
+    placed = append_element(parent, "macro", name=f"{macro}_at", params=" ".join(defaults))
+    call = append_element(placed, macro, **{name: f"${{{name}}}" for name in ("prefix", "parent", *files)})
+    etree.SubElement(call, "origin", {"xyz": "${xyz}", "rpy": "${rpy}"})
 
 
 def _append_placed_call(parent: etree._Element, macro: str, arm: Arm, notation: XacroNotation) -> None:

@@ -51,19 +51,39 @@ def test_the_main_file_comes_first_and_the_macro_lies_beside_it(arm: Robot) -> N
 
 
 def test_the_whole_top_file_is_known(arm: Robot) -> None:
-    """It is thin: an argument, the options for MuJoCo, the macro's file and its call without a parent."""
+    """It is thin: arguments, the options for MuJoCo, the macro's file, its call, and a link where one is asked for."""
     assert EMITTER.emit(arm, "ur5", XacroOptions())[0].content.decode() == (
         """<?xml version="1.0"?>
 <!-- made by hand -->
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="arm">
   <xacro:arg name="prefix" default=""/>
+  <xacro:arg name="parent" default=""/>
+  <xacro:arg name="xyz" default="0 0 0"/>
+  <xacro:arg name="rpy" default="0 0 0"/>
   <mujoco>
     <compiler fusestatic="false" discardvisual="false" strippath="false"/>
   </mujoco>
   <xacro:include filename="ur5_macro.xacro"/>
-  <xacro:arm prefix="$(arg prefix)">
-    <origin xyz="0 0 0" rpy="0 0 0"/>
+  <xacro:unless value="${'$(arg parent)' == ''}">
+    <link name="$(arg parent)"/>
+  </xacro:unless>
+  <xacro:arm prefix="$(arg prefix)" parent="$(arg parent)">
+    <origin xyz="$(arg xyz)" rpy="$(arg rpy)"/>
   </xacro:arm>
+</robot>
+"""
+    )
+
+
+def test_the_macro_file_ends_with_a_macro_for_calls_without_a_block(arm: Robot) -> None:
+    """xacro cannot leave out the origin block of the first."""
+    assert macro_text(arm).endswith(
+        """  <!-- The same without a block, which xacro cannot leave out: <xacro:arm_at parent="world" xyz="0 0 1"/>. -->
+  <xacro:macro name="arm_at" params="prefix:='' parent:='' xyz:='0 0 0' rpy:='0 0 0'">
+    <xacro:arm prefix="${prefix}" parent="${parent}">
+      <origin xyz="${xyz}" rpy="${rpy}"/>
+    </xacro:arm>
+  </xacro:macro>
 </robot>
 """
     )
@@ -77,7 +97,7 @@ def test_the_macro_begins_with_the_table_and_the_mounting_joint(arm: Robot) -> N
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro">
   <!-- Call it as <xacro:arm prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:arm>; """
         """without a parent the arm is mounted on nothing, and origin is not used. -->
-  <xacro:macro name="arm" params="prefix parent:='' *origin">
+  <xacro:macro name="arm" params="prefix:='' parent:='' *origin">
     <!-- The table: edit the arm here. Origins and shapes follow these properties; """
         """axes, limits, masses, meshes and inertias are numbers that do not. -->
     <!-- joint 'lift': d_1 [m] -->
@@ -112,10 +132,10 @@ def test_numbers_that_follow_the_table_are_formulas(arm: Robot) -> None:
         assert line in text
 
 
-def test_nothing_but_the_macro_stands_at_the_scope_of_its_file(arm: Robot) -> None:
+def test_nothing_but_macros_stands_at_the_scope_of_its_file(arm: Robot) -> None:
     """A property there would be global, and two included macros would overwrite each other's."""
     root = ET.fromstring(macro_text(arm))  # noqa: S314 - our own file
-    assert [child.tag for child in root] == [f"{NAMESPACE}macro"]
+    assert [child.tag for child in root] == [f"{NAMESPACE}macro"] * 2
     assert "world" not in {name for link in root.iter("link") for name in link.attrib.values()}
 
 
@@ -186,6 +206,27 @@ def test_a_parent_gives_a_mounting_joint_with_the_origin(arm: Robot, tmp_path: P
     assert (mounting.parent, mounting.child) == ("world", "left_base_link")
     assert (mounting.origin.xyz, mounting.origin.rpy) == ((0, 0.5, 1), (0, 0, math.pi / 2))
     assert len(robot.joints) == len(arm.joints) + 1
+
+
+def test_a_call_without_a_block_takes_a_placement(arm: Robot, tmp_path: Path) -> None:
+    """As a call with a block, or at the parent's own place; a prefix is not needed."""
+    write(arm, tmp_path)
+    include = '<xacro:include filename="arm_macro.xacro"/><link name="world"/>'
+    block = '<xacro:arm prefix="a_" parent="world"><origin xyz="0 0.5 1" rpy="0 0 ${pi/2}"/></xacro:arm>'
+    call = '<xacro:arm_at prefix="a_" parent="world" xyz="0 0.5 1" rpy="0 0 ${pi/2}"/>'
+    assert scene(tmp_path, include + call) == scene(tmp_path, include + block)
+    mounting = scene(tmp_path, f'{include}<xacro:arm_at parent="world"/>').joints[0]
+    assert (mounting.child, mounting.origin.xyz, mounting.origin.rpy) == ("base_link", (0, 0, 0), (0, 0, 0))
+
+
+def test_the_file_to_open_mounts_the_arm_where_its_arguments_say(arm: Robot, tmp_path: Path) -> None:
+    """On a link of their name; without them, base_link is the root."""
+    place = {"prefix": "a_", "parent": "world", "xyz": "1 2 3", "rpy": "0 0 0.5"}
+    robot = parse_urdf(expand(write(arm, tmp_path), place), "arm")
+    mounting = robot.joints[0]
+    assert (robot.root, mounting.parent, mounting.child) == ("world", "world", "a_base_link")
+    assert (mounting.origin.xyz, mounting.origin.rpy) == ((1, 2, 3), (0, 0, 0.5))
+    assert parse_urdf(expand(tmp_path / "arm.urdf.xacro"), "arm").root == "base_link"
 
 
 def test_without_a_parent_there_is_no_mounting_joint(arm: Robot, tmp_path: Path) -> None:

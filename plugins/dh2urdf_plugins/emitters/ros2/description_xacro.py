@@ -19,10 +19,15 @@ from dh2urdf_plugins.emitters.ros2.yaml_files import (
 )
 from dh2urdf_plugins.emitters.urdf_tree import INERTIA, append_comment, append_robot, serialise
 from dh2urdf_plugins.emitters.xacro import (
+    MACRO_PARAMETERS,
     NAMESPACE,
+    PLACEMENT,
     XacroNotation,
+    append_arguments,
+    append_call,
     append_element,
     append_mounting,
+    append_placed_macro,
     as_text,
     property_name,
 )
@@ -100,22 +105,13 @@ def macro_file(kind: Kind, package: str) -> bytes:
     )
     files = kind.files
     defaults = " ".join(f"{each}:='{kind.default(package, file)}'" for each, file in files.items())
-    params = f"prefix:='' parent:='' *origin {defaults}"
-    macro = append_element(library, "macro", name=name, params=params)
+    macro = append_element(library, "macro", name=name, params=f"{MACRO_PARAMETERS} {defaults}")
     _append_table(macro, robot)
     append_element(macro, "property", name="limits", value="${xacro.load_yaml(limits_file)['joint_limits']}")
     append_element(macro, "property", name="physical", value="${xacro.load_yaml(physical_file)}")
     append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
-    append_comment(
-        library,
-        f'The same without a block, which xacro cannot leave out: <xacro:{name}_at parent="world" xyz="0 0 1"/>.',
-    )
-    given = {each: f"${{{each}}}" for each in ("prefix", "parent", *files)}
-    params = f"prefix:='' parent:='' xyz:='0 0 0' rpy:='0 0 0' {defaults}"
-    placed = append_element(library, "macro", name=f"{name}_at", params=params)
-    call = append_element(placed, name, **given)
-    etree.SubElement(call, "origin", {"xyz": "${xyz}", "rpy": "${rpy}"})
+    append_placed_macro(library, name, {each: kind.default(package, file) for each, file in files.items()})
     return serialise(library, robot.comment)
 
 
@@ -155,11 +151,10 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
     controlled = options.controlled
     files = {} if robot.arms else kinds[0].files
     positions = {"initial_positions_file": "initial_positions.yaml"} if controlled and not robot.arms else {}
-    placement = {} if robot.arms else {"prefix": "", "parent": "", "xyz": "0 0 0", "rpy": "0 0 0"}
+    placement = {} if robot.arms else PLACEMENT
     defaults = {name: kinds[0].default(package, file) for name, file in {**files, **positions}.items()}
     hardware = {"hardware": PLUGINS[options.hardware]} if controlled else {}
-    for name, default in {**placement, **defaults, **hardware}.items():
-        append_element(top, "arg", name=name, default=default)
+    append_arguments(top, {**placement, **defaults, **hardware})
     for kind in kinds:
         for ending in ("_macro.xacro", *([".ros2_control.xacro"] if controlled else [])):
             append_element(top, "include", filename=f"$(find {package})/urdf/{kind.macro}{ending}")
@@ -176,11 +171,8 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
 
 
 def _append_alone(top: etree._Element, kind: Kind, files: Iterable[str], *, controlled: bool) -> None:
-    """Appends the calls of one arm, and the link that the caller wants it on."""
-    mounted = append_element(top, "unless", value="${'$(arg parent)' == ''}")
-    etree.SubElement(mounted, "link", {"name": "$(arg parent)"})
-    call = append_element(top, kind.macro, **{name: f"$(arg {name})" for name in ("prefix", "parent", *files)})
-    etree.SubElement(call, "origin", {"xyz": "$(arg xyz)", "rpy": "$(arg rpy)"})
+    """Appends the calls of one arm."""
+    append_call(top, kind.macro, files)
     if controlled:
         given = {"prefix": "prefix", "plugin": "hardware", "initial_positions_file": "initial_positions_file"}
         words = {name: f"$(arg {argument})" for name, argument in given.items()}

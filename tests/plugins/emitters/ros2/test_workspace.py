@@ -66,9 +66,13 @@ def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules:
     run_file = tmp_path / "cell.yaml"
     run_file.write_text(CELL.format(tables=TABLES))
     cli("run", run_file, "-o", source / "made")
+    cli("run", TABLES.parent / "ros2_cell.yaml", "-o", tmp_path / "example")
+    for package in (tmp_path / "example").glob("two_arms_*"):  # The run writes the packages of a single UR5, too.
+        package.rename(source / package.name)
+    shutil.rmtree(tmp_path / "example")
     names = [
         f"{name}_{kind}"
-        for name in ("panda", "scara", "ur5", "track", "workshop")
+        for name in ("panda", "scara", "ur5", "track", "workshop", "two_arms")
         for kind in ("description", "moveit_config")
     ]
     system("colcon", "build", cwd=tmp_path, PYTHONPATH=str(modules))
@@ -76,7 +80,8 @@ def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules:
     results = system("colcon", "test-result", "--all", cwd=tmp_path)
     assert "0 errors, 0 failures, 0 skipped" in results.splitlines()[-1]
     for name in names:
-        robot, is_description = name.partition("_")[0], name.endswith("_description")
+        is_description = name.endswith("_description")
+        robot = name.removesuffix("_description").removesuffix("_moveit_config")
         test, place = ("test_description", "urdf") if is_description else ("test_moveit_config", "config")
         assert f"build/{name}/test_results/{name}/{test}.xunit.xml" in results
         prefix = tmp_path / "install" / name

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 import dh2urdf as api
 from dh2urdf.commands.extract import write_extracted
 from dh2urdf.errors import InputError
-from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.rotations import RigidTransform
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import Manipulator
 
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 

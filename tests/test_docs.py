@@ -15,6 +15,7 @@ The README has its own tests, in `test_readme.py`.
 
 from __future__ import annotations
 
+import configparser
 import json
 import os
 import re
@@ -255,6 +256,13 @@ def _read_xml(_folder: Folder, block: Block) -> None:
     etree.fromstring(block.body.encode())
 
 
+def _read_ini(_folder: Folder, block: Block) -> None:
+    assert block.title, f"{block.place}: a file without a title is used by nothing"
+    parser = configparser.ConfigParser()
+    parser.read_string(block.body)
+    assert parser.sections()
+
+
 def _read_csv(_folder: Folder, block: Block) -> None:
     assert block.title, f"{block.place}: a table without a title is used by nothing"
 
@@ -271,6 +279,7 @@ READ: dict[str, Callable[[Folder, Block], None]] = {
     "toml": _read_toml,
     "xml": _read_xml,
     "csv": _read_csv,
+    "ini": _read_ini,
     "text": _read_text,
 }
 

@@ -868,7 +868,9 @@ def test_a_line_said_twice_or_below_the_header_is_spoken_of(line: str, tmp_path:
 
 
 @pytest.mark.parametrize("function", [dh2urdf.read, dh2urdf.read_all, dh2urdf.convert])
-@pytest.mark.parametrize("name", ["convention", "length_unit", "angle_unit", "units", "base", "tool", "payload"])
+@pytest.mark.parametrize(
+    "name", ["convention", "length_unit", "angle_unit", "units", "base", "tool", "payload", "calibration"]
+)
 def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path: Path) -> None:
     """Another value is another arm; a name that is misspelt, or a value that is none, is refused by its name."""
     path = tmp_path / "arm.csv"
@@ -880,7 +882,8 @@ def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path:
 
     default: dict[str, Any] = {"convention": "standard"}
     values: dict[str, Any] = {"convention": "mdh", "length_unit": "cm", "angle_unit": "deg"}
-    values |= {"units": {"length": "cm"}, "payload": {"mass": 1}}
+    values |= {"units": {"length": "cm"}, "payload": {"mass": 1}, "calibration": tmp_path / "differences.csv"}
+    (tmp_path / "differences.csv").write_text("a,alpha,d,theta\n0.5,0.25,0.1,0.125\n0.3,0,0,0\n")
     value = values.get(name, {"xyz": [0, 0, 1]})
     assert call(**{**default, name: value}) != call(**default)
     for slip in (name[:-1], name + "s", name.upper()):

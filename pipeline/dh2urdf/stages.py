@@ -94,9 +94,7 @@ class Reader(Generic[O]):
         options: its options dataclass.
         read: yields the manipulators of a file one by one, without holding them.
         schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
-        write: the file of tables as their authors typed them, which `read` reads; it raises
-            `dh2urdf.errors.InputError` where one file cannot hold several such tables. None where the format is only
-            read.
+        write: the file of tables, which `read` reads, or InputError where it cannot hold them all. None: only read.
         trace: reads a file as `read` does, and before each manipulator fills a trace with what its cells say, which
             `dh2urdf info` shows. None where the reader does not know it.
         texts: the tables of a file as their authors typed them, as far as that can be told; what it gives is taken only

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     F = TypeVar("F", bound=Callable[..., Any])
 
-READER_OPTIONS = ("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload")
+READER_OPTIONS = ("convention", "length_unit", "angle_unit", "units", "base", "tool", "payload", "calibration")
 """The options of readers that have a flag of their own."""
 CHAIN_OPTIONS = ("base_link", "tip_link")
 """The same of readers of robot descriptions."""
@@ -62,6 +62,9 @@ def table_options(function: F) -> F:
             ),
             click.option("--tool", metavar="YAML", help="Last DH frame to tool0, like --base."),
             click.option("--payload", metavar="YAML", help='What the arm carries: "{mass: 2.5, com: [0, 0, 0.05]}".'),
+            click.option(
+                "--calibration", metavar="FILE", help="Differences to the rows: a calibration.conf, or a table of them."
+            ),
         )
     ):
         function = option(function)

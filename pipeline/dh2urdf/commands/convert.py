@@ -161,7 +161,8 @@ class Planned:
         if self.reader is None:
             raise TypeError(self.table)
         wanted = trace if self.table.stat().st_size <= TRACED_BYTES else None
-        return read_manipulator(self.reader, self.table, self.robot, self.asker, wanted), (self.table,)
+        arm = read_manipulator(self.reader, self.table, self.robot, self.asker, wanted)
+        return arm, (self.table, *self.reader.files)
 
 
 def plan_conversion(

@@ -44,7 +44,7 @@ class TableFile:
     left_out: tuple[Problem, ...] = ()
 
 
-class _Difference(NamedTuple):
+class _FieldChange(NamedTuple):
     """A place in which a manipulator that was read back differs from the one that was written."""
 
     robot: str
@@ -202,7 +202,7 @@ def _read_back(content: bytes, call: Call[Reader[Any]], place: str) -> list[Mani
 
 def _differences(
     manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
-) -> Iterator[_Difference]:
+) -> Iterator[_FieldChange]:
     """The places in which manipulators differ from what a file of them reads back as.
 
     Raises:
@@ -214,7 +214,7 @@ def _differences(
         raise RecordValueError(Problem(message=message, mark=Mark(file=place)))
     for given, again in zip(manipulators, read, strict=True):
         for inner, value, found in _different(given, again, ""):
-            yield _Difference(given.name, inner, value, found)
+            yield _FieldChange(given.name, inner, value, found)
 
 
 def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, Any]]:  # noqa: ANN401 - records and their parts
@@ -233,7 +233,7 @@ def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, A
         yield place, given, again
 
 
-def _other(difference: _Difference, call: Call[Reader[Any]], place: str) -> Problem:
+def _other(difference: _FieldChange, call: Call[Reader[Any]], place: str) -> Problem:
     return Problem(
         message=f"a table as {call.stage.name} cannot say this as it is",
         mark=Mark(file=place),

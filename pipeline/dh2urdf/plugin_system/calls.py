@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import pickle
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from dh2urdf.errors import (
@@ -63,6 +64,12 @@ class Call(Generic[S]):
     def kind(self) -> Kind:
         """The kind of the stage."""
         return next(kind for kind, record in RECORDS.items() if isinstance(self.stage, record))
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that the options name."""
+        given = [getattr(self.options, each.name) for each in fields(self.options)]
+        return tuple([value for value in given if isinstance(value, Path)])
 
     def __str__(self) -> str:
         return f"{self.kind} {self.stage.name!r}"

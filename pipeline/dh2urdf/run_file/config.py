@@ -220,7 +220,7 @@ class _Sections(SettingsReader):
             )
         for index, node in enumerate(entries):
             field = f"inputs.{index}"
-            given = self.entries(node, ("path", "stage", "options"), field)
+            given = self.entries(node, ("path", "stage", "options", "calibration"), field)
             path = self._path_text(given.get("path"), f"{field}.path")
             if "path" not in given and isinstance(node.value, dict):
                 self.say("this input has no path", node, field, accepted="`path: FILE`, where FILE may be a pattern")
@@ -230,10 +230,23 @@ class _Sections(SettingsReader):
             yield InputCall(
                 paths=tuple(self._files(*path, f"{field}.path", notices)),
                 stage=self.name(given.get("stage"), f"{field}.stage"),
-                options=self._options(given.get("options"), f"{field}.options"),
+                options=self._input_options(given, field),
                 mark=given.get("stage", given["path"]).mark,
                 notices=tuple(notices),
             )
+
+    def _input_options(self, given: dict[str, Node], field: str) -> Node | None:
+        """The options of an input's reader, with its calibration among them."""
+        options = self._options(given.get("options"), f"{field}.options")
+        if (node := given.get("calibration")) is None:
+            return options
+        if (path := self._path_text(node, f"{field}.calibration")) is None:
+            return options
+        others = options.value if options and isinstance(options.value, dict) else {}
+        if "calibration" in others:
+            self.say("the calibration is given twice, here and among the options", node, f"{field}.calibration")
+        file = _text(str(self._resolved(*path)), node)
+        return _mapping({**others, "calibration": file}, options or node)
 
     def _calls(
         self, section: Node, field: str, others: tuple[str, ...] = (), *, needed: str = ""

@@ -200,7 +200,9 @@ def _input(catalog: Catalog) -> dict[str, Any]:
     """An input: its reader is named, or goes by the suffix of the path."""
     named = _names(catalog, "reader")
     names = {"enum": _all_of(named), "description": "the reader; by the path's suffix if absent"}
-    call = _mapping({"path": _text("a table, or a pattern such as tables/*.csv"), "stage": names, "options": {}})
+    path = _text("a table, or a pattern such as tables/*.csv")
+    calibration = _text("differences that are added to the rows: a calibration.conf, or a table of them")
+    call = _mapping({"path": path, "stage": names, "options": {}, "calibration": calibration})
     call["required"] = ["path"]
     call["allOf"] = []
     for item in catalog.provided("reader"):

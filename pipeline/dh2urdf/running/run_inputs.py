@@ -66,8 +66,9 @@ def refuse_overwriting(plan: Plan) -> None:
 def _inputs(plan: Plan) -> Iterator[Path]:
     """Every file that a run reads, as far as it is known before its tables are read."""
     yield from plan.files
-    for path, _ in plan.inputs:
+    for path, reader in plan.inputs:
         yield path
+        yield from reader.files
     for call in plan.meshes:
         for shapes in (call.base, *(shapes for _, shapes in call.joints)):
             for shape in (shapes.visual, shapes.collision):

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import load_yaml
+from dh2urdf.documents import check_file, load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, Payload
 from dh2urdf.provenance import Said
-from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, is_unit, unit_word
+from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, unit_word
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf_plugins.readers.calibrations.files import CalibrationFile
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, table_units
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
 from dh2urdf_plugins.readers.statements.payloads import PayloadReader
 from dh2urdf_plugins.readers.statements.placements import PLACED, TransformReader
 from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
+from dh2urdf_plugins.readers.statements.unit_words import MEANT_KEYS, words_of_units
 from dh2urdf_plugins.readers.words.cells import Cell, Units
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOICES, convention_of
 
@@ -54,18 +56,29 @@ class TableOptions:
     payload: str | dict[str, Any] | None = field(
         default=None, metadata={"help": "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"}
     )
+    calibration: Path | None = field(
+        default=None, metadata={"help": "differences that are added to the rows: a calibration.conf, or a table"}
+    )
     mesh_links: bool = field(
         default=False,
         metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
     )
 
     def __post_init__(self) -> None:
-        """Refuses words that mean nothing in any table.
+        """Refuses words that mean nothing in any table, and a calibration that is no file.
 
         Raises:
-            TableError: the convention or a unit is none that is known; whoever reads options knows its place.
+            TableError: the convention or a unit is unknown, or there is no such file; the caller knows its place.
         """
         problems: list[Problem] = []
+        if self.calibration is not None:
+            try:
+                check_file(self.calibration, TableError)
+            except TableError as error:
+                name = shown(str(self.calibration), 200)
+                problems += [
+                    replace(each, message=f"{name}: {each.message}", field="calibration") for each in error.problems
+                ]
         Statements().say_options(self, problems.append)
         if problems:
             fields = {"units.length": "length_unit", "units.angle": "angle_unit"}
@@ -94,6 +107,7 @@ class Statements:
         base_geometry: shape of the base's body.
         base_meshes: meshes of the base's body.
         mesh_links: whether meshes may be links out of the table's folder.
+        calibration: the file of what is added to the rows.
         visuals: whether links are seen.
         collisions: whether links touch.
         placed: where base, tool, payload, shapes, masses and what is drawn are said.
@@ -112,6 +126,7 @@ class Statements:
     base_geometry: LinkGeometry = LinkGeometry()
     base_meshes: Meshes = Meshes()
     mesh_links: bool = False
+    calibration: CalibrationFile | None = None
     visuals: bool | None = None
     collisions: bool | None = None
     placed: dict[str, Mark] = field(default_factory=dict)
@@ -244,19 +259,19 @@ class Statements:
                             field=f"units.{key}",
                             found=key,
                             accepted=", ".join(UNIT_KEYS),
-                            suggestion=_MEANT_KEYS.get(key.casefold()) or did_you_mean(key, UNIT_KEYS),
+                            suggestion=MEANT_KEYS.get(key.casefold()) or did_you_mean(key, UNIT_KEYS),
                         )
                     )
                     continue
                 several = len(UNIT_KEYS[key]) > 1
-                words = _words_of_units(item) if several or not isinstance(item.value, list) else []
+                words = words_of_units(item) if several or not isinstance(item.value, list) else []
                 if not words:
                     message = f"units.{key} is {item.describe()}"
                     add(Problem(message=message, mark=item.mark, field=f"units.{key}", accepted="the name of a unit"))
                 for word in words:
                     self.say_unit(word, key, add)
             return
-        words = _words_of_units(node)
+        words = words_of_units(node)
         known = [UNITS.get(unit_word(word.text)) for word in words]
         for word, unit in zip(words, known, strict=True):
             if unit and all(known):
@@ -296,6 +311,9 @@ class Statements:
         """Takes the convention and the units of the options; base and tool follow when the units are known."""
         mark = Mark(file=OPTIONS)
         self.mesh_links = options.mesh_links
+        if options.calibration is not None:
+            units = {name: getattr(options, name) for name in ("length_unit", "angle_unit", "units")}
+            self.calibration = CalibrationFile(options.calibration, units)
         if options.convention is not None:
             self.say_convention(Cell(options.convention, mark), add)
         if options.length_unit is not None:
@@ -365,25 +383,6 @@ class Statements:
                     self.say_payload(node, add)
                 else:
                     self.say_transform(node, what, add)
-
-
-_MEANT_KEYS = {
-    **dict.fromkeys(("torque", "force", "friction"), "did you mean 'effort'?"),
-    **dict.fromkeys(("speed", "rate"), "did you mean 'velocity'?"),
-    **dict.fromkeys(("lengths", "distance"), "did you mean 'length'?"),
-    **dict.fromkeys(("angles", "rotation"), "did you mean 'angle'?"),
-    **dict.fromkeys(("masses", "weight"), "did you mean 'mass'?"),
-}
-"""What people call the keys of `units`, which one of their letters does not show."""
-
-
-def _words_of_units(node: Node) -> list[Cell]:
-    """The units that a text or a list names: at its commas, or at its spaces where that makes units of all."""
-    if isinstance(node.value, list):
-        return [word for item in node.value for word in _words_of_units(item)]
-    parts = [part.strip() for part in re.split("[,;]", node.text or "") if part.strip()] if node.value else []
-    words = [word for part in parts for word in ([part] if is_unit(part) else part.split())]
-    return [Cell(word, node.mark) for word in words]
 
 
 def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callable[[Problem], None]) -> Node | None:

@@ -84,7 +84,7 @@ class RowTable:
         self.convention_column = self._column("convention")
         self.trace = trace
         self.plain_table = self.statements.convention is not None or self.convention_column is not None
-        self.plain_table &= trace is None
+        self.plain_table &= trace is None and options.calibration is None
         self.has_type = "type" in columns.fields
         self.cells = TableCells(columns, self.units)
         self.remarked = 0

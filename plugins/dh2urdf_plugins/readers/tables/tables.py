@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import bare_beside_cells
@@ -14,7 +15,7 @@ from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.names import name_fault, name_problems
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.provenance import Trace
@@ -68,6 +69,8 @@ def manipulator(
             add(problem)
     for problem in bare_beside_cells(reader.units, reader.foreign, reader.bare):
         add(problem)
+    if statements.calibration and arm and not reader.errors:
+        arm = _calibrated(arm, statements, mark, add)
     _look_at_sizes(arm, statements, reader)
     problems = [problem.about(robot=name.text, mark=mark) for problem in sorted(reader.problems, key=_place)]
     if reader.errors:
@@ -76,6 +79,23 @@ def manipulator(
         )
         return Rejected(name=name.text, problems=errors, mark=mark, notices=notices)
     return statements.manipulator(name.text, tuple(arm), mark, tuple(problems))
+
+
+def _calibrated(rows: list[DHRow], statements: Statements, mark: Mark, add: Callable[[Problem], None]) -> list[DHRow]:
+    """The rows with the differences of a calibration."""
+    if statements.calibration is None or statements.convention is None:
+        return rows
+    try:
+        calibration = statements.calibration.read(statements.convention[0])
+        calibrated = calibration.applied(rows)
+    except TableError as error:
+        for problem in error.problems:
+            add(problem)
+        return rows
+    given, found = (statements.manipulator("calibrated", tuple(arm), mark) for arm in (rows, calibrated))
+    for notice in (*calibration.notices, calibration.notice(given, found)):
+        add(notice)
+    return calibrated
 
 
 def _place(problem: Problem) -> tuple[bool, int, int]:

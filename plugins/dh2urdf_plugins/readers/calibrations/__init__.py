@@ -1,0 +1,1 @@
+"""Calibrations: differences between the rows of an arm and those of its data sheet."""

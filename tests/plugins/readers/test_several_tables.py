@@ -1,0 +1,55 @@
+"""Several tables in one file, as the readers ``yaml`` and ``csv`` write them, and what a format leaves out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+import dh2urdf as api
+from dh2urdf.commands.extract import write_extracted
+from dh2urdf.errors import InputError
+from dh2urdf.plugin_system import load
+from dh2urdf.rotations import RigidTransform
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import Manipulator
+
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
+
+
+@pytest.fixture
+def arms() -> list[Manipulator]:
+    arm = api.read(TABLES / "ur5.csv")
+    return [replace(arm, mark=None), replace(arm, name="twin", mark=None)]
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".csv"])
+def test_several_arms_in_one_file_come_back(arms: list[Manipulator], suffix: str, tmp_path: Path) -> None:
+    """Every arm of the file equals the one that was written, in order."""
+    path = tmp_path / f"arms{suffix}"
+    assert write_extracted(arms, path, load(), inputs=()) == ()
+    assert list(api.read_all(path)) == arms
+
+
+def test_csv_names_what_differs(arms: list[Manipulator], tmp_path: Path) -> None:
+    """Comments of a CSV file speak of all rows: two bases are refused, and no file is made."""
+    first, second = arms
+    moved = replace(second, base=RigidTransform.from_xyz_rpy((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
+    path = tmp_path / "arms.csv"
+    with pytest.raises(InputError, match="a CSV file has one base for all of its manipulators"):
+        write_extracted([first, moved], path, load(), inputs=())
+    assert not path.exists()
+    assert write_extracted([first, moved], tmp_path / "arms.yaml", load(), inputs=()) == ()
+    assert list(api.read_all(tmp_path / "arms.yaml")) == [first, moved]
+
+
+def test_what_a_format_leaves_out_is_named(arms: list[Manipulator], tmp_path: Path) -> None:
+    """A CSV table has no place for whether links are drawn; a YAML table has."""
+    arm = replace(arms[0], visuals=False)
+    (notice,) = write_extracted([arm], tmp_path / "arm.csv", load(), inputs=())
+    assert notice.message == "the format 'csv' has no place for 'visuals': left out"
+    assert write_extracted([arm], tmp_path / "arm.yaml", load(), inputs=()) == ()
+    assert api.read(tmp_path / "arm.yaml") == arm

@@ -11,8 +11,7 @@ from dh2urdf.row_fields import INERTIA, LIMITS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.link_bodies import Inertia, LinkGeometry, MeshShape, Payload
-    from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.manipulator import DHRow, Inertia, LinkGeometry, Manipulator, MeshShape, Payload
     from dh2urdf.rotations import RigidTransform
 
 

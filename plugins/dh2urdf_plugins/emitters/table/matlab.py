@@ -19,8 +19,7 @@ from dh2urdf_plugins.emitters.table.code import angle_code, matrix_rows, unsaid,
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from dh2urdf.link_bodies import Inertia
-    from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.manipulator import DHRow, Inertia, Manipulator
     from dh2urdf.rotations import Vec3
     from dh2urdf.source import Problem
 

@@ -22,6 +22,8 @@ HALF_PI = math.pi / 2
 _QUARTER_TURN_TOLERANCE = (
     1e-15  # relative: within the rounding of an angle that was computed, not of one that was meant
 )
+_ROUNDED = 5e-3  # rad
+_DIGITS = 9  # of degrees: more are the rounding of their conversion
 _COSINES = (1.0, 0.0, -1.0, 0.0)
 _SINES = (0.0, 1.0, 0.0, -1.0)
 
@@ -50,6 +52,24 @@ def quarter_turns(angle: float) -> int | None:
     """The whole number of quarter turns that an angle [rad] is, or None where it is none."""
     turns, is_whole = nearest_quarter(angle)
     return turns if is_whole else None
+
+
+def rounded_quarter_turn(angle: float) -> int | None:
+    """The quarter turns that an angle [rad] was probably rounded from, as 1.5708 or 89.9° were; None where it was not.
+
+    It is within two units of its own last decimal, in radians or in degrees, and within 5 mrad, of a whole number of
+    quarter turns other than 0, and is none. A measured angle has more decimals: 1.57195248 was not rounded from π/2.
+    """
+    from decimal import Decimal
+
+    turns: int = round(angle / HALF_PI)
+    if not turns or quarter_turns(angle) is not None or not abs(angle - turns * HALF_PI) <= _ROUNDED:
+        return None
+    for number, whole in ((angle, turns * HALF_PI), (round(math.degrees(angle), _DIGITS), turns * 90.0)):
+        exponent = Decimal(repr(number)).normalize().as_tuple().exponent
+        if isinstance(exponent, int) and abs(number - whole) <= 2.0 * 10.0**exponent:
+            return turns
+    return None
 
 
 def cos_sin(angle: Any) -> tuple[Any, Any]:  # noqa: ANN401 - floats and arrays alike

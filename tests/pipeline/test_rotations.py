@@ -21,6 +21,7 @@ from dh2urdf.rotations import (
     quarter_turns,
     rotate,
     rotation_from_rpy,
+    rounded_quarter_turn,
     rpy_from_rotation,
     scale,
     subtract,
@@ -208,3 +209,18 @@ def test_the_lengths_of_a_column_are_those_of_its_vectors(vectors: list[Vec3]) -
     """To the last bit."""
     x, y, z = (np.array(column) for column in zip(*vectors, strict=True))
     assert norm((x, y, z)).tolist() == [norm(vector) for vector in vectors]  # type: ignore[attr-defined, arg-type]
+
+
+@pytest.mark.parametrize(
+    ("angle", "turns"),
+    [
+        *((1.5708, 1), (-1.571, -1), (1.57, 1), (3.14, 2), (3.1416, 2), (4.71239, 3)),
+        *((math.radians(89.9), 1), (math.radians(180.01), 2), (math.radians(-90.0001), -1)),
+        *((math.pi / 2, None), (0.001, None), (1.6, None), (2.0, None), (1.0, None)),
+        *((1.57195248426, None), (1.5719, None), (1.57079, 1), (1.5707, 1), (1.5705, None)),
+        *((math.radians(89.95), None), (math.radians(90.0662), None), (math.radians(89.0), None)),
+    ],
+)
+def test_an_angle_that_was_rounded_from_a_quarter_turn(angle: float, turns: int | None) -> None:
+    """By its own last decimal, in radians or in degrees; what has more decimals was measured."""
+    assert rounded_quarter_turn(angle) == turns

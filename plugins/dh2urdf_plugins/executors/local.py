@@ -118,7 +118,8 @@ class _Pool:
             worker = self._take(fresh=tried > 0)
             answer = worker.ask(data)
             if answer:
-                worker.pass_on(self._whose)
+                if not self._is_ending:  # else it may print that it was ended
+                    worker.pass_on(self._whose)
                 self._idle.append(worker)
                 return _result(answer)
             reason = worker.reason()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from dh2urdf.elementwise import is_column, where
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.mass_properties import has_zero_moments, inertia_problem, is_sound, principal_moments, with_floor
-from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns
+from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns, rounded_quarter_turn
 from dh2urdf.row_fields import NUMBERS
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.transforms.shapes import SHAPES
@@ -191,10 +191,13 @@ def _angles_of(row: DHRow) -> tuple[str, ...]:
 
 
 def is_suspicious(angle: Number) -> Condition:
-    """Whether an angle [rad] was probably meant to be a quarter turn, and is none; takes columns."""
+    """Whether an angle [rad] was probably rounded from a quarter turn, and is none; takes columns."""
     turns, is_whole = nearest_quarter(angle)
-    near: Condition = (turns != 0) & (abs(angle - turns * HALF_PI) < SUSPICIOUS)
-    return where(is_whole, False, near)
+    near: Condition = where(is_whole, False, (turns != 0) & (abs(angle - turns * HALF_PI) < SUSPICIOUS))
+    if not is_column(near):
+        return near and rounded_quarter_turn(angle) is not None
+    near[near] = [rounded_quarter_turn(float(each)) is not None for each in angle[near]]
+    return near
 
 
 def _row_problems(row: DHRow) -> Iterator[Problem]:

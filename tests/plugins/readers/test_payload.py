@@ -113,7 +113,7 @@ def test_what_is_written_is_read_back(payload: Payload, suffix: str, units: tupl
     arm = Manipulator(name="arm", convention=Convention.STANDARD, rows=(row,), base_mass=0.0, payload=payload)
     write = READERS[suffix].write
     assert write is not None
-    found = accepted(read(write(table_text(arm, *units)).content.decode(), tmp_path, suffix))
+    found = accepted(read(write([table_text(arm, *units)]).content.decode(), tmp_path, suffix))
     assert (found.payload, found.base_mass) == (payload, 0.0)
 
 

@@ -96,6 +96,8 @@ def test_an_angle_that_was_probably_a_quarter_turn_is_kept_with_a_notice(
     "row",
     [
         {"alpha": math.pi / 2},
+        {"alpha": 1.57195248426},  # of a calibrated arm: measured, not rounded
+        {"alpha": math.radians(90.0662)},
         {"alpha": 0.001},
         {"alpha": 1.0, "theta": 1.55},
         {"type": "prismatic", "offset": 1.5708},

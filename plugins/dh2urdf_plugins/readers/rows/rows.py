@@ -10,7 +10,7 @@ from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import Dimension, accepted_units
-from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.readers.header.units import SI
@@ -154,9 +154,8 @@ class RowReader(RowCells):
         return quantity.value
 
     def _nearly_quarter_turn(self, name: str, angle: float) -> None:
-        turns = round(angle / HALF_PI)
-        near = abs(angle - turns * HALF_PI) <= NEARLY * abs(turns * HALF_PI)
-        if turns and near and quarter_turns(angle) is None:
+        turns = rounded_quarter_turn(angle)
+        if turns and abs(angle - turns * HALF_PI) <= NEARLY * abs(turns * HALF_PI):
             meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
             meant = meant if turns > 0 else f"-{meant}"
             self._notice(

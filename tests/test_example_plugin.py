@@ -119,7 +119,7 @@ def test_without_it_its_stages_are_unknown(dh2urdf: Command, table: Path) -> Non
     table.with_name("run.yaml").write_text(RUN.replace("inputs:", "inputs: # of an unknown kind\n "))
     refused = dh2urdf("run", "run.yaml", status=2).stderr
     assert "no emitter is named 'datasheet'" in refused
-    assert "accepted: mjcf, ros2, sdf, srdf, urdf, xacro" in refused
+    assert "accepted: mjcf, ros2, sdf, srdf, table, urdf, xacro" in refused
     assert "no reader is known for the file 'scara.dh.toml'" in refused
 
 

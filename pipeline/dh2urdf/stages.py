@@ -160,7 +160,7 @@ class EmittedFile:
         name: its name in the output folder. Of an emitter with `Emitter.in_folders` it is a path of several parts with
             ``/`` between them; of all others it has no folder.
         content: what it holds.
-        is_robot: whether `Emitter.read_back` reads it, as the main file; False for files for people.
+        is_robot: whether `Emitter.read_back` reads it; of the files of a robot, the first such one is proved.
     """
 
     name: str

@@ -6,10 +6,6 @@ from dh2urdf._faces import face
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from dh2urdf.commands.written_tables import (
-        TableFile as TableFile,
-        left_out_of as left_out_of,
-        table_file_as as table_file_as,
-    )
+    from dh2urdf.commands.written_tables import left_out_of as left_out_of, table_content as table_content
 else:
-    __all__, __getattr__, __dir__ = face(__name__, {"written_tables": "TableFile left_out_of table_file_as"})
+    __all__, __getattr__, __dir__ = face(__name__, {"written_tables": "left_out_of table_content"})

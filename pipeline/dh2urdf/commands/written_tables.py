@@ -96,10 +96,10 @@ def table_file(
     return TableFile(content=content, left_out=left_out(manipulators, content, call, place))
 
 
-def table_file_as(
+def table_content(
     format_name: str, manipulators: Sequence[Manipulator], *, length_unit: str = "m", angle_unit: str = "rad"
-) -> TableFile:
-    """The tables of some manipulators in the format of an installed reader, once they read back as the same arms.
+) -> bytes:
+    """The tables of some manipulators in the format of an installed reader; `left_out_of` reads them back.
 
     Args:
         format_name: name of the reader.
@@ -109,14 +109,13 @@ def table_file_as(
 
     Raises:
         InputError: no such reader is installed, it only reads, or its format cannot hold several such tables.
-        RecordValueError: what was written reads back as another arm.
     """
-    call = _reader(format_name)
-    return table_file(manipulators, call, call.stage.name, length_unit=length_unit, angle_unit=angle_unit)
+    texts = [table_text(manipulator, length_unit, angle_unit) for manipulator in manipulators]
+    return in_format(texts, _reader(format_name)).content
 
 
 def left_out_of(format_name: str, manipulators: Sequence[Manipulator], content: bytes) -> tuple[Problem, ...]:
-    """What a table file that is written otherwise lacks, in the format of an installed reader; see `left_out`."""
+    """What a file of tables, in the format of an installed reader, does not hold; see `left_out`."""
     call = _reader(format_name)
     return left_out(manipulators, content, call, call.stage.name)
 

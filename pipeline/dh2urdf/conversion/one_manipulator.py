@@ -285,8 +285,9 @@ def emit_robot(
                 raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
-        looked = proved and files[0].is_robot and (sampled or not emitter.costly_proof)
-        proof = _prove_file(truth, folder / files[0].name, call, poses, recipe=recipe) if looked else None
+        looked = proved and (sampled or not emitter.costly_proof)
+        robots = [file.name for file in files if looked and file.is_robot]
+        proof = _prove_file(truth, folder / robots[0], call, poses, recipe=recipe) if robots else None
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 

@@ -1,15 +1,16 @@
 """The stage ``table``: the DH tables of a robot, for papers and scripts.
 
-A robot has its table from the pipeline (`Robot.manipulator`); a cell has one for each kind of arm. Tables as YAML, CSV
-and JSON are read back and compared before anybody gets them.
+A robot has its table from the pipeline (`Robot.manipulator`); a cell has one for each kind of arm. The pipeline reads
+tables as YAML, CSV and JSON back and compares T(q); every other field is compared where the notices are made.
 """
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.commands import left_out_of, table_file_as
+from dh2urdf.commands import left_out_of, table_content
 from dh2urdf.errors import EmitterError, InputError, RecordValueError
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
@@ -22,7 +23,7 @@ from dh2urdf_plugins.emitters.table.toolbox import left_out_of_toolbox, toolbox_
 from dh2urdf_plugins.read_back.table_reader import read_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
@@ -41,7 +42,7 @@ def emit(robot: Robot, stem: str, options: TableOptions) -> tuple[EmittedFile, .
     return tuple(
         EmittedFile(
             name=f"{stem}{SUFFIXES[name]}",
-            content=_written(name, arms, options)[0],
+            content=_content(name, arms, options),
             is_robot=name in _READ_BACK and not robot.arms,
         )
         for name in _formats(options)
@@ -73,28 +74,51 @@ def _formats(options: TableOptions) -> tuple[Format, ...]:
     return tuple(dict.fromkeys(options.formats)) or ("yaml",)
 
 
-def _written(name: Format, arms: Sequence[Manipulator], options: TableOptions) -> tuple[bytes, tuple[Problem, ...]]:
-    """A file in a format, and notices of what the format leaves out.
+def _content(name: Format, arms: Sequence[Manipulator], options: TableOptions) -> bytes:
+    """A file in a format.
 
     Raises:
         EmitterError: the format cannot hold the tables.
     """
+    match name:
+        case "yaml" | "csv":
+            with _as_emitter_errors():
+                return table_content(name, arms, length_unit=options.length_unit, angle_unit=options.angle_unit)
+        case "json":
+            return json_file(arms)
+        case "markdown":
+            return markdown_file(arms, options)
+        case "latex":
+            return latex_file(arms, options)
+        case "matlab":
+            return matlab_file(arms)
+        case "roboticstoolbox":
+            return toolbox_file(arms)
+
+
+def _left_out(name: Format, arms: Sequence[Manipulator], options: TableOptions) -> Iterable[Problem]:
+    """Notices of what a format leaves out; a file that our readers read is read back.
+
+    Raises:
+        EmitterError: the format cannot hold the tables, or what was written reads back as other arms.
+    """
+    match name:
+        case "yaml" | "csv" | "json":
+            reader = "csv" if name == "csv" else "yaml"
+            with _as_emitter_errors():
+                return left_out_of(reader, arms, _content(name, arms, options))
+        case "matlab":
+            return left_out_of_matlab(arms)
+        case "roboticstoolbox":
+            return left_out_of_toolbox(arms)
+        case "markdown" | "latex":
+            return ()
+
+
+@contextmanager
+def _as_emitter_errors() -> Iterator[None]:
     try:
-        match name:
-            case "yaml" | "csv":
-                file = table_file_as(name, arms, length_unit=options.length_unit, angle_unit=options.angle_unit)
-                return file.content, file.left_out
-            case "json":
-                content = json_file(arms)
-                return content, left_out_of("yaml", arms, content)
-            case "markdown":
-                return markdown_file(arms, options), ()
-            case "latex":
-                return latex_file(arms, options), ()
-            case "matlab":
-                return matlab_file(arms), tuple(left_out_of_matlab(arms))
-            case "roboticstoolbox":
-                return toolbox_file(arms), tuple(left_out_of_toolbox(arms))
+        yield
     except (InputError, RecordValueError) as error:
         raise EmitterError(error.problems) from error
 
@@ -113,7 +137,7 @@ def one_file(options: TableOptions) -> TableOptions:
 def notices(robot: Robot, options: TableOptions) -> list[Problem]:
     """What the formats leave out, and that a table does not say where the arms of a cell are."""
     arms = manipulators_of(robot)
-    found = [notice for name in _formats(options) for notice in _written(name, arms, options)[1]]
+    found = [notice for name in _formats(options) for notice in _left_out(name, arms, options)]
     return [*found, *_of_a_cell(robot, len(arms))]
 
 

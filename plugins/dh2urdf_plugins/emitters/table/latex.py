@@ -23,7 +23,7 @@ _ESCAPES = {
     "<": r"\textless{}",
     ">": r"\textgreater{}",
     "|": r"\textbar{}",
-    '"': r"\textquotedbl{}",
+    '"': r"\char34{}",  # also where babel has made it a command
     **{character: f"\\{character}" for character in "&%$#_{}"},
 }
 _PRODUCT = r" \, "

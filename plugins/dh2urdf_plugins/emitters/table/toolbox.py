@@ -6,7 +6,7 @@ in its DH frame and the inertia tensor about the centre of mass; with a gear rat
 behind the gear.
 
 Source: P. Corke and J. Haviland, "Not your grandmother's toolbox" (ICRA 2021); classes `DHLink` and `DHRobot` of
-roboticstoolbox-python 1.4.
+roboticstoolbox-python 1.5.
 """
 
 from __future__ import annotations

@@ -102,11 +102,15 @@ def test_groups_are_closed(arm: Manipulator) -> None:
 
 
 @pytest.mark.skipif(not shutil.which("pdflatex"), reason="pdflatex is not installed")
-def test_latex_compiles(arm: Manipulator, tmp_path: Path) -> None:
-    """In a document with booktabs."""
-    (tmp_path / "arm.tex").write_bytes(latex_file([arm], RADIANS))
+@pytest.mark.parametrize("unit", [RADIANS, TableOptions(length_unit="mm", angle_unit="deg")])
+def test_latex_compiles(arm: Manipulator, unit: TableOptions, tmp_path: Path) -> None:
+    """In a document with booktabs, whatever the names are."""
+    rows = tuple(replace(row, joint=f'{row.joint} 50% #{{$\\~^_&<|>"') for row in arm.rows)
+    (tmp_path / "arm.tex").write_bytes(latex_file([arm, replace(arm, name='a "b" #1_{&}', rows=rows)], unit))
     (tmp_path / "main.tex").write_text(
         "\\documentclass{article}\n\\usepackage{booktabs}\n\\begin{document}\n\\input{arm}\n\\end{document}\n"
     )
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "main.tex"]
-    subprocess.run(command, cwd=tmp_path, capture_output=True, timeout=120, check=True)
+    answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert answer.returncode == 0, answer.stdout
+    assert "Missing character" not in (tmp_path / "main.log").read_text(errors="replace")

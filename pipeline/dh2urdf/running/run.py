@@ -198,6 +198,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                 known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
                 under_way.append(known)
                 exhibits.see(batch)
+                ledger.axes.see(batch)
                 yield known
 
     unread: list[

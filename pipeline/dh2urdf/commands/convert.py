@@ -241,7 +241,7 @@ def plan_conversion(
     if target is None:
         calls["emitter"] = [_in_one_file(call) for call in calls["emitter"]]
     elif one_file:
-        calls["emitter"] = [_as_named(call, target) for call in calls["emitter"]]
+        calls["emitter"] = [as_named(call, target) for call in calls["emitter"]]
     prefix = _mesh_prefix(meshes, target, asker)
     recipe = Recipe(
         transform=calls["transform"][0],
@@ -289,7 +289,7 @@ def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
         return replace(call, options=a_record(call.stage.one_file(call.options), call.stage.options))
 
 
-def _as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
+def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
     """An emitter with options that make it give what the suffix of a file names."""
     if call.stage.for_suffix is None or (suffix := _suffix(target, call.stage)) is None:
         return call

@@ -1,0 +1,199 @@
+"""Robots of the Robotics Toolbox for Python as tables.
+
+Nothing of the toolbox is imported: what counts are the attributes of `DHRobot` and `DHLink`, as its version 1.5
+documents them (P. Corke and J. Haviland, "Not your grandmother's toolbox", ICRA 2021).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import ProofError, TableError
+from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
+from dh2urdf.source import Problem
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+_FUNCTION = "from_roboticstoolbox()"
+_SAME = 1e-9
+"""How far T(q) of the table may be from the robot's own [m, rad]."""
+_NEEDED = ("a", "alpha", "d", "theta", "offset", "isrevolute", "isprismatic", "mdh")
+_POSES = (0.0, 0.7, -1.3)
+
+
+def from_roboticstoolbox(robot: Any, *, name: str | None = None) -> Manipulator:  # noqa: ANN401 - a class of another package
+    """The table of a `DHRobot` of the Robotics Toolbox for Python.
+
+    ::
+
+        from roboticstoolbox.models.DH import Panda
+
+        arm = dh2urdf.from_roboticstoolbox(Panda())
+        dh2urdf.convert(arm, "panda.urdf")
+
+    Joint values mean the same: T(q) of the table is compared with ``robot.fkine(q)``. Limits, masses, centres of mass
+    and inertias go to the rows; friction and the inertia of a motor as the joint feels them, behind its gear ratio G:
+    B·G², |Tc|·|G| and Jm·G². A mass of 0, which is that of a link of unknown mass, is left out.
+
+    Args:
+        robot: a `DHRobot`, standard or modified, lengths in m.
+        name: the name of the manipulator; that of the robot without it.
+
+    Returns:
+        The manipulator. Its notices say what has no place in a table.
+
+    Raises:
+        TableError: the robot has no DH links, or links of both conventions, or a number of it is wrong.
+        ProofError: T(q) of the table is not the robot's.
+    """
+    links = list(getattr(robot, "links", ()))
+    if not links or not all(hasattr(link, each) for link in links for each in _NEEDED):
+        raise _error(
+            "this is no robot of DH links",
+            found=type(robot).__name__,
+            accepted="a DHRobot",
+            suggestion="a robot of a URDF or of elementary transforms has no table: `dh2urdf.extract()` makes one of "
+            "its URDF",
+        )
+    kinds = {bool(link.mdh) for link in links}
+    if len(kinds) > 1:
+        raise _error("its links are of both conventions", found="standard and modified", accepted="one of them")
+    is_modified = kinds == {True}
+    names = _names(links)
+    notices: list[Problem] = []
+    rows = tuple(_row(link, number, names[number], notices) for number, link in enumerate(links))
+    arm = Manipulator(
+        name=name or str(getattr(robot, "name", "") or "robot"),
+        convention=Convention.MODIFIED if is_modified else Convention.STANDARD,
+        rows=rows,
+        base=_pose(robot, "base"),
+        tool=_pose(robot, "tool"),
+        notices=tuple(notices),
+    )
+    _compare(arm, robot)
+    return arm
+
+
+def _row(link: Any, number: int, name: str, notices: list[Problem]) -> DHRow:  # noqa: ANN401 - of another package
+    """A row: the joint variable is ±q + offset, and takes the place of theta, or of d, of the link."""
+    slides = bool(link.isprismatic)
+    gear = float(getattr(link, "G", 0.0) or 0.0) or 1.0
+    mass = float(getattr(link, "m", 0.0) or 0.0)
+    lower, upper = _limits(link)
+    if not mass and (any(_flat(link.r)) or _inertia(link)):
+        message = f"link {number + 1} has a centre of mass or an inertia, and no mass: both are left out"
+        notices.append(Problem(message=message, severity="notice", joint=f"joint_{number + 1}", field="mass"))
+    forward, backward = _two(getattr(link, "Tc", None))
+    if forward != -backward:
+        message = f"Tc = [{forward:g}, {backward:g}] of joint {number + 1} differs by direction: the larger one is kept"
+        notices.append(Problem(message=message, severity="notice", joint=f"joint_{number + 1}", field="friction"))
+    return DHRow(
+        joint=f"joint_{number + 1}",
+        link=name,
+        type=JointType.PRISMATIC if slides else JointType.REVOLUTE,
+        a=float(link.a),
+        alpha=float(link.alpha),
+        d=0.0 if slides else float(link.d),
+        theta=float(link.theta) if slides else 0.0,
+        offset=float(link.offset),
+        sign=-1 if getattr(link, "isflip", getattr(link, "flip", False)) else 1,
+        limits=Limits(lower=lower, upper=upper),
+        mass=mass or None,
+        com=_vector(link.r) if mass else None,
+        inertia=_inertia(link) if mass else None,
+        damping=_said(float(getattr(link, "B", 0.0) or 0.0) * gear**2),
+        friction=_said(max(abs(forward), abs(backward)) * abs(gear)),
+        armature=_said(float(getattr(link, "Jm", 0.0) or 0.0) * gear**2),
+    )
+
+
+def _names(links: Sequence[Any]) -> list[str]:
+    """The names of the links, where they have names of their own."""
+    given = [str(getattr(link, "name", "") or "") for link in links]
+    if len(set(given)) == len(given) and all(given):
+        return given
+    return [f"link_{number}" for number in range(1, len(links) + 1)]
+
+
+def _said(value: float) -> float | None:
+    return value or None
+
+
+def _limits(link: Any) -> tuple[float | None, float | None]:  # noqa: ANN401 - of another package
+    lower, upper = (None, None) if getattr(link, "qlim", None) is None else _two(link.qlim)
+    return (
+        lower if lower is not None and math.isfinite(lower) else None,
+        upper if upper is not None and math.isfinite(upper) else None,
+    )
+
+
+def _two(values: Any) -> tuple[float, float]:  # noqa: ANN401 - an array, or nothing
+    if values is None:
+        return 0.0, 0.0
+    first, second = _flat(values)
+    return first, second
+
+
+def _vector(values: Any) -> Vec3:  # noqa: ANN401 - an array
+    x, y, z = _flat(values)
+    return x, y, z
+
+
+def _inertia(link: Any) -> Inertia | None:  # noqa: ANN401 - of another package
+    ixx, ixy, ixz, _, iyy, iyz, _, _, izz = _flat(link.I)
+    if not any((ixx, iyy, izz, ixy, ixz, iyz)):
+        return None
+    return Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
+
+
+def _pose(robot: Any, which: str) -> RigidTransform:  # noqa: ANN401 - of another package
+    """The base or the tool: an SE3, whose matrix is its A, or a matrix."""
+    value = getattr(robot, which, None)
+    if value is None:
+        return RigidTransform((1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    numbers = list(_flat(getattr(value, "A", value)))
+    if len(numbers) != 16:  # noqa: PLR2004 - of a 4x4 matrix
+        raise _error(f"{which} is no pose", found=str(value), accepted="an SE3 or a 4x4 matrix")
+    a, b, c, x, d, e, f, y, g, h, i, z = numbers[:12]
+    rotation: Rotation = (a, b, c, d, e, f, g, h, i)
+    nearest, deviation = nearest_rotation(rotation)
+    if not deviation <= _SAME:
+        raise _error(f"{which} has a matrix that is no rotation, by {deviation:.2g}", accepted="an orthonormal matrix")
+    return RigidTransform(nearest, (x, y, z))
+
+
+def _flat(values: Any) -> Iterator[float]:  # noqa: ANN401 - an array of any form
+    if hasattr(values, "ravel"):
+        values = values.ravel().tolist()
+    for value in values:
+        if isinstance(value, (list, tuple)):
+            yield from _flat(value)
+        else:
+            yield float(value)
+
+
+def _compare(arm: Manipulator, robot: Any) -> None:  # noqa: ANN401 - of another package
+    """Compare T(q) with that of the robot.
+
+    Raises:
+        ProofError: they differ.
+    """
+    for value in _POSES:
+        q = [value * (1.0 + 0.1 * number) for number in range(len(arm.rows))]
+        numbers = list(_flat(getattr(pose := robot.fkine(q), "A", pose)))
+        rotation: Any = tuple(numbers[4 * row + column] for row in range(3) for column in range(3))
+        theirs = RigidTransform(rotation, (numbers[3], numbers[7], numbers[11]))
+        ours = forward_kinematics(arm, q)
+        far = max(position_error(ours, theirs), angle_error(ours, theirs))
+        if not far <= _SAME * max(1.0, *map(abs, theirs.translation)):
+            message = f"T(q) of the table is {far:.2g} m, rad from that of the robot at q = {q}"
+            raise ProofError(Problem(message=message, robot=arm.name))
+
+
+def _error(message: str, *, found: str | None = None, accepted: str, suggestion: str | None = None) -> TableError:
+    message = f"{_FUNCTION}: {message}"
+    return TableError(Problem(message=message, found=found, accepted=accepted, suggestion=suggestion))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import PluginError, ProofError, TransformError
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import TOLERANCE, proof_vectors, prove
+from dh2urdf.kinematics.proof import TOLERANCE, prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot

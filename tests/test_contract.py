@@ -199,6 +199,10 @@ class TestSrdf(EmitterContract):
     stage = CATALOG.get("emitter", "srdf")
 
 
+class TestTable(EmitterContract):
+    stage = CATALOG.get("emitter", "table")
+
+
 class TestPyBullet(LoaderContract):
     stage = CATALOG.get("loader", "pybullet")
 

@@ -57,13 +57,13 @@ def test_both_stages_work_in_a_run(dh2urdf: Command, site: Path, table: Path) ->
     table.with_name("run.yaml").write_text(RUN)
     dh2urdf("run", "run.yaml", path=[site])
     build = table.with_name("build")
-    assert (build / "scara.md").read_text("utf-8").startswith(DATASHEET)
+    assert (build / "scara.datasheet.md").read_text("utf-8").startswith(DATASHEET)
     report = json.loads((build / "report.json").read_bytes())
     (arm,) = report["manipulators"]
     assert arm["status"] == "ok"
     assert [(file["path"], file["stage"]) for file in arm["files"]] == [
         ("scara.urdf", "urdf"),
-        ("scara.md", "datasheet"),
+        ("scara.datasheet.md", "datasheet"),
     ]
     assert arm["proof"]["urdf"]["position_error"] < 1e-12
     assert arm["proof"]["datasheet"] is None
@@ -71,8 +71,8 @@ def test_both_stages_work_in_a_run(dh2urdf: Command, site: Path, table: Path) ->
 
 def test_both_stages_work_in_a_conversion(dh2urdf: Command, site: Path, table: Path) -> None:
     """`convert` chooses the third party's stages by suffix, and takes their options on the command line."""
-    dh2urdf("convert", table.name, "-o", "arm.md", "--set", "angles=rad", "--set", "digits=3", path=[site])
-    assert table.with_name("arm.md").read_text("utf-8").startswith(DATASHEET)
+    dh2urdf("convert", table.name, "-o", "arm.datasheet.md", "--set", "angles=rad", "--set", "digits=3", path=[site])
+    assert table.with_name("arm.datasheet.md").read_text("utf-8").startswith(DATASHEET)
 
 
 def test_the_plugin_is_listed_with_its_distribution(dh2urdf: Command, site: Path) -> None:
@@ -119,7 +119,7 @@ def test_without_it_its_stages_are_unknown(dh2urdf: Command, table: Path) -> Non
     table.with_name("run.yaml").write_text(RUN.replace("inputs:", "inputs: # of an unknown kind\n "))
     refused = dh2urdf("run", "run.yaml", status=2).stderr
     assert "no emitter is named 'datasheet'" in refused
-    assert "accepted: mjcf, ros2, sdf, srdf, urdf, xacro" in refused
+    assert "accepted: mjcf, ros2, sdf, srdf, table, urdf, xacro" in refused
     assert "no reader is known for the file 'scara.dh.toml'" in refused
 
 

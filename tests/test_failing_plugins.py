@@ -208,6 +208,11 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
             "convert arm.bad --robot left --to bad",
             "`one_file` of the emitter 'bad' failed: Zero",
         ),
+        (
+            "emitter.for_suffix.fail",
+            "convert arm.bad --robot left -o new.bad",
+            "`for_suffix` of the emitter 'bad' failed: Zero",
+        ),
         ("emitter.check.fail", "check arm.bad", "`check` of the emitter 'bad' failed: ZeroDivisionError: at work"),
         ("emitter.check.give_nothing", "check arm.bad", "`check` of the emitter 'bad' failed: TypeError: it gave None"),
         (

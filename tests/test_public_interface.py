@@ -33,6 +33,7 @@ TABLE = re.compile(r"(?<=<!-- public: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!
 
 PUBLIC = {
     "dh2urdf": "the commands as functions, and the records of arms: the Python API",
+    "dh2urdf.commands": "tables as files, which are read back before anybody gets them",
     "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
     "dh2urdf.documents": "YAML with the place of every value, and text files in whatever encoding",
     "dh2urdf.elementwise": "arithmetic that is the same for numbers and for arrays of them",

@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
 from dh2urdf.shapes import (
     Box,
@@ -160,6 +160,7 @@ class Robot:
         comment: one line for a reader of the file: what made it, from what.
         notices: what a careful person would want to know about how it was made.
         arms: the arms of a cell, parents before children; empty for a robot that is one arm.
+        manipulator: the table that it was made of; None for a cell, and where nobody knows it.
     """
 
     name: str
@@ -169,6 +170,7 @@ class Robot:
     comment: str = field(default="", compare=False)
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     arms: tuple[Arm, ...] = field(default=(), compare=False)
+    manipulator: Manipulator | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         take_fields(self)

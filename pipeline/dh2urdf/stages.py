@@ -159,11 +159,13 @@ class EmittedFile:
     Attributes:
         name: its name in the output folder. Of an emitter with `Emitter.in_folders` it is a path of several parts with
             ``/`` between them; of all others it has no folder.
-        content: what stands in it.
+        content: what it holds.
+        is_robot: whether `Emitter.read_back` reads it; of the files of a robot, the first such one is proved.
     """
 
     name: str
     content: bytes
+    is_robot: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -175,18 +177,17 @@ class Emitter(Generic[O]):
         summary: what it writes, in one line.
         suffixes: suffixes of the main file, in lower case with the dot; the first is the usual one.
         options: its options dataclass.
-        emit: the files of a robot, whose names begin with the stem it is given; the first is the main file, the one
-            that a person opens. It writes nothing itself: the pipeline writes all of them whole, or none.
+        emit: the files of a robot, whose names begin with the stem it is given; the first is the main file. It writes
+            nothing itself: the pipeline writes all of them whole, or none.
         read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
             every run compares its kinematics with the DH product. None where the format cannot be read.
-        read_foreign: the same of a file of unknown origin, which must not be trusted: `dh2urdf view`. None where
-            `read_back` does nothing but read.
-        expandable: whether files of the format hold macros: then `read_foreign` and `check` take an `Expansion` as
-            their second argument.
+        read_foreign: the same of a file of unknown origin: `dh2urdf view`. None where `read_back` only reads.
+        expandable: whether files of the format hold macros: `read_foreign` and `check` then also take an `Expansion`.
         finds_packages: whether `check` takes an `Expansion` though files hold no macros: for its `package_paths`.
         in_folders: the names of the folders in which its files of a stem lie, as those of a ROS package do. Then
             `suffixes` is empty, `dh2urdf convert` writes into a folder, and the files bring the meshes that they name.
         one_file: the options that make `emit` give a single file, for standard output; None where it always does.
+        for_suffix: the options that make `emit` give what a suffix names; None where all suffixes hold the same.
         costly_proof: whether `read_back` is so slow that long runs prove a sample only.
         emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
             a stem for each; a robot that is not `sure`, or that it cannot write so, gets an empty list. None where it
@@ -194,17 +195,15 @@ class Emitter(Generic[O]):
         read_columns: the robots that many main files describe, in groups whose members differ in numbers only, each
             with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
             nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
-        notices: what a person should know of the files of a robot before using them, as notices; called before they are
-            made. Of robots that differ in numbers only, and whose files `emit_columns` makes, it is called for one, and
-            its notices hold for all: then it may depend on which links, joints, shapes and masses there are, not on
-            their numbers.
+        notices: what a person should know of the files of a robot, as notices; called before they are made. Of robots
+            that differ in numbers only, and whose files `emit_columns` makes, it is called for one, and its notices
+            hold for all: it may not depend on their numbers.
         check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
             findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
         fix: the file with what is mechanical fixed, and every other byte as it was: `dh2urdf check --fix`. It raises
             `dh2urdf.errors.InputError` where it cannot read the file. None where files of the format are not fixed.
-        descriptions: of the files of a folder, each with the name of its outermost element of XML (empty where it has
-            none), those that are whole descriptions of the format: `dh2urdf check FOLDER`. Files that are only a part
-            of others are left out.
+        descriptions: of the files of a folder, each with the name of its outermost element of XML (or an empty name),
+            those that are whole descriptions of the format, and not a part of others: `dh2urdf check FOLDER`.
         annotate: the file of the format that goes with a robot description of any origin, of which it takes how it is
             expanded, and an earlier file, whose other content stays: `dh2urdf collisions`.
     """
@@ -220,6 +219,7 @@ class Emitter(Generic[O]):
     finds_packages: bool = False
     in_folders: Callable[[str, O], Iterable[str]] | None = None
     one_file: Callable[[O], O] | None = None
+    for_suffix: Callable[[O, str], O] | None = None
     costly_proof: bool = False
     emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
     read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None

@@ -35,12 +35,13 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
-    """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo, packages for ROS 2, SRDF for MoveIt."""
+    """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo, packages for ROS 2, SRDF for MoveIt, and tables."""
     from dh2urdf_plugins.emitters import mjcf, sdf, urdf, xacro
     from dh2urdf_plugins.emitters.ros2 import emitter as ros2
     from dh2urdf_plugins.emitters.srdf import emitter as srdf
+    from dh2urdf_plugins.emitters.table import emitter as table
 
-    return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER, ros2.EMITTER, srdf.EMITTER)
+    return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER, ros2.EMITTER, srdf.EMITTER, table.EMITTER)
 
 
 @hookimpl

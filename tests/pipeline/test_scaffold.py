@@ -119,7 +119,7 @@ def test_a_name_that_a_stage_has_is_told(cli: Callable[..., Answer], name: str) 
     """Who provides it, and which names are taken; a stage of another kind may have it."""
     refused = cli("new-plugin", name, "--kind", "emitter", status=2).stderr
     assert f"the emitter 'urdf' is provided by dh2urdf {__version__}" in refused
-    assert "accepted: a name besides mjcf, ros2, sdf, srdf, urdf, xacro" in refused
+    assert "accepted: a name besides mjcf, ros2, sdf, srdf, table, urdf, xacro" in refused
     cli("new-plugin", name, "--kind", "loader")
 
 

@@ -358,6 +358,7 @@ def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], c
     tab.open_exhibit("stanford")
     table = gallery.exhibit("stanford.csv", catalog)
     assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
+    assert tab.save("Table as .tex") == ("stanford.tex", save.other_file(table, ".tex", "exact", catalog).content)
     assert tab.save("Robot as urdf") == ("stanford.urdf", save.robot_file(table, "urdf", "exact", catalog).content)
     assert tab.save("Robot as xacro") == (
         "stanford.urdf.xacro",

@@ -1,1 +1,11 @@
 """What the command line, the Python API and the studio do: one way for each command."""
+
+from __future__ import annotations
+
+from dh2urdf._faces import face
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from dh2urdf.commands.written_tables import left_out_of as left_out_of, table_content as table_content
+else:
+    __all__, __getattr__, __dir__ = face(__name__, {"written_tables": "left_out_of table_content"})

@@ -240,6 +240,8 @@ def plan_conversion(
     calls = stage_calls(catalog, stages, asker, given or {}, settings)
     if target is None:
         calls["emitter"] = [_in_one_file(call) for call in calls["emitter"]]
+    elif one_file:
+        calls["emitter"] = [as_named(call, target) for call in calls["emitter"]]
     prefix = _mesh_prefix(meshes, target, asker)
     recipe = Recipe(
         transform=calls["transform"][0],
@@ -287,6 +289,14 @@ def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
         return replace(call, options=a_record(call.stage.one_file(call.options), call.stage.options))
 
 
+def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
+    """An emitter with options that make it give what the suffix of a file names."""
+    if call.stage.for_suffix is None or (suffix := _suffix(target, call.stage)) is None:
+        return call
+    with depending_on(call, "for_suffix"):
+        return replace(call, options=a_record(call.stage.for_suffix(call.options, suffix), call.stage.options))
+
+
 def _write(
     manipulator: Manipulator, robot: Robot, recipe: Recipe, target: Path | None, inputs: Sequence[Path]
 ) -> tuple[Written, ...]:
@@ -304,10 +314,14 @@ def _write(
 
 def _stem(target: Path, emitter: Emitter[Any]) -> str:
     """The stem of a file that a person named: its name without the format's suffix."""
-    for suffix in sorted(emitter.suffixes, key=len, reverse=True):
-        if target.name.lower().endswith(suffix):
-            return target.name[: -len(suffix)] or target.name
-    return target.stem
+    suffix = _suffix(target, emitter)
+    return target.stem if suffix is None else target.name[: -len(suffix)] or target.name
+
+
+def _suffix(target: Path, emitter: Emitter[Any]) -> str | None:
+    """The longest suffix of an emitter's files that a file has; None where it has none of them."""
+    suffixes = sorted(emitter.suffixes, key=len, reverse=True)
+    return next((suffix for suffix in suffixes if target.name.lower().endswith(suffix)), None)
 
 
 def _mesh_prefix(word: str | None, target: Path | None, asker: Asker) -> str | None:

@@ -111,8 +111,15 @@ def stage_calls(
         kinds = [kind] if kind in known else [] if kind else [k for k in known if key in known[k]]
         if value is None or len(kinds) != 1 or key not in known[kinds[0]]:
             keys = [f"{k}.{name}" for k in known for name in known[k]]
-            wrong = "has no value" if value is None else "names no option"
-            near = None if value is None else did_you_mean(path, [*keys, *(key.partition(".")[2] for key in keys)])
+            near = None
+            if value is None:
+                wrong = "has no value"
+            elif len(kinds) > 1:
+                wrong = f"is an option of the {' and of the '.join(kinds)}"
+                near = f"write {' or '.join(f'{each}.{key}' for each in kinds)}"
+            else:
+                wrong = "names no option"
+                near = did_you_mean(path, [*keys, *(key.partition(".")[2] for key in keys)])
             problems.append(
                 Problem(
                     message=f"{asker.setting}{shown(text)} {wrong}",

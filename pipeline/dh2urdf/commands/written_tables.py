@@ -96,6 +96,30 @@ def table_file(
     return TableFile(content=content, left_out=left_out(manipulators, content, call, place))
 
 
+def table_content(
+    format_name: str, manipulators: Sequence[Manipulator], *, length_unit: str = "m", angle_unit: str = "rad"
+) -> bytes:
+    """The tables of some manipulators in the format of an installed reader; `left_out_of` reads them back.
+
+    Args:
+        format_name: name of the reader.
+        manipulators: the arms.
+        length_unit: the unit of lengths.
+        angle_unit: the unit of angles.
+
+    Raises:
+        InputError: no such reader is installed, it only reads, or its format cannot hold several such tables.
+    """
+    texts = [table_text(manipulator, length_unit, angle_unit) for manipulator in manipulators]
+    return in_format(texts, _reader(format_name)).content
+
+
+def left_out_of(format_name: str, manipulators: Sequence[Manipulator], content: bytes) -> tuple[Problem, ...]:
+    """What a file of tables, in the format of an installed reader, does not hold; see `left_out`."""
+    call = _reader(format_name)
+    return left_out(manipulators, content, call, call.stage.name)
+
+
 def left_out(
     manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
 ) -> tuple[Problem, ...]:

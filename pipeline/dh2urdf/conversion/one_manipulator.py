@@ -123,14 +123,14 @@ def make_item(item: Manipulator | Cell, transform: Call[Transform[Any]]) -> tupl
 
 
 def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Robot:
-    """The robot of a manipulator, checked.
+    """The robot of a manipulator, checked, with the table that it was made of.
 
     Raises:
         ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
     """
     with blaming(transform):
         robot = _a_robot(transform.stage.transform(manipulator, transform.options), transform)
-    return _checked(robot, manipulator.mark)
+    return replace(_checked(robot, manipulator.mark), manipulator=robot.manipulator or manipulator)
 
 
 def make_cell(cell: Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
@@ -289,8 +289,8 @@ def emit_robot(
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
         looked = proved and (sampled or not emitter.costly_proof)
-        path = folder / files[0].name
-        proof = _prove_file(truth, path, call, poses, recipe=recipe, at_once=at_once) if looked else None
+        robots = [folder / file.name for file in files if looked and file.is_robot]
+        proof = _prove_file(truth, robots[0], call, poses, recipe=recipe, at_once=at_once) if robots else None
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 

@@ -64,6 +64,19 @@ class ArmTable(NamedTuple):
     table: Manipulator
 
 
+def tables_of(what: object) -> list[ArmTable]:
+    """The tables of a manipulator or cell, each once; none of what could not be read."""
+    match what:
+        case Manipulator() as table:
+            return [ArmTable((), table)]
+        case Cell(call=call, manipulators=manipulators):
+            return [
+                ArmTable(tuple(arm.name for arm in call.arms if arm.of == name), table)
+                for name, table in manipulators.items()
+            ]
+    return []
+
+
 class Mass(NamedTuple):
     """The mass properties of a link.
 
@@ -123,15 +136,7 @@ class Exhibit:
     @property
     def tables(self) -> list[ArmTable]:
         """Its tables, each once."""
-        match self.what:
-            case Manipulator() as table:
-                return [ArmTable((), table)]
-            case Cell(call=call, manipulators=manipulators):
-                return [
-                    ArmTable(tuple(arm.name for arm in call.arms if arm.of == name), table)
-                    for name, table in manipulators.items()
-                ]
-        return []
+        return tables_of(self.what)
 
     @property
     def masses(self) -> list[Mass]:

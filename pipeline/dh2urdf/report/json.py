@@ -14,6 +14,7 @@ import orjson
 from dh2urdf._version import __version__
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.output.whole_files import reporting_os_errors
+from dh2urdf.report.ledger import REPORTED
 
 if TYPE_CHECKING:
     from dh2urdf.output.store import Store
@@ -26,8 +27,6 @@ SCHEMA: Final = "dh2urdf-report/1"
 INDEX, REPORT, TIMING = "index.json", "report.json", "timing.json"
 TABLE = "manifest.parquet"
 """The manifest as a table."""
-REPORTED = 1000
-"""Manipulators that the report repeats from the manifest: the first ones; `timing.json` tells of as many."""
 
 
 def run_report(ledger: Ledger, result: Result) -> RunReport:
@@ -43,6 +42,7 @@ def run_report(ledger: Ledger, result: Result) -> RunReport:
         "simulator_notices": ledger.verdicts.notices(),
         "manipulators": [orjson.loads(row) for row in islice(ledger.rows, REPORTED)],
         "left_out": max(0, count - REPORTED),
+        "axes": ledger.axes.entries,
     }
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from orjson import loads
 
 from dh2urdf.output.whole_files import reporting_os_errors, write_all
+from dh2urdf.report.axes import AxesOfRun
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.tasks.failure_index import FailureIndex
 
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import Reproduction
     from dh2urdf.tasks.manifest_table import ManifestTable
+
+REPORTED = 1000
+"""Manipulators that the report repeats from the manifest: the first ones; `timing.json` tells of as many."""
 
 
 class Ledger:
@@ -26,6 +30,7 @@ class Ledger:
         reproduction: what is needed to do the run again.
         verdicts: what simulators say.
         index: what failed, and why.
+        axes: what the axes of its tables say.
         table: the manifest as a table, where there will be one.
         overview: what the page for people says, where there will be one.
     """
@@ -42,6 +47,7 @@ class Ledger:
         self.rows, self.reproduction = rows, told
         self.verdicts = verdicts or Verdicts({})
         self.index = FailureIndex()
+        self.axes = AxesOfRun(REPORTED)
         self.table: ManifestTable | None = None
         self.overview: Overview | None = None
         self._place = place

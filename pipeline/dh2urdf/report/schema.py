@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from dh2urdf.plugin_system.catalog import KINDS
-from dh2urdf.report.json import REPORTED, SCHEMA
+from dh2urdf.report.json import SCHEMA
+from dh2urdf.report.ledger import REPORTED
 from dh2urdf.report.plugins import SCHEMA as PLUGINS_SCHEMA
-from dh2urdf.report.schema_words import count, list_of, object_of, or_null, size, text
+from dh2urdf.report.schema_words import axes_properties, count, list_of, object_of, or_null, size, text
 from dh2urdf.run_file.schema import DIALECT
 
 
@@ -27,9 +28,20 @@ def report_schema() -> dict[str, Any]:
             "simulator_notices": list_of(_simulator_notice(), "what loaders noticed, alike notices counted together"),
             "manipulators": list_of({"$ref": "#/$defs/row"}, f"the first rows of the manifest, {REPORTED} at most"),
             "left_out": count("how many more rows the manifest has"),
+            "axes": list_of(_arm_axes(), "what the axes of the tables of these manipulators say of their kinematics"),
         }
     )
     return {"$schema": DIALECT, "title": "report.json of dh2urdf", **report, "$defs": {"row": _row(), **_parts()}}
+
+
+def _arm_axes() -> dict[str, Any]:
+    return object_of(
+        {
+            "name": text("the manipulator or cell"),
+            "arms": list_of(text("an arm"), "the arms of a cell that have this table"),
+            **axes_properties(),
+        }
+    )
 
 
 def manifest_schema() -> dict[str, Any]:

@@ -34,3 +34,21 @@ def list_of(entry: dict[str, Any], description: str) -> dict[str, Any]:
 def or_null(schema: dict[str, Any]) -> dict[str, Any]:
     """Something, or null."""
     return {"anyOf": [schema, {"type": "null"}]}
+
+
+def axes_properties() -> dict[str, Any]:
+    """What the axes of a table say."""
+    joint = text("a joint")
+    lengths = {name: {"type": "number"} for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4")}
+    opw = object_of(
+        {
+            **lengths,
+            "offsets": list_of({"type": "number"}, "of the joints [rad]"),
+            "signs": list_of({"type": "integer"}, "of the joints, 1 or -1"),
+        }
+    )
+    return {
+        "parallel": list_of(list_of(joint, "joints in a row whose axes are parallel"), "all of them"),
+        "spherical_wrist": list_of(joint, "the last three joints, where their axes meet in one point"),
+        "opw": {"anyOf": [opw, {"type": "null"}]},
+    }

@@ -18,7 +18,6 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.results.commands import (
-        AxesEntry as AxesEntry,
         BriefEntry as BriefEntry,
         BrokenPluginEntry as BrokenPluginEntry,
         ClashEntry as ClashEntry,
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
         JointEntry as JointEntry,
         MassEntry as MassEntry,
         OptionEntry as OptionEntry,
-        OpwEntry as OpwEntry,
         Placement as Placement,
         PluginEntry as PluginEntry,
         PluginsReport as PluginsReport,
@@ -47,6 +45,8 @@ if TYPE_CHECKING:
         UnitEntry as UnitEntry,
     )
     from dh2urdf.results.run import (
+        ArmAxes as ArmAxes,
+        AxesEntry as AxesEntry,
         ConventionName as ConventionName,
         CoverageEntry as CoverageEntry,
         FileEntry as FileEntry,
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
         LoadEntry as LoadEntry,
         ManipulatorEntry as ManipulatorEntry,
         MeshEntry as MeshEntry,
+        OpwEntry as OpwEntry,
         ProblemEntry as ProblemEntry,
         ProofEntry as ProofEntry,
         Reproduction as Reproduction,
@@ -68,11 +69,11 @@ else:
         __name__,
         {
             "commands": "BriefEntry BrokenPluginEntry ClashEntry ConversionEntry ConversionsReport ConvertedFileEntry "
-            "AxesEntry Detail DistanceEntry ErrorReport FieldEntry FilledInEntry InfoReport JointDetail JointEntry "
-            "MassEntry OpwEntry OptionEntry Placement PluginEntry PluginsReport RefusedPluginEntry ShadowedEntry "
+            "Detail DistanceEntry ErrorReport FieldEntry FilledInEntry InfoReport JointDetail JointEntry "
+            "MassEntry OptionEntry Placement PluginEntry PluginsReport RefusedPluginEntry ShadowedEntry "
             "StageEntry StatedConvention StatedValue UnitEntry",
-            "run": "ConventionName CoverageEntry FileEntry InputEntry JointTypeName KindName LoadEntry "
-            "ManipulatorEntry MeshEntry ProblemEntry ProofEntry Reproduction RunReport SimulatorNotice "
-            "VariationEntry",
+            "run": "ArmAxes AxesEntry ConventionName CoverageEntry FileEntry InputEntry JointTypeName KindName "
+            "LoadEntry ManipulatorEntry MeshEntry OpwEntry ProblemEntry ProofEntry Reproduction RunReport "
+            "SimulatorNotice VariationEntry",
         },
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, NotRequired, TypedDict
 
-from dh2urdf.results.run import ConventionName, JointTypeName, KindName, ProblemEntry, ProofEntry
+from dh2urdf.results.run import AxesEntry, ConventionName, JointTypeName, KindName, ProblemEntry, ProofEntry
 
 
 class ErrorReport(TypedDict):
@@ -154,28 +154,6 @@ class MassEntry(TypedDict):
     total: float | None
     unit: Literal["kg"]
     computed: list[str]
-
-
-class OpwEntry(TypedDict):
-    """The parameters of an arm with an ortho-parallel basis and a spherical wrist [m, rad]."""
-
-    a1: float
-    a2: float
-    b: float
-    c1: float
-    c2: float
-    c3: float
-    c4: float
-    offsets: list[float]
-    signs: list[int]
-
-
-class AxesEntry(TypedDict):
-    """What the axes of an arm say of its kinematics, by the names of the joints."""
-
-    parallel: list[list[str]]
-    spherical_wrist: list[str]
-    opw: OpwEntry | None
 
 
 class Detail(TypedDict):

@@ -155,6 +155,38 @@ class Reproduction(TypedDict):
     citation: str
 
 
+class OpwEntry(TypedDict):
+    """The parameters of an arm with an ortho-parallel basis and a spherical wrist [m, rad]."""
+
+    a1: float
+    a2: float
+    b: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    offsets: list[float]
+    signs: list[int]
+
+
+class AxesEntry(TypedDict):
+    """What the axes of an arm say of its kinematics, by the names of the joints."""
+
+    parallel: list[list[str]]
+    spherical_wrist: list[str]
+    opw: OpwEntry | None
+
+
+class ArmAxes(AxesEntry):
+    """What the axes of a table say of its kinematics.
+
+    `name` is the manipulator or cell; `arms` are the arms of the cell that have the table.
+    """
+
+    name: str
+    arms: list[str]
+
+
 class RunReport(TypedDict):
     """The content of ``report.json``, which `dh2urdf.run` returns."""
 
@@ -166,6 +198,7 @@ class RunReport(TypedDict):
     simulator_notices: list[SimulatorNotice]
     manipulators: list[ManipulatorEntry]
     left_out: int
+    axes: list[ArmAxes]
 
 
 # --- Conversions ------------------------------------------------------------------------------------------------------

@@ -198,6 +198,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                 known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
                 under_way.append(known)
                 exhibits.see(batch)
+                ledger.axes.see(batch)
                 yield known
 
     unread: list[
@@ -245,24 +246,29 @@ def _answers(
     with depending_on(call):
         results = items_of(call.stage.map(maker, some, call.options), "an iterator of results")
     end = object()
-    while True:
-        with depending_on(call):  # What is done with a result is not the executor's work.
-            result = next(results, end)
-        if result is end:
-            break
-        if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
-            continue  # It is reported already.
-        while under_way:
-            batch = under_way.popleft()
-            if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):
-                yield batch, result
+    try:
+        while True:
+            with depending_on(call):  # What is done with a result is not the executor's work.
+                result = next(results, end)
+            if result is end:
                 break
-            try:
-                a_record(result, BatchReport, Lost)
-            except TypeError as error:
-                yield batch, _undone(maker, batch, call, error)
-                break
-            yield batch, _undone(maker, batch, call, _no_result())
+            if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
+                continue  # It is reported already.
+            while under_way:
+                batch = under_way.popleft()
+                if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):
+                    yield batch, result
+                    break
+                try:
+                    a_record(result, BatchReport, Lost)
+                except TypeError as error:
+                    yield batch, _undone(maker, batch, call, error)
+                    break
+                yield batch, _undone(maker, batch, call, _no_result())
+    finally:  # An interrupt holds this frame and all in it; the workers must be gone before the folder is unlocked.
+        if close := getattr(results, "close", None):
+            with depending_on(call):
+                close()
     for _ in some:
         pass  # An executor that ended too early has not taken them: each is under way now.
     while under_way:

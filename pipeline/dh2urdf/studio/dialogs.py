@@ -220,6 +220,8 @@ def savings(catalog: Catalog) -> Iterator[tuple[str, str, str]]:
     """What can be saved: its kind, the format, and what the menu calls it."""
     for name in saving.table_formats(catalog):
         yield "table", name, f"Table as {name}"
+    for suffix in saving.other_suffixes(catalog):
+        yield "other", suffix, f"Table as {suffix}"
     for name in saving.robot_formats(catalog):
         yield "robot", name, f"Robot as {name}"
     yield "run", "", "Run file"
@@ -233,17 +235,24 @@ async def save(session: Session, kind: str, name: str) -> None:
     def make() -> list[Saved]:
         if kind == "table":
             return [saving.table_file(table, name, catalog)]
+        if kind == "other":
+            return [saving.other_file(table, name, variant, catalog)]
         if kind == "run":
             return [saving.run_file(table, variant, catalog)]
         if kind == "robot":
             return [saving.robot_file(table, name, variant, catalog)]
         files = saving.all_files(table, variant, catalog)
+        there = {Path(file.name).suffix for file in files}
+        missing.extend(suffix for suffix in saving.other_suffixes(catalog) if suffix not in there)
         stem = Path(files[0].name).stem
         return [saving.Saved(name=f"{stem}.zip", content=saving.zipped(files))]
 
+    missing: list[str] = []
     try:
         for file in await run.io_bound(make) or ():
             _hand_over(file)
+        if missing:
+            warn(f"Not in the zip, as the format cannot hold this table: {', '.join(missing)}. Save one to see why.")
     except Dh2UrdfError as error:
         await show_error("This cannot be made yet", error)
 

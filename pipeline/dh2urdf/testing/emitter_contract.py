@@ -185,8 +185,9 @@ class EmitterContract(StageContract):
             return  # A format that holds no kinematics, such as a data sheet.
         for manipulator in reference_manipulators():
             robot, truth = plain_robot(manipulator), Truth.of(manipulator)
-            files = self._emit(robot)
-            _write(tmp_path, files)
+            _write(tmp_path, files := self._emit(robot))
+            if not files[0].is_robot:
+                continue
             try:
                 found = self.stage.read_back(tmp_path / files[0].name)
             except Dh2UrdfError as error:

@@ -116,7 +116,7 @@ def plain_robot(manipulator: Manipulator) -> Robot:
         parent, pending = row.link, after
     links.append(Link(name=TOOL, inertial=Inertial(mass=0.0)))  # PyBullet takes a link without one for 1 kg.
     joints.append(_weld(parent, TOOL, pending @ manipulator.tool))
-    return Robot(name=manipulator.name, links=tuple(links), joints=tuple(joints))
+    return Robot(name=manipulator.name, links=tuple(links), joints=tuple(joints), manipulator=manipulator)
 
 
 def _weld(parent: str, child: str, frame: RigidTransform = IDENTITY) -> Joint:

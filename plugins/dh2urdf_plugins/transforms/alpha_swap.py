@@ -36,6 +36,7 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         from dh2urdf_plugins.extraction.split_tables import with_split_links
 
         manipulator, problems = with_split_links(manipulator)
+    table = None if manipulator is given else manipulator
     if options.variant == "paper":
         problems += [*paper_problems(manipulator, options.snap), *unplaced_meshes(manipulator)]
         problems += unused_in_paper(manipulator)
@@ -48,7 +49,8 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     else:
         robot = exact(manipulator, options)
         problems += [*raised, *angle_notices(given)]
-    return replace(robot, notices=tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems))
+    notices = tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems)
+    return replace(robot, notices=notices, manipulator=table)
 
 
 def alpha_swap_columns(

@@ -227,6 +227,12 @@ class TestOptions:
         text = cli("convert", "arm.csv", "--set", setting, "--set", "radius=0.02").stdout
         assert '<box size="0.04 0.04 0.4"/>' in text
 
+    def test_an_option_of_two_stages_is_asked_for_by_its_whole_name(self, cli: Cli) -> None:
+        """The reader and the emitter have the option; neither is guessed."""
+        answer = cli("convert", "arm.csv", "-o", "arm.tex", "--set", "angle_unit=deg", status=2)
+        assert "--set 'angle_unit=deg' is an option of the reader and of the emitter" in answer.stderr
+        assert "write reader.angle_unit or emitter.angle_unit" in answer.stderr
+
     def test_all_that_is_wrong_with_options_is_said_at_once(self, cli: Cli, folder: Path) -> None:
         """Flags and settings together, each with what is accepted and what was probably meant."""
         words = ["--frames", "algined", "--set", "radus=1", "--set", "density", "--set", "transform.shape=sphere"]

@@ -11,8 +11,8 @@ from dh2urdf import __version__
 from dh2urdf.conversion.outcome import make_row, to_line, to_text
 from dh2urdf.errors import OutputError
 from dh2urdf.output.open_store import open_store
-from dh2urdf.report.json import REPORTED, SCHEMA, run_report, timing, write_reports, write_timing
-from dh2urdf.report.ledger import Ledger
+from dh2urdf.report.json import SCHEMA, run_report, timing, write_reports, write_timing
+from dh2urdf.report.ledger import REPORTED, Ledger
 from dh2urdf.tasks.batch_report import BatchReport
 from dh2urdf.tasks.manifest_table import ManifestTable
 from dh2urdf.tasks.result import Result
@@ -73,6 +73,7 @@ def test_a_run_has_schema_version_status_and_manipulators() -> None:
         "simulator_notices": [],
         "manipulators": [ARM, BAD],
         "left_out": 0,
+        "axes": [],
     }
 
 

@@ -561,3 +561,24 @@ class TestCallsInOtherProcesses:
             again = pickle.loads(pickle.dumps(call))  # noqa: S301 - made here
             assert (again.stage.name, again.options) == (call.stage.name, call.options)
             assert type(again.stage) is type(call.stage)
+
+    def test_an_executor_has_ended_before_the_folder_is_given_back(self, lab: Lab) -> None:
+        """Wherever an interrupt comes: a worker that goes on would write into a folder that is another run's by then."""
+        plan = lab.plan("inputs: names.list", names="x\ny")
+        locked_at_its_end: list[bool] = []
+
+        def interrupt(_result: Any) -> None:
+            raise KeyboardInterrupt
+
+        result = type("Result", (), {"__class__": property(interrupt)})()  # isinstance() asks for it
+
+        def interrupted(_function: Any, _tasks: Any, _options: NoOptions) -> Iterator[Any]:
+            try:
+                yield result
+            finally:
+                locked_at_its_end.append((lab.output / ".dh2urdf" / "lock").exists())
+
+        executor = replace(plan.executor, stage=replace(plan.executor.stage, map=interrupted))
+        with pytest.raises(KeyboardInterrupt):
+            execute(replace(plan, executor=executor))
+        assert locked_at_its_end == [True]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import InputError
+from dh2urdf.errors import EmitterError, InputError
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing import edits, save
 
@@ -59,9 +59,33 @@ def test_a_zip_of_all_runs(catalog: Catalog, cli: Callable[..., Any], tmp_path: 
     (run,) = [name for name in names if name.endswith("_run.yaml")]
     cli("run", run)
     made = {path.name: path.read_bytes() for path in (tmp_path / "build").glob("*/my_arm*")}
-    robots = [name for name in names if not name.endswith((".csv", ".yaml"))]
+    tables = (".csv", ".yaml", ".json", ".md", ".tex", ".m", ".py")
+    assert {name.removeprefix("my_arm__1") for name in names} >= set(tables)
+    robots = [name for name in names if not name.endswith(tables)]
     assert {"my_arm__1.urdf", "my_arm__1.urdf.xacro", "my_arm__1.sdf", "my_arm__1.xml"} <= set(robots)
     assert made == {name: (tmp_path / name).read_bytes() for name in robots}
+
+
+@pytest.mark.parametrize("suffix", [".json", ".md", ".tex", ".m", ".py"])
+def test_tables_for_people_and_programs(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, suffix: str) -> None:
+    """Byte by byte what `dh2urdf convert` writes; YAML and CSV are saved as they were typed, and not once more."""
+    assert save.other_suffixes(catalog) == (".md", ".tex", ".json", ".m", ".py")
+    table = gallery.exhibit("panda.yaml", catalog)
+    saved = save.table_file(table, "yaml", catalog)
+    (tmp_path / saved.name).write_bytes(saved.content)
+    cli("convert", saved.name, "-o", f"again{suffix}")
+    assert save.other_file(table, suffix, "exact", catalog).content == (tmp_path / f"again{suffix}").read_bytes()
+
+
+def test_what_a_format_cannot_hold_is_not_in_the_zip(catalog: Catalog) -> None:
+    """A fixed row between two joints has no place in a DHRobot: asking for it says so, and the zip has all others."""
+    table = gallery.exhibit("ur5.csv", catalog)
+    table = edits.with_cell(table, 2, "type", "fixed")
+    names = [file.name for file in save.all_files(table, "exact", catalog)]
+    assert "ur5.m" in names
+    assert "ur5.py" not in names
+    with pytest.raises(EmitterError, match="a row between two joints is fixed"):
+        save.other_file(table, ".py", "exact", catalog)
 
 
 def test_a_wrong_table_is_not_made(catalog: Catalog) -> None:

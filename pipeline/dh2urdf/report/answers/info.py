@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from dh2urdf._version import __version__
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
-from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.report.answers.conversions import BASE, filled_in
+from dh2urdf.report.axes import axes_entry
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 
@@ -19,14 +19,12 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow
     from dh2urdf.provenance import Said, Trace
     from dh2urdf.results import (
-        AxesEntry,
         BriefEntry,
         Detail,
         DistanceEntry,
         FieldEntry,
         InfoReport,
         MassEntry,
-        OpwEntry,
         Placement,
     )
     from dh2urdf.robot import Joint, Robot
@@ -132,7 +130,7 @@ def details(manipulator: Manipulator, trace: Trace, robot: Robot | None, errors:
         ],
         "pose_at_zero": _matrix(forward_kinematics(manipulator, [0.0] * len(manipulator.moving_rows))),
         "largest_distance": largest_distance(manipulator, joints),
-        "axes": _axes(manipulator),
+        "axes": axes_entry(manipulator),
         "mass": _mass(manipulator, robot),
         "notices": [notice.as_json() for notice in notices],
         "errors": [error.as_json() for error in errors],
@@ -213,28 +211,6 @@ def _mass_of(row: DHRow, robot: Robot | None) -> float | None:
 
 
 # --- The whole arm ----------------------------------------------------------------------------------------------------
-
-
-def _axes(manipulator: Manipulator) -> AxesEntry:
-    facts = kinematic_facts(manipulator)
-    opw: OpwEntry | None = None
-    if (found := facts.opw) is not None:
-        opw = {
-            "a1": found.a1,
-            "a2": found.a2,
-            "b": found.b,
-            "c1": found.c1,
-            "c2": found.c2,
-            "c3": found.c3,
-            "c4": found.c4,
-            "offsets": list(found.offsets),
-            "signs": list(found.signs),
-        }
-    return {
-        "parallel": [list(names) for names in facts.parallel],
-        "spherical_wrist": list(facts.spherical_wrist),
-        "opw": opw,
-    }
 
 
 def largest_distance(manipulator: Manipulator, joints: Mapping[str, Joint]) -> DistanceEntry:

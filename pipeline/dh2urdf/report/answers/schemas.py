@@ -9,7 +9,7 @@ from dh2urdf.report.answers.conversions import FILLED_IN, SCHEMA as CONVERSIONS
 from dh2urdf.report.answers.errors import SCHEMA as ERROR
 from dh2urdf.report.answers.info import CELL, COMPUTED, DEFAULT, SCHEMA as INFO
 from dh2urdf.report.schema import problem_schema, proof_schema
-from dh2urdf.report.schema_words import count, list_of, object_of, or_null, text
+from dh2urdf.report.schema_words import axes_properties, count, list_of, object_of, or_null, text
 from dh2urdf.run_file.schema import DIALECT
 
 PROBLEM = {"$ref": "#/$defs/problem"}
@@ -105,30 +105,10 @@ def _detail() -> dict[str, Any]:
             "joints": list_of(_joint(place), "the joints, from the base outwards"),
             "pose_at_zero": list_of(list_of(number, "a row"), "T(base_link to tool0) where every joint value is 0"),
             "largest_distance": distance,
-            "axes": _axes(),
+            "axes": object_of(axes_properties()),
             "mass": mass,
             "notices": list_of(PROBLEM, "what a careful person would want to know"),
             "errors": list_of(PROBLEM, "why no robot can be made of it"),
-        }
-    )
-
-
-def _axes() -> dict[str, Any]:
-    """What the axes say."""
-    joint = text("a joint")
-    lengths = {name: {"type": "number"} for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4")}
-    opw = object_of(
-        {
-            **lengths,
-            "offsets": list_of({"type": "number"}, "of the joints [rad]"),
-            "signs": list_of({"type": "integer"}, "of the joints, 1 or -1"),
-        }
-    )
-    return object_of(
-        {
-            "parallel": list_of(list_of(joint, "joints in a row whose axes are parallel"), "all of them"),
-            "spherical_wrist": list_of(joint, "the last three joints, where their axes meet in one point"),
-            "opw": {"anyOf": [opw, {"type": "null"}]},
         }
     )
 

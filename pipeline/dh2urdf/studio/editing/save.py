@@ -9,18 +9,21 @@ from __future__ import annotations
 import io
 import tempfile
 import zipfile
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.commands.convert import as_named
 from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import Recipe, make_robot, read_items, write_robot
-from dh2urdf.errors import ManipulatorError, TableError
+from dh2urdf.errors import EmitterError, ManipulatorError, TableError
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof import Proof
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import Call, default_call
+from dh2urdf.stages import Emitter
 from dh2urdf.studio.editing.reading import READER, transform_call
 from dh2urdf.table_text import yaml_word
 
@@ -28,7 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stages import Emitter
     from dh2urdf.table_text import TableText
 
 POSES = 8
@@ -68,8 +70,27 @@ def table_formats(catalog: Catalog) -> tuple[str, ...]:
 
 def robot_formats(catalog: Catalog) -> tuple[str, ...]:
     """The formats in which a robot can be saved as a file, by the names of their emitters."""
+    return tuple(stage.name for stage in _emitters_of_files(catalog) if not stage.for_suffix)
+
+
+def other_suffixes(catalog: Catalog) -> tuple[str, ...]:
+    """The suffixes of files in which tables are saved for people and other programs, by emitters of many formats."""
+    readable = {suffix for name in table_formats(catalog) for suffix in catalog.get("reader", name).suffixes[:1]}
+    found: list[str] = []
+    for stage in _emitters_of_files(catalog):
+        if stage.for_suffix is not None:
+            given = stage.options()
+            seen = [stage.for_suffix(given, suffix) for suffix in stage.suffixes if suffix in readable]
+            for suffix in stage.suffixes:
+                if (options := stage.for_suffix(given, suffix)) not in seen:
+                    seen.append(options)
+                    found.append(suffix)
+    return tuple(found)
+
+
+def _emitters_of_files(catalog: Catalog) -> list[Emitter[Any]]:
     stages = [item.stage for item in catalog.provided("emitter")]
-    return tuple(stage.name for stage in stages if not getattr(stage, "in_folders", False))
+    return [stage for stage in stages if isinstance(stage, Emitter) and not stage.in_folders]
 
 
 def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalog) -> Saved:
@@ -87,17 +108,35 @@ def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalo
     return saved
 
 
+def other_file(table: TableText, suffix: str, variant: str, catalog: Catalog) -> Saved:
+    """A table for people or other programs: the bytes of `dh2urdf convert TABLE -o FILE` with this suffix.
+
+    Raises:
+        InputError: the table is not right, or no emitter has the suffix.
+        ManipulatorError: the format cannot hold the table.
+    """
+    call = as_named(default_call(catalog, catalog.emitter_for(Path(f"arm{suffix}"))), Path(f"arm{suffix}"))
+    (saved, *_) = _make(table, [call], variant, catalog)
+    return saved
+
+
 def all_files(table: TableText, variant: str, catalog: Catalog) -> tuple[Saved, ...]:
     """The table in every format, the run file, and what `dh2urdf run` makes of it.
 
+    A format that cannot hold the table is left out.
+
     Raises:
         InputError: the table is not right.
-        ManipulatorError: no file could be made, or it is not the arm of the table.
+        ManipulatorError: no robot description could be made, or it is not the arm of the table.
     """
     emitters = [catalog.get("emitter", name) for name in robot_formats(catalog)]
     tables = [table_file(table, name, catalog) for name in table_formats(catalog)]
     made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog)
-    return (*tables, run_file(table, variant, catalog), *made)
+    others: list[Saved] = []
+    for suffix in other_suffixes(catalog):
+        with suppress(EmitterError):
+            others.append(other_file(table, suffix, variant, catalog))
+    return (*tables, *others, run_file(table, variant, catalog), *made)
 
 
 def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:

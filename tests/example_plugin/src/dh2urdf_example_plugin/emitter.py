@@ -28,11 +28,11 @@ class DatasheetOptions:
 
 
 def emit(robot: Robot, stem: str, options: DatasheetOptions) -> list[EmittedFile]:
-    """The data sheet of a robot, as ``<stem>.md``."""
+    """The data sheet of a robot, as ``<stem>.datasheet.md``."""
     rows = "".join(f"| {' | '.join(_cells(joint, options))} |\n" for joint in robot.moving_joints)
     mass = f"{robot.mass:.{options.digits}g}"
     text = f"# {_escaped(robot.name)}\n\n{HEADER}{rows}\nMass of all links: {mass} kg\n"
-    return [EmittedFile(name=f"{stem}.md", content=text.encode())]
+    return [EmittedFile(name=f"{stem}.datasheet.md", content=text.encode())]
 
 
 def _cells(joint: Joint, options: DatasheetOptions) -> tuple[str, ...]:
@@ -54,5 +54,5 @@ EMITTER = Emitter(
     summary="a data sheet in Markdown: the joints and their limits",
     emit=emit,
     options=DatasheetOptions,
-    suffixes=(".md",),
+    suffixes=(".datasheet.md",),
 )

@@ -1,0 +1,60 @@
+"""What the axes of a table say of its kinematics, as plain data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.kinematics.facts import kinematic_facts
+from dh2urdf.report.exhibits import tables_of
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.results import ArmAxes, AxesEntry, OpwEntry
+    from dh2urdf.tasks.batch import Batch
+
+
+class AxesOfRun:
+    """Gathers the axes of a run's first manipulators, as their batches go to the workers.
+
+    Attributes:
+        entries: what was found; none of a table that could not be read.
+    """
+
+    def __init__(self, most: int) -> None:
+        """Begin.
+
+        Args:
+            most: of how many manipulators at most.
+        """
+        self._left = most
+        self.entries: list[ArmAxes] = []
+
+    def see(self, batch: Batch) -> None:
+        """Take notice of a batch; batches come in the order of the run."""
+        for place, name in enumerate(batch.names[: self._left]):
+            for arms, table in tables_of(batch.single(place)):
+                self.entries.append({"name": name, "arms": list(arms), **axes_entry(table)})
+        self._left = max(0, self._left - len(batch))
+
+
+def axes_entry(manipulator: Manipulator) -> AxesEntry:
+    """The facts of a table's axes [m, rad]."""
+    facts = kinematic_facts(manipulator)
+    opw: OpwEntry | None = None
+    if (found := facts.opw) is not None:
+        opw = {
+            "a1": found.a1,
+            "a2": found.a2,
+            "b": found.b,
+            "c1": found.c1,
+            "c2": found.c2,
+            "c3": found.c3,
+            "c4": found.c4,
+            "offsets": list(found.offsets),
+            "signs": list(found.signs),
+        }
+    return {
+        "parallel": [list(names) for names in facts.parallel],
+        "spherical_wrist": list(facts.spherical_wrist),
+        "opw": opw,
+    }

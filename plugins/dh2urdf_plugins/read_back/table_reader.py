@@ -1,0 +1,74 @@
+"""Reads a written table into a robot whose joints are its rows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import InputError, ProofError
+from dh2urdf.kinematics import row_transform
+from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.robot import Joint, Link, Origin, Robot
+from dh2urdf.rotations import IDENTITY, Z_AXIS, RigidTransform
+from dh2urdf.source import Mark, Problem
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_READERS = {".yaml": "yaml", ".yml": "yaml", ".json": "yaml", ".csv": "csv"}
+
+
+def read_table(path: Path) -> Robot:
+    """The robot of the one table of a file.
+
+    Raises:
+        InputError: no reader of tables reads the file.
+        ProofError: the table is wrong.
+    """
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(
+            Problem(
+                message="the file is a table for people or for another program, and only written",
+                mark=Mark(file=str(path)),
+                found=path.suffix,
+                accepted=f"a file that ends in {', '.join(_READERS)}",
+            )
+        )
+    from dh2urdf import read_all
+
+    (arm,) = read_all(path, reader=reader)
+    if not isinstance(arm, Manipulator):
+        raise ProofError(arm.problems)
+    return robot_of(arm)
+
+
+def robot_of(arm: Manipulator) -> Robot:
+    """A robot of the rows of a table, without bodies.
+
+    A row at q is its transform at 0 and the joint's motion about z: the motion comes first in the standard convention,
+    and last in the modified one.
+    """
+    links, joints = [Link(name="base_link")], list[Joint]()
+    so_far = arm.base
+    for row in arm.rows:
+        step = row_transform(arm.convention, row)
+        origin, so_far = (so_far, step) if arm.convention is Convention.STANDARD else (so_far @ step, IDENTITY)
+        joints.append(
+            Joint(
+                name=row.joint,
+                type=row.type,
+                parent=links[-1].name,
+                child=row.link,
+                origin=_origin(origin),
+                axis=Z_AXIS if row.sign > 0 else (0.0, 0.0, -1.0),
+                limits=row.limits,
+            )
+        )
+        links.append(Link(name=row.link))
+    last = _origin(so_far @ arm.tool)
+    joints.append(Joint(name="tool0_joint", type=JointType.FIXED, parent=links[-1].name, child="tool0", origin=last))
+    return Robot(name=arm.name, links=(*links, Link(name="tool0")), joints=tuple(joints))
+
+
+def _origin(transform: RigidTransform) -> Origin:
+    return Origin(xyz=transform.translation, rpy=transform.rpy)

@@ -1,0 +1,246 @@
+"""Code for MATLAB and Python that the emitter ``table`` writes is run, and its T(q) is that of the table."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import DHRow, JointType, Manipulator
+from dh2urdf_plugins.emitters.table.matlab import left_out_of_matlab, matlab_file
+from dh2urdf_plugins.emitters.table.toolbox import left_out_of_toolbox, toolbox_file
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from conftest import ReferenceRobot
+    from numpy.typing import NDArray
+
+    Product = Callable[[Manipulator, Sequence[float]], NDArray[np.float64]]
+
+SAME = 1e-12
+OCTAVE = shutil.which("octave-cli")
+SHIM = Path(__file__).with_name("octave")
+
+
+def vectors(arm: Manipulator) -> Iterator[list[float]]:
+    """Zero and three joint vectors without a pattern."""
+    yield [0.0] * len(arm.moving_rows)
+    generator = np.random.default_rng(7)
+    for _ in range(3):
+        yield generator.uniform(-2.0, 2.0, len(arm.moving_rows)).tolist()
+
+
+def foldable(arm: Manipulator) -> bool:
+    """Whether fixed rows are at the ends only."""
+    kinds = "".join("F" if row.type is JointType.FIXED else "M" for row in arm.rows)
+    return "F" not in kinds.strip("F") and "M" in kinds
+
+
+# --- Robotics Toolbox for Python
+
+
+class Link:
+    """A link as the documentation of the toolbox has it: A of ±q + offset."""
+
+    def __init__(self, *, mdh: bool, sliding: bool, **said: Any) -> None:
+        self.mdh, self.sliding = mdh, sliding
+        self.said = {"theta": 0.0, "d": 0.0, "offset": 0.0, "flip": False, **said}
+
+    def A(self, q: float) -> NDArray[np.float64]:  # noqa: N802 - its name in the toolbox
+        variable = (-q if self.said["flip"] else q) + self.said["offset"]
+        theta, d = (self.said["theta"], variable) if self.sliding else (variable, self.said["d"])
+        a, alpha = self.said["a"], self.said["alpha"]
+        ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
+        if self.mdh:
+            rows = [[ct, -st, 0, a], [st * ca, ct * ca, -sa, -sa * d], [st * sa, ct * sa, ca, ca * d], [0, 0, 0, 1]]
+        else:
+            rows = [[ct, -st * ca, st * sa, a * ct], [st, ct * ca, -ct * sa, a * st], [0, sa, ca, d], [0, 0, 0, 1]]
+        return np.array(rows, dtype=float)
+
+
+class Recorder:
+    """Stands in for `DHRobot`."""
+
+    def __init__(self, links: list[Link], *, name: str, base: Any = None, tool: Any = None) -> None:
+        self.links, self.name = links, name
+        self.base, self.tool = (np.eye(4) if each is None else each for each in (base, tool))
+
+    def fkine(self, q: Sequence[float]) -> SimpleNamespace:
+        pose = self.base
+        for link, value in zip(self.links, q, strict=True):
+            pose = pose @ link.A(value)
+        return SimpleNamespace(A=pose @ self.tool)
+
+
+@pytest.fixture
+def recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Modules of the names of the toolbox's, which record what they are given."""
+    toolbox, maths = ModuleType("roboticstoolbox"), ModuleType("spatialmath")
+    kinds: dict[str, Any] = {
+        f"{kind}{form}": partial(Link, sliding=kind == "Prismatic", mdh=form == "MDH")
+        for kind in ("Revolute", "Prismatic")
+        for form in ("DH", "MDH")
+    }
+    vars(toolbox).update(kinds, DHRobot=Recorder)
+    vars(maths).update(SE3=lambda matrix, **_: matrix)
+    monkeypatch.setitem(sys.modules, "roboticstoolbox", toolbox)
+    monkeypatch.setitem(sys.modules, "spatialmath", maths)
+
+
+def executed(*arms: Manipulator) -> dict[str, Any]:
+    """What the code of some arms defines."""
+    scope: dict[str, Any] = {}
+    exec(compile(toolbox_file(arms), "arm.py", "exec"), scope)  # noqa: S102 - code of ours
+    return scope
+
+
+class TestRecorded:
+    """The code is run with a stand-in for the toolbox."""
+
+    @pytest.fixture(autouse=True)
+    def _stand_in(self, recorded: None) -> None:
+        """Every test has the stand-in."""
+
+    def test_pose_of_every_feature(self, arm: Manipulator, product: Product) -> None:
+        """Signs, offsets, prismatic joints, fixed rows at the ends, base and tool, in both conventions."""
+        robot = executed(arm)["robot"]
+        for q in vectors(arm):
+            assert np.abs(robot.fkine(q).A - product(arm, q)).max() <= SAME
+
+    def test_pose_of_a_published_robot(self, reference_robot: ReferenceRobot, product: Product) -> None:
+        """The code of each published table."""
+        arm = reference_robot.manipulator
+        assert foldable(arm)
+        robot = executed(arm)["robot"]
+        for q in vectors(arm):
+            expected = product(arm, q)
+            assert np.abs(robot.fkine(q).A - expected).max() <= SAME * max(1.0, np.abs(expected).max())
+
+    def test_limits_and_dynamics(self, arm: Manipulator) -> None:
+        """What a table says of a row is said of its link, in the units of the toolbox; nothing else is."""
+        turn, slide, spin, _ = executed(arm)["robot"].links
+        assert turn.said["qlim"] == [arm.rows[1].limits.lower, arm.rows[1].limits.upper]
+        assert slide.said["qlim"] == [0, 0.75]
+        assert (turn.said["m"], turn.said["r"], turn.said["G"], turn.said["Jm"]) == (2, [0.1, -0.2, 0.3], 1, 0.125)
+        assert (turn.said["B"], turn.said["Tc"]) == (0.5, [0.25, -0.25])
+        assert turn.said["I"].tolist() == [[0.3, 0.01, -0.02], [0.01, 0.4, 0.03], [-0.02, 0.03, 0.5]]
+        assert {"qlim", "m", "r", "I", "G", "Jm", "B", "Tc"}.isdisjoint(spin.said)
+
+    def test_several_arms(self, arm: Manipulator) -> None:
+        """Each has a variable of its own name."""
+        scope = executed(arm, replace(arm, name="Pi"), replace(arm, name="3"), replace(arm, name="3"))
+        assert [name for name, value in scope.items() if isinstance(value, Recorder)] == [
+            "one_of_everything",
+            "pi_2",
+            "robot_3",
+            "robot_3_2",
+        ]
+
+    def test_names_are_texts(self, arm: Manipulator) -> None:
+        """A name with quotes, backslashes and breaks stays a text."""
+        name = 'a"""\\ b\n' + "'"
+        rows = (replace(arm.rows[1], link=name), *arm.rows[2:])
+        robot = executed(replace(arm, name=name, rows=rows))["robot"]
+        assert (robot.name, robot.links[0].said["name"]) == (name, name)
+
+
+def test_a_fixed_row_between_joints_is_refused(arm: Manipulator) -> None:
+    """Every link of a DHRobot moves."""
+    fixed = DHRow(joint="between", link="b", type=JointType.FIXED, a=0.1, alpha=0.0, d=0.0)
+    with pytest.raises(EmitterError, match="a row between two joints is fixed") as caught:
+        toolbox_file([replace(arm, rows=(*arm.rows[:2], fixed, *arm.rows[2:]))])
+    assert caught.value.problems[0].found == "between"
+    with pytest.raises(EmitterError, match="no row of the table does"):
+        toolbox_file([replace(arm, rows=(fixed,))])
+
+
+def test_what_code_has_no_place_for(arm: Manipulator) -> None:
+    """It is named; an arm without it gives no notice."""
+    rows = (replace(arm.rows[0], mass=1.0), replace(arm.rows[1], limits=replace(arm.rows[1].limits, effort=5.0)))
+    given = replace(arm, rows=rows, base_mass=3.0)
+    assert [notice.message for notice in left_out_of_toolbox([given])] == [
+        "a DHRobot has no place for effort, base mass: left out",
+        "a DHRobot has no fixed links: the masses of fixed rows are left out",
+    ]
+    assert [notice.message for notice in left_out_of_matlab([given])] == [
+        "a rigidBodyTree has no place for effort, damping, friction, armature, base mass: left out"
+    ]
+    assert not list(left_out_of_toolbox([arm]))
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("roboticstoolbox"), reason="roboticstoolbox-python is not installed")
+def test_the_toolbox_itself(arm: Manipulator, reference_robots: Sequence[ReferenceRobot], product: Product) -> None:
+    """`fkine` of the toolbox is T(q) of the table, of every published robot too; limits and masses arrive."""
+    for each in (arm, *(robot.manipulator for robot in reference_robots)):
+        robot = executed(each)["robot"]
+        for q in vectors(each):
+            expected = product(each, q)
+            assert np.abs(robot.fkine(q).A - expected).max() <= SAME * max(1.0, np.abs(expected).max())
+    link = executed(arm)["robot"].links[0]
+    assert (link.m, link.Jm, link.G, link.B) == (2, 0.125, 1, 0.5)
+    assert link.I.tolist() == [[0.3, 0.01, -0.02], [0.01, 0.4, 0.03], [-0.02, 0.03, 0.5]]
+
+
+# --- MATLAB
+
+
+def octave(folder: Path, *arms: Manipulator) -> list[NDArray[np.float64]]:
+    """T(q) of tool0 at the vectors of each arm, computed by Octave with classes that do what MATLAB documents."""
+    lines = []
+    for number, arm in enumerate(arms):
+        (folder / f"arm_{number}.m").write_bytes(matlab_file([arm]))
+        lines.append(f"arm_{number};")
+        lines += [f"printf('%.17g ', getTransform(robot, {q}, 'tool0')); disp('');" for q in vectors(arm)]
+    (folder / "main.m").write_text("\n".join(lines))
+    command = [str(OCTAVE), "--norc", "--no-history", "--path", str(SHIM), "main.m"]
+    answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True, timeout=300)
+    assert answer.stderr == ""
+    return [np.array(line.split(), dtype=float).reshape(4, 4).T for line in answer.stdout.splitlines()]
+
+
+@pytest.mark.skipif(OCTAVE is None, reason="octave-cli is not installed")
+class TestOctave:
+    """The script is run by Octave."""
+
+    def test_pose_of_every_feature(self, arm: Manipulator, product: Product, tmp_path: Path) -> None:
+        """A constant of a joint is a fixed body, a sign the direction of the axis; fixed rows may be anywhere."""
+        fixed = DHRow(joint="between", link="b", type=JointType.FIXED, a=0.1, alpha=0.5, d=0.3, theta=-0.2)
+        given = replace(arm, rows=(*arm.rows[:3], fixed, *arm.rows[3:]))
+        poses = octave(tmp_path, given)
+        for q, pose in zip(vectors(given), poses, strict=True):
+            assert np.abs(pose - product(given, q)).max() <= SAME
+
+    def test_pose_of_published_robots(
+        self, reference_robots: Sequence[ReferenceRobot], product: Product, tmp_path: Path
+    ) -> None:
+        """The script of each published table."""
+        arms = [robot.manipulator for robot in reference_robots]
+        expected = [product(arm, q) for arm in arms for q in vectors(arm)]
+        for pose, known in zip(octave(tmp_path, *arms), expected, strict=True):
+            assert np.abs(pose - known).max() <= SAME * max(1.0, np.abs(known).max())
+
+
+def test_bodies_of_matlab(arm: Manipulator) -> None:
+    """The inertia tensor is about the origin of the frame; names with quotes are doubled; limits are in place."""
+    text = matlab_file([replace(arm, rows=(replace(arm.rows[1], link="it's"),))]).decode()
+    assert "body = rigidBody('it''s');" in text
+    assert "joint.PositionLimits = [-3*pi/4, 2];" in text
+    assert "body.Mass = 2;\nbody.CenterOfMass = [0.1 -0.2 0.3];" in text
+    (line,) = [line for line in text.splitlines() if line.startswith("body.Inertia") and "0 0 0" not in line]
+    x, y, z = 0.1, -0.2, 0.3
+    about = [[0.3, 0.01, -0.02], [0.01, 0.4, 0.03], [-0.02, 0.03, 0.5]] + 2.0 * (
+        (x * x + y * y + z * z) * np.eye(3) - np.outer((x, y, z), (x, y, z))
+    )
+    expected = [about[0, 0], about[1, 1], about[2, 2], about[1, 2], about[0, 2], about[0, 1]]
+    assert np.allclose([float(word) for word in line[16:-2].split()], expected, rtol=0.0, atol=1e-15)

@@ -12,9 +12,10 @@ from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.standard_input import files_behind, given_table
 from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, chain_options, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
-from dh2urdf.commands.extract import description_reader, leaves_of, table_lines, the_one, write_extracted
+from dh2urdf.commands.extract import arms_of, description_reader, leaves_of, table_lines, write_extracted
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
@@ -22,8 +23,9 @@ from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, printable
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.stages import Reader
 
@@ -64,7 +66,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     quiet: bool,  # noqa: FBT001
     **flags: str | None,
 ) -> int:
-    """Print the DH table of ROBOT, a URDF, xacro, SDF or MJCF of any origin, or write it.
+    """Print the DH table of ROBOT, a URDF, xacro, SDF or MJCF of any origin, or write it; `-` is standard input.
 
     The joints keep their names, order, directions and zeros: T(base → tip) is that of ROBOT for every joint vector. The
     table is measured against ROBOT's chain, and the file that -o writes is read back before it is put in place. What a
@@ -77,13 +79,16 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf extract panda.urdf -o panda.csv --convention modified --length-unit mm --angle-unit deg
     dh2urdf extract ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src
     dh2urdf extract robot.urdf --tips
+    dh2urdf extract robot.urdf -o chains.yaml --tip-link '*'
+    xacro robot.urdf.xacro | dh2urdf extract - --from urdf
     """
     installed = catalog()
     arguments = [word for word in words if ":=" in word and not Path(word).exists()]
     robots = [Path(word) for word in words if word not in arguments]
     if len(robots) != 1:
-        message = f"{len(robots)} files are given, and a table is of one"
+        message = f"{len(robots)} files are given, and tables are extracted from one"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
+    robot, reader_name = given_table(robots[0], reader_name, installed)
     _check_units(length_unit, angle_unit)
     given = {name: flags[name] for name in (*CHAIN_OPTIONS, *OPTIONS)}
     if arguments:
@@ -94,31 +99,43 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     def call(chosen: str | None = convention) -> Call[Reader[Any]]:
         options: Mapping[str, str | None] = {**given, "convention": chosen}
         return description_reader(
-            installed, robots[0], ASKER, reader=reader_name, given=options, settings=settings_of(settings)
+            installed, robot, ASKER, reader=reader_name, given=options, settings=settings_of(settings)
         )
 
     if lists_tips:
-        leaves = leaves_of(call(), robots[0])
-        counts = (f"{name}: {count} moving joint{'' if count == 1 else 's'}" for name, count in leaves.items())
+        counts = [f"{name}: {_moving(count)}" for name, count in leaves_of(call(), robot).items()]
         answer("\n".join(map(printable, counts)))
         return 0
     if output is not None:
-        arm = the_one(call(), robots[0])
-        lost = write_extracted([arm], output, installed, inputs=robots, length_unit=length_unit, angle_unit=angle_unit)
+        arms = arms_of(call(), robot)
+        units = {"length_unit": length_unit, "angle_unit": angle_unit}
+        lost = write_extracted(arms, output, installed, inputs=files_behind(robots), **units)
         if not quiet:
-            print_notices((*arm.notices, *lost))
-            joints = len(arm.moving_rows)
-            count = f"{joints} moving joint{'' if joints == 1 else 's'}"
-            click.echo(printable(f"{arm.name}: {count}, {arm.convention} convention; written to {output}"), err=True)
+            print_notices([*(notice for arm in arms for notice in arm.notices), *lost])
+            told = [f"{arm.name}: {_moving(len(arm.moving_rows))}, {arm.convention} convention" for arm in arms]
+            click.echo("\n".join(printable(f"{each}; written to {output}") for each in told), err=True)
         return 0
-    arms = [the_one(call(each), robots[0]) for each in ([convention] if convention else list(Convention))]
+    both = [arms_of(call(each), robot) for each in ([convention] if convention else list(Convention))]
     if not quiet:
-        print_notices(list(dict.fromkeys(notice for arm in arms for notice in arm.notices)))
-    blocks = [[*table_lines(arm, length_unit, angle_unit)] for arm in arms]
-    if facts := kinematic_facts(arms[0]).sentences():
-        blocks.append(facts)
+        print_notices(list(dict.fromkeys(notice for arms in both for arm in arms for notice in arm.notices)))
+    blocks = _blocks(both, length_unit, angle_unit)
     answer("\n\n".join("\n".join(map(printable, block)) for block in blocks))
     return 0
+
+
+def _blocks(both: list[list[Manipulator]], length_unit: str, angle_unit: str) -> Iterator[list[str]]:
+    """What is printed of each chain: its name where there are several, its tables, and what its axes say."""
+    for same in zip(*both, strict=True):
+        if len(both[0]) > 1:
+            yield [same[0].name]
+        for arm in same:
+            yield [*table_lines(arm, length_unit, angle_unit)]
+        if facts := kinematic_facts(same[0]).sentences():
+            yield facts
+
+
+def _moving(count: int) -> str:
+    return f"{count} moving joint{'' if count == 1 else 's'}"
 
 
 def _check_units(length_unit: str, angle_unit: str) -> None:

@@ -63,7 +63,7 @@ def refuse_dash(files: Iterable[Path | str | None], command: str) -> None:
                 found=DASH,
                 accepted="the name of a file",
                 suggestion=f"save it as a file first, `cat > FILE`, and give `dh2urdf {command} FILE`; "
-                "`dh2urdf convert -`, `info -` and `check -` read standard input",
+                "`dh2urdf convert -`, `info -`, `extract -` and `check -` read standard input",
             )
         )
 

@@ -83,20 +83,33 @@ def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
         return a_record(call.stage.leaves(path, call.options), dict)
 
 
+def arms_of(call: Call[Reader[Any]], path: Path) -> list[Manipulator]:
+    """The manipulators of the chains that are meant.
+
+    Raises:
+        TableError: there is none, or one of them has no table.
+    """
+    items = list(read_items(call, path))
+    if rejected := [item for item in items if isinstance(item, Rejected)]:
+        problems = [problem.about(robot=item.name) for item in rejected for problem in item.problems]
+        raise TableError(problems, [notice for item in rejected for notice in item.notices])
+    if arms := [item for item in items if isinstance(item, Manipulator)]:
+        return arms
+    raise TableError(Problem(message="there is no chain in it", mark=Mark(file=str(path))))
+
+
 def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
     """The manipulator of the one chain that is meant.
 
     Raises:
         TableError: there is none, or there are several.
     """
-    items = list(read_items(call, path))
-    if len(items) == 1 and isinstance(items[0], Manipulator):
-        return items[0]
-    if len(items) == 1 and isinstance(items[0], Rejected):
-        raise TableError(items[0].problems, items[0].notices)
+    arms = arms_of(call, path)
+    if len(arms) == 1:
+        return arms[0]
     raise TableError(
         Problem(
-            message=f"{len(items)} chains are asked for, and one table has one",
+            message=f"{len(arms)} chains are asked for, and one table has one",
             mark=Mark(file=str(path)),
             field="tip_link",
             accepted="the name of a link",

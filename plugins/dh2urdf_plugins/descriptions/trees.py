@@ -92,7 +92,8 @@ class Tree:
             TableError: there is no such link, or which of several leaves is meant is not said.
         """
         if tip_link == EVERY:
-            return list(self.leaves())
+            leaves = self.leaves()
+            return [name for name, count in leaves.items() if count] or list(leaves)
         if tip_link:
             return [_link(self.description, tip_link, "tip_link")]
         reached = self.reached()

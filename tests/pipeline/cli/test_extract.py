@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import math
-from typing import TYPE_CHECKING
+import sys
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -34,6 +37,9 @@ TREE = """<robot name="tree">
   <joint name="j3" type="continuous"><parent link="a"/><child link="c"/><axis xyz="1 0 0"/></joint>
 </robot>
 """
+
+
+WELDED = '<link name="d"/><joint name="j4" type="fixed"><parent link="foot"/><child link="d"/></joint>'
 
 
 @pytest.fixture
@@ -84,6 +90,37 @@ class TestPrinted:
         assert "2 leaves: b (2 moving joints), c (2 moving joints)" in refused.stderr
         assert "j3" in cli("extract", str(path), "--tip-link", "c").stdout
 
+    def test_every_tip(self, cli: Cli, tmp_path: Path) -> None:
+        """Each chain under its name; a leaf that no joint moves is no arm. A program asks for one of them."""
+        path = tmp_path / "tree.urdf"
+        path.write_text(TREE.replace("</robot>", WELDED + "</robot>"))
+        blocks = cli("extract", str(path), "--tip-link", "*", "--convention", "standard").stdout.strip().split("\n\n")
+        heads = [block for block in blocks if "\n" not in block and "axes" not in block]
+        assert heads == ["tree_b", "tree_c"]
+        table = tmp_path / "chains.yaml"
+        answer = cli("extract", str(path), "--tip-link", "*", "-o", str(table))
+        assert answer.stderr.count(f"2 moving joints, standard convention; written to {table}") == 2
+        arms = list(dh2urdf.read_all(table))
+        assert [(arm.name, len(arm.rows)) for arm in arms if isinstance(arm, dh2urdf.Manipulator)] == [
+            ("tree_b", 2),
+            ("tree_c", 2),
+        ]
+        with pytest.raises(InputError, match="2 chains are asked for, and one table has one"):
+            dh2urdf.extract(path, tip_link="*")
+
+    def test_standard_input(self, cli: Cli, ur5: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A description that comes through a pipe has the tables of the file."""
+
+        def piped(*words: str, status: int = 0) -> Any:
+            monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(ur5.read_bytes())))
+            return cli("extract", "-", *words, status=status)
+
+        assert piped("--from", "urdf").stdout == cli("extract", str(ur5)).stdout
+        table = tmp_path / "piped.yaml"
+        piped("--from", "urdf", "-o", str(table))
+        assert table.read_text().startswith("# ur5 of standard input\n")
+        assert "the format is not sure" in piped(status=2).stderr
+
 
 class TestWritten:
     @pytest.mark.parametrize("name", ["arm.yaml", "arm.csv"])
@@ -122,14 +159,11 @@ class TestWritten:
             (["-o", "arm.docx"], "no reader is known for the file 'arm.docx'"),
             (["--length-unit", "ft"], "--length-unit ft is no unit of a table"),
             (["--near-parallel", "never"], "near_parallel"),
-            (["--tip-link", "*"], "is asked for"),
-            (["other.urdf"], "2 files are given, and a table is of one"),
+            (["other.urdf"], "2 files are given, and tables are extracted from one"),
         ],
     )
     def test_what_cannot_be(self, cli: Cli, ur5: Path, words: list[str], message: str) -> None:
         answer = cli("extract", str(ur5), *words, status=2)
-        if words[0] == "--tip-link":  # our descriptions have two ends: flange and tool0
-            message = "2 chains are asked for, and one table has one"
         assert message in answer.stderr
 
     def test_a_table_is_no_description(self, cli: Cli, ur5: Path) -> None:

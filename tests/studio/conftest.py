@@ -187,6 +187,18 @@ class Tab:
         """Waits until a text stands in a cell."""
         self.page.locator(f"{self._cell(row, field)}:text-is('{text}')").wait_for()
 
+    def wait_for_lesson(self, progress: float) -> None:
+        """Waits until the frame of the explained row has done so many motions."""
+        self.page.locator(f'.studio-lesson[data-progress="{progress:.2f}"]').wait_for()
+
+    def wait_for_arrow(self, name: str, tip: Any) -> None:
+        """Waits until an arrow points to a place, to 1e-6."""
+        script = """([name, tip]) => {
+            const head = document.querySelector('.arm-view').scene.getObjectByName(name)?.children.find(part => part.isMesh);
+            return head?.position.toArray().every((x, i) => Math.abs(x - tip[i]) < 1e-6);
+        }"""
+        self.page.wait_for_function(script, arg=[name, list(tip)])
+
     def nodes(self) -> list[str]:
         """The names of what is in the scene."""
         script = "document.querySelector('.arm-view').scene.children[0].children.map(node => node.name)"

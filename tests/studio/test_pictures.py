@@ -52,6 +52,15 @@ def paper(tab: Any) -> None:
     tab.page.get_by_text("from the table's").wait_for()
 
 
+def lesson(tab: Any) -> None:
+    tab.open_exhibit("panda")
+    set_sliders(tab, [0.3, 0.5, -0.2, -1.9, 0.2, 2.2, 0.8])
+    tab.page.get_by_role("button", name="explain the picked row").click()
+    tab.cell(3, "a").click()
+    tab.page.get_by_role("button", name="3 Rz(θ)").click()
+    tab.wait_for_lesson(3.0)
+
+
 def set_sliders(tab: Any, values: list[float]) -> None:
     for box, value in zip(tab.page.locator(".joint-slider-number").all(), values, strict=True):
         box.fill(str(value))
@@ -68,6 +77,7 @@ STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
     "wrong_cell": (wrong_cell, LAPTOP),
     "panda": (panda, LAPTOP),
     "paper": (paper, LAPTOP),
+    "lesson": (lesson, LAPTOP),
     "tablet": (ur5, TABLET),
 }
 ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP, "meshes": LAPTOP}

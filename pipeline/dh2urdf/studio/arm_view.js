@@ -2,7 +2,7 @@
 // rests when nothing has. `this.$el.scene` is the three.js scene, whose nodes have the names that Python gave them.
 import { OrbitControls, THREE } from "nicegui-scene";
 
-const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44 };
+const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44, x: 0xe03131, y: 0x2f9e44, z: 0x1971c2 };
 const HIGHLIGHT = new THREE.Color(0x4dabf7);
 const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour

@@ -13,6 +13,7 @@ from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.editing import edits, pasting
 from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.studio.lesson import LessonPanel
 from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
 from dh2urdf.studio.widgets import ArmView, JointSliders
@@ -108,6 +109,7 @@ class StudioPage:
             on_act=self._act,
             on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
         )
+        self._lesson = LessonPanel(self.session, self._show_pose)
         self._problems = ProblemList(on_click=self._go_to)
         with ui.element("div").classes("studio-ends"):
             self._ends: dict[str, ui.input] = {}
@@ -133,6 +135,9 @@ class StudioPage:
             self._variant.props('dense unelevated no-caps aria-label="variant"')
             fit = ui.button(icon="center_focus_strong", on_click=self._see_all)
             fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
+            explain = ui.button(icon="school", on_click=self._lesson.switch)
+            explain.props('flat dense round size=sm aria-label="explain the picked row"')
+            explain.tooltip("explain the picked row")
         self._remark = ui.label().classes("studio-bar studio-remark")
         self._view = ArmView(on_pick=self._picked_in_scene)
         with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
@@ -206,6 +211,7 @@ class StudioPage:
 
     def _show_pose(self) -> None:
         session = self.session
+        self._view.set_layers(session.shown_layers)
         self._view.pose(session.drawing.poses(session.joint_values()), session.strokes())
         self._sliders.answer(session.q)
         self._show_numbers()
@@ -217,6 +223,7 @@ class StudioPage:
         remark = words.remark(session)
         self._remark.set_text(remark)
         self._remark.set_visibility(bool(remark))
+        self._lesson.show()
 
     # --- What is done -------------------------------------------------------------------------------------------------
 
@@ -330,6 +337,8 @@ class StudioPage:
             self.session.row = row
             self._view.highlight(row)
             self._table.pick(row)
+            if self.session.lesson is not None:
+                self._show_pose()
 
     def _picked_in_scene(self, row: int | None) -> None:
         self._pick(row)
@@ -369,7 +378,6 @@ class StudioPage:
         if self._filling:
             return
         self.session.layers = frozenset(layer for layer, box in self._layers.items() if box.value)
-        self._view.set_layers(self.session.layers)
         self._show_pose()
 
     def _choose_variant(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
@@ -408,7 +416,7 @@ class StudioPage:
     async def start(self) -> None:
         """Shows the session for the first time."""
         kept = kept_table(await ui.run_javascript("return dhPage.kept()", timeout=10.0))
-        self._view.set_layers(self.session.layers)
+        self._view.set_layers(self.session.shown_layers)
         self.show()
         self._view.highlight(self.session.row)
         self._view.fit()

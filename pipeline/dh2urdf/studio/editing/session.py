@@ -20,7 +20,8 @@ from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio import joints
-from dh2urdf.studio.drawing.scene import PAPER, Drawing, Figure, extent
+from dh2urdf.studio.drawing.motions import moving_frame
+from dh2urdf.studio.drawing.scene import FRAME_SIZE, PAPER, Drawing, Figure, extent
 from dh2urdf.studio.editing import conversions, edits
 from dh2urdf.studio.editing.history import History
 from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read
@@ -74,6 +75,7 @@ class Session:
         layers: what is shown.
         row: number of the row that is picked, counted from 0; None where none is.
         all_columns: whether columns are shown that are empty.
+        lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
         problems_of_making: why no arm can be made of a table that can be read.
     """
 
@@ -88,6 +90,7 @@ class Session:
         self.layers: frozenset[str] = frozenset(("links", "axes", "frames"))
         self.row: int | None = None
         self.all_columns = False
+        self.lesson: float | None = None
         self.reading = Reading(table=self.table)
         self.problems_of_making: tuple[CellProblem, ...] = ()
         self._before_preview: tuple[OpenArm | None] | None = None
@@ -197,8 +200,24 @@ class Session:
         self.q = joints.kept({**self.q, **values}, self.sliders)
 
     def strokes(self) -> tuple[Stroke, ...]:
-        """The DH parameters at the pose on the screen, where they are shown."""
-        return self.drawing.strokes(self.q) if "parameters" in self.layers else ()
+        """The DH parameters that are shown, at the pose on the screen; of an explained row its own, and a frame."""
+        row = self.explained_row
+        if self.lesson is None or row is None or self.arm is None:
+            return self.drawing.strokes(self.q) if "parameters" in self.layers else ()
+        own = [stroke for stroke in self.drawing.strokes(self.q) if stroke.row == row]
+        size = 1.6 * FRAME_SIZE * self.drawing.reach
+        return (*own, *moving_frame(self.arm.manipulator, row, self.q, self.lesson, size))
+
+    @property
+    def shown_layers(self) -> frozenset[str]:
+        """What is shown: the layers that were chosen, and the parameters of a row that is explained."""
+        return self.layers if self.lesson is None else self.layers | {"parameters"}
+
+    @property
+    def explained_row(self) -> int | None:
+        """The picked row, where the arm on the screen has it; None otherwise."""
+        there = self.arm is not None and self.row is not None and self.row < len(self.arm.manipulator.rows)
+        return self.row if there else None
 
     @property
     def pose(self) -> RigidTransform | None:

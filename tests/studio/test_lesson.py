@@ -1,0 +1,110 @@
+"""The row that is explained: its words, and the panel in the browser."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from dh2urdf.kinematics.chain import as_matrices, dh_frames
+from dh2urdf.manipulator import Convention
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing.session import Session
+from dh2urdf.studio.lesson_words import explained
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from dh2urdf.plugin_system.catalog import Catalog
+
+Q = {"a1": 0.3, "a2": -1.1}
+
+
+def matrices(html: str) -> list[list[list[str]]]:
+    """The cells of every matrix."""
+    return [
+        [re.findall(r"<td>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", table)]
+        for table in re.findall(r"<table.*?</table>", html)
+    ]
+
+
+def evaluated(cells: list[list[str]], a: float, alpha: float, d: float, theta: float) -> NDArray[np.float64]:
+    """A matrix of symbols at some values."""
+    values = {"cθ": np.cos(theta), "sθ": np.sin(theta), "cα": np.cos(alpha), "sα": np.sin(alpha), "a": a, "d": d}
+
+    def number(cell: str) -> float:
+        sign = -1.0 if cell.startswith("−") else 1.0
+        factors = cell.removeprefix("−").split()
+        return sign * float(np.prod([values[each] if each in values else float(each) for each in factors]))
+
+    return np.array([[number(cell) for cell in row] for row in cells])
+
+
+@pytest.mark.parametrize("file", ["ur5.csv", "panda.yaml", "scara.csv"])
+@pytest.mark.parametrize("length", ["m", "mm"])
+def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: str) -> None:
+    """The symbols, evaluated, are the numbers beside them; T is the product of the rows so far, lengths in the unit."""
+    session = Session(catalog, gallery.exhibit(file, catalog))
+    session.set_units(length, "rad", convert=True)
+    assert session.arm is not None
+    arm = session.arm.manipulator
+    session.move({row.joint: 0.1 * number - 0.25 for number, row in enumerate(arm.moving_rows)})
+    factor = 1000.0 if length == "mm" else 1.0
+    frames = dh_frames(arm, [session.q.get(row.joint, 0.0) for row in arm.moving_rows])
+    for number, row in enumerate(arm.rows):
+        symbols, here, whole, other = matrices(explained(arm, number, session.q, session.table))
+        q = session.q.get(row.joint, 0.0)
+        slides, turns = row.type.value == "prismatic", row.type.value in ("revolute", "continuous")
+        d = row.d + (row.offset + row.sign * q if slides else 0.0)
+        theta = row.theta + (row.offset + row.sign * q if turns else 0.0)
+        expected = evaluated(symbols, row.a * factor, row.alpha, d * factor, theta)
+        numbers = np.array([[float(cell.replace("−", "-")) for cell in line] for line in here])
+        assert np.abs(numbers - expected).max() < 6e-5
+        product = as_matrices(frames[number + 1])
+        product[:3, 3] *= factor
+        numbers = np.array([[float(cell.replace("−", "-")) for cell in line] for line in whole])
+        assert np.abs(numbers - product).max() < 6e-5
+        assert other != symbols
+
+
+def test_the_symbols_are_those_of_the_conventions(catalog: Catalog) -> None:
+    """Each convention's matrix is that of its product, and the other one's is there too."""
+    for file, convention in (("ur5.csv", Convention.STANDARD), ("panda.yaml", Convention.MODIFIED)):
+        session = Session(catalog, gallery.exhibit(file, catalog))
+        assert session.arm is not None
+        html = explained(session.arm.manipulator, 0, {}, session.table)
+        expected = ["Rz(θ) Tz(d) Tx(a) Rx(α)", "Rx(α) Tx(a) Rz(θ) Tz(d)"]
+        products = re.findall("|".join(map(re.escape, expected)), html)
+        assert products == (expected if convention is Convention.STANDARD else expected[::-1])
+
+
+def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+    """Opened, it asks for a row; a picked row is explained; a motion is played; closed, its strokes are gone."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    hat = page.get_by_role("button", name="explain the picked row")
+    hat.click()
+    page.get_by_text("Pick a row of the table, or a link of the arm.").wait_for()
+    tab.cell(1, "a").click()
+    page.get_by_text("A2 = Rz(θ) Tz(d) Tx(a) Rx(α)").wait_for()
+    session = Session(catalog, gallery.exhibit("ur5.csv", catalog))
+    session.row, session.lesson = 1, 4.0
+    arrows = {stroke.field: stroke.points[-1] for stroke in session.strokes()}
+    for field in "xyz":
+        tab.wait_for_arrow(f"{field} 2", arrows[field])
+    page.get_by_role("button", name="play").click()
+    page.wait_for_function("Number(document.querySelector('.studio-lesson').dataset.progress) < 1")
+    tab.wait_for_lesson(4.0)
+    page.get_by_role("button", name="1 Rz(θ)").click()
+    tab.wait_for_lesson(1.0)
+    tab.type_into(1, "a", "-0.5")
+    tab.cell(1, "a").click()
+    page.get_by_text("a = -0.5 m").wait_for()
+    hat.click()
+    page.get_by_text("A2 = Rz(θ)").wait_for(state="hidden")
+    page.wait_for_function("!document.querySelector('.arm-view-x')")

@@ -29,7 +29,8 @@ from dh2urdf.errors import (
 )
 from dh2urdf.kinematics.chain import forward_kinematics
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import proof_vectors, prove
+from dh2urdf.kinematics.proof import prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate, find_unit

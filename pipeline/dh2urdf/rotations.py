@@ -39,12 +39,12 @@ def nearest_quarter(angle: Number) -> tuple[Number, Condition]:
 
     Only rounding is forgiven (relative 1e-15); 1.5708 is not a quarter turn. Takes columns.
     """
-    if is_column(angle):
+    if isinstance(angle, float) or not is_column(angle):
+        turns = round(angle / HALF_PI)
+    else:
         import numpy as np
 
         turns = np.rint(angle / HALF_PI)
-    else:
-        turns = round(angle / HALF_PI)
     return turns, abs(angle - turns * HALF_PI) <= _QUARTER_TURN_TOLERANCE * abs(angle)
 
 
@@ -78,10 +78,8 @@ def cos_sin(angle: Any) -> tuple[Any, Any]:  # noqa: ANN401 - floats and arrays 
     Those of an array are numpy's, fast and right to rounding: joint values are arrays. See `exact_cos_sin`.
     """
     if isinstance(angle, (float, int)):
-        turns = quarter_turns(angle)
-        if turns is None:
-            return math.cos(angle), math.sin(angle)
-        return _COSINES[turns % 4], _SINES[turns % 4]
+        turns, is_whole = nearest_quarter(angle)
+        return (_COSINES[turns % 4], _SINES[turns % 4]) if is_whole else (math.cos(angle), math.sin(angle))
     import numpy as np
 
     return np.cos(angle), np.sin(angle)

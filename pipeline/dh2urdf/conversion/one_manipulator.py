@@ -14,7 +14,8 @@ from dh2urdf.cells.cell import Cell, cannot_be, compose, truth_of
 from dh2urdf.conversion.own_folders import refuse_one_folder
 from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, TableError
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import TOLERANCE, Proof, proof_vectors, prove
+from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.conversion import converted
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
@@ -30,7 +31,7 @@ from dh2urdf.stages import EmittedFile, Emitter, Loader, Reader, Rejected, Trans
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from dh2urdf.kinematics.proof import Poses
+    from dh2urdf.kinematics.proof_vectors import Poses
     from dh2urdf.provenance import Trace
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
@@ -248,6 +249,7 @@ def emit_robot(
     proved: bool = True,
     sampled: bool = True,
     alone: bool = True,
+    at_once: bool = False,
 ) -> tuple[Written, ...]:
     """Emit a robot with every emitter into a folder of its own, and prove each file there.
 
@@ -262,6 +264,7 @@ def emit_robot(
         proved: whether to prove the files.
         sampled: whether to prove also those whose proof is slow.
         alone: whether no other robot is written into the same place with the same options.
+        at_once: whether to prove at all joint vectors together, with numpy.
 
     Raises:
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
@@ -286,19 +289,21 @@ def emit_robot(
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
         looked = proved and (sampled or not emitter.costly_proof)
-        robots = [file.name for file in files if looked and file.is_robot]
-        proof = _prove_file(truth, folder / robots[0], call, poses, recipe=recipe) if robots else None
+        robots = [folder / file.name for file in files if looked and file.is_robot]
+        proof = _prove_file(truth, robots[0], call, poses, recipe=recipe, at_once=at_once) if robots else None
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 
 
-def _prove_file(truth: Truth, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe) -> Proof | None:
+def _prove_file(
+    truth: Truth, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe, at_once: bool
+) -> Proof | None:
     emitter = call.stage
     if emitter.read_back is None:
         return None
     with blaming(call, "read_back"):
         described = _a_robot(emitter.read_back(path), call)
-    proof = prove(truth, described, poses)
+    proof = prove(truth, described, poses, at_once=at_once)
     accept(proof, emitter, truth.name, truth.mark, recipe=recipe)
     return proof
 

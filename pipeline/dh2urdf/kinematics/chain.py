@@ -2,7 +2,8 @@
 
 The one place that knows what the rows of a table mean. Every function takes joint values as floats or as numpy arrays
 of one shape, by the same spelled-out sums; the functions with `matrices` in their name give arrays of shape
-(..., 4, 4). A DH table of N rows, n of them moving, has joint vectors q of n entries [rad or m].
+(..., 4, 4). A DH table of N rows, n of them moving, has joint vectors q of n entries [rad or m]. Tables and chains of
+joints are compiled into the moves and turns of `dh2urdf.kinematics.walk`, which alone makes their products.
 
 Source: Denavit and Hartenberg (1955) in the form of Paul (1981) for the standard convention, Craig (Introduction to
 Robotics, 3rd edition, eq. 3.6) for the modified one; Rodrigues' formula for the joints of a robot description.
@@ -12,9 +13,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.errors import RecordValueError
+from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, JointValue, values_of
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import (
     IDENTITY,
@@ -102,11 +105,72 @@ def forward_kinematics(manipulator: Manipulator, q: JointVector) -> RigidTransfo
         ValueError: q has another number of entries than the table has moving joints.
     """
     values = _values(q, len(manipulator.moving_rows), manipulator.name)
-    pose = manipulator.base
+    chain = CompiledChain()
+    compile_table(chain, manipulator)
+    chain.stop()
+    return chain.walk(values)[0].transform
+
+
+def compile_table(
+    chain: CompiledChain, manipulator: Manipulator, joints: Sequence[int] | None = None, *, with_frames: bool = False
+) -> None:
+    """Add base · A_1 · … · A_N · tool to a chain; takes columns.
+
+    Args:
+        chain: what it is added to.
+        manipulator: the table.
+        joints: the number of each moving joint in the joint vector; by default they are counted from 0.
+        with_frames: whether a walk returns the DH frames 0 … N, that is, stops before the first row and after each.
+    """
+    chain.transform(manipulator.base)
+    if with_frames:
+        chain.stop()
+    numbers = count() if joints is None else iter(joints)
+    is_standard = manipulator.convention is Convention.STANDARD
     for row in manipulator.rows:
-        value = 0.0 if row.type is JointType.FIXED else next(values)
-        pose = pose @ row_transform(manipulator.convention, row, value)
-    return pose @ manipulator.tool
+        if not is_standard:
+            chain.move(0, row.a)
+            chain.turn(0, row.alpha)
+        theta, d = joint_variables(row)
+        number = None if row.type is JointType.FIXED else next(numbers)
+        slides = row.type is JointType.PRISMATIC
+        chain.turn(2, theta, joint=None if slides else number, sign=row.sign)
+        chain.move(2, d, joint=number if slides else None, factor=row.sign)
+        if is_standard:
+            chain.move(0, row.a)
+            chain.turn(0, row.alpha)
+        if with_frames:
+            chain.stop()
+    chain.transform(manipulator.tool)
+
+
+def compile_joints(
+    chain: CompiledChain, joints: Sequence[Joint], numbers: Sequence[int] | None = None, *, with_axes: bool = False
+) -> None:
+    """Add the joints of a description to a chain, each with its origin and its motion; takes columns.
+
+    Args:
+        chain: what they are added to.
+        joints: from the root outwards.
+        numbers: the number of each moving joint in the joint vector; by default they are counted from 0.
+        with_axes: whether a walk stops where each moving joint is, before it moves.
+    """
+    following = count() if numbers is None else iter(numbers)
+    for joint in joints:
+        for along, length in enumerate(joint.origin.xyz):
+            chain.move(along, length)
+        for about in (2, 1, 0):
+            chain.turn(about, joint.origin.rpy[about])
+        if joint.type is JointType.FIXED:
+            continue
+        if with_axes:
+            chain.stop()
+        number = next(following)
+        if joint.type is JointType.PRISMATIC:
+            for along, factor in enumerate(joint.axis):
+                chain.move(along, 0.0, joint=number, factor=factor)
+        else:
+            chain.turn_about(joint.axis, number)
 
 
 class KinematicChain(NamedTuple):
@@ -114,16 +178,19 @@ class KinematicChain(NamedTuple):
 
     Attributes:
         joints: from the root outwards.
-        origins: their origins as rigid transforms, in the same order.
+        compiled: their moves and turns.
     """
 
     joints: tuple[Joint, ...]
-    origins: tuple[RigidTransform, ...]
+    compiled: CompiledChain
 
     @classmethod
     def of(cls, joints: Sequence[Joint]) -> KinematicChain:
         """The chain of some joints, from the root outwards."""
-        return cls(tuple(joints), tuple(joint.origin.transform for joint in joints))
+        compiled = CompiledChain()
+        compile_joints(compiled, joints)
+        compiled.stop()
+        return cls(tuple(joints), compiled)
 
     @classmethod
     def between(cls, robot: Robot, root: str = ROOT, tip: str = TOOL) -> KinematicChain:
@@ -141,13 +208,7 @@ class KinematicChain(NamedTuple):
             ValueError: q has another number of entries than the chain has moving joints.
         """
         moving = sum(joint.type is not JointType.FIXED for joint in self.joints)
-        values = _values(q, moving, "the chain")
-        pose = IDENTITY
-        for joint, origin in zip(self.joints, self.origins, strict=True):
-            pose = pose @ origin
-            if joint.type is not JointType.FIXED:
-                pose = pose @ joint_motion(joint, next(values))
-        return pose
+        return self.compiled.walk(_values(q, moving, "the chain"))[0].transform
 
 
 def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
@@ -214,11 +275,9 @@ def dh_frames(manipulator: Manipulator, q: JointVector) -> tuple[RigidTransform,
         ValueError: q has another number of entries than the table has moving joints.
     """
     values = _values(q, len(manipulator.moving_rows), manipulator.name)
-    frames = [manipulator.base]
-    for row in manipulator.rows:
-        value = 0.0 if row.type is JointType.FIXED else next(values)
-        frames.append(frames[-1] @ row_transform(manipulator.convention, row, value))
-    return tuple(frames)
+    chain = CompiledChain()
+    compile_table(chain, manipulator, with_frames=True)
+    return tuple(frame.transform for frame in chain.walk(values))
 
 
 def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike
@@ -300,7 +359,7 @@ def as_matrices(transform: RigidTransform) -> NDArray[np.float64]:
     return np.stack(elements, axis=-1).reshape(*elements[0].shape, 4, 4)
 
 
-def _values(q: JointVector, moving: int, whose: str) -> Any:  # noqa: ANN401 - an iterator of floats or arrays
+def _values(q: JointVector, moving: int, whose: str) -> list[JointValue]:
     if len(q) != moving:
         raise ValueError(f"{whose} has {moving} moving joints, the joint vector has {len(q)} entries")
-    return iter(q)
+    return values_of(q)

@@ -10,7 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics.chain import ROOT, TOOL, forward_kinematics, reach
+from dh2urdf.kinematics.chain import ROOT, TOOL, compile_table, reach
+from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm
 from dh2urdf.source import Mark
@@ -56,15 +57,20 @@ class Tip:
         """The entries of the robot's joint vector that move it [rad or m]."""
         return tuple(q[column] for column in self.columns)
 
-    def pose(self, q: Sequence[float]) -> RigidTransform:
-        """T(root → tip) at a joint vector of the robot [rad or m]: the product of the DH products."""
-        values, first = self.values(q), 0
-        pose = IDENTITY
+    def compiled(self) -> CompiledChain:
+        """The way to it, as moves and turns, at joint vectors of the robot: the product of the DH products."""
+        chain = CompiledChain()
+        first = 0
         for table, joints, placement in self.way:
-            arm = forward_kinematics(table, values[first : first + len(joints)])
-            pose = arm if pose is IDENTITY and placement is IDENTITY else pose @ placement @ arm
+            chain.transform(placement)
+            compile_table(chain, table, self.columns[first : first + len(joints)])
             first += len(joints)
-        return pose
+        chain.stop()
+        return chain
+
+    def pose(self, q: Sequence[float]) -> RigidTransform:
+        """T(root → tip) at a joint vector of the robot [rad or m]."""
+        return self.compiled().walk(values_of(q))[0].transform
 
     def reach(self, poses: Sequence[Sequence[float]]) -> float:
         """An upper bound of its distance from the root at some joint vectors [m]."""

@@ -17,12 +17,13 @@ from dh2urdf.kinematics.chain import (
     TOOL,
     KinematicChain,
     as_matrices,
+    compile_joints,
     dh_frames,
-    joint_motion,
     joints_between,
     link_poses,
 )
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
+from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import IDENTITY, cross, rotate, scale, subtract
 from dh2urdf.source import Mark, Problem, shown
@@ -150,15 +151,16 @@ def robot_jacobian(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 
     """The geometric Jacobian of a link in the root link, of shape (..., 6, n); see `Robot.jacobian`."""
     chain, names = _way_to(robot, tip, "Robot.jacobian()")
     values, shape = joint_values(q, names)
-    rest = iter(values)
-    pose = IDENTITY
-    axes: list[Axis] = []
-    for joint, origin in zip(chain.joints, chain.origins, strict=True):
-        pose = pose @ origin
-        if joint.type is not JointType.FIXED:
-            axes.append((joint.type, rotate(pose.rotation, joint.axis), pose.translation))
-            pose = pose @ joint_motion(joint, next(rest))
-    return _jacobian(axes, pose.translation, shape, names.function)
+    compiled = CompiledChain()
+    compile_joints(compiled, chain.joints, with_axes=True)
+    compiled.stop()
+    *frames, tool = [frame.transform for frame in compiled.walk(values_of(values))]
+    moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
+    axes: list[Axis] = [
+        (joint.type, rotate(frame.rotation, joint.axis), frame.translation)
+        for joint, frame in zip(moving, frames, strict=True)
+    ]
+    return _jacobian(axes, tool.translation, shape, names.function)
 
 
 def _way_to(robot: Robot, tip: str, function: str) -> tuple[KinematicChain, JointNames]:

@@ -1,37 +1,47 @@
 """The proof: what was written, read back by other code, moves tool0 as the DH product says, that of every arm.
 
-The joint vectors are the same on every machine and in every run: zero, both ends of the limits, and pseudo-random
-ones inside the limits. These are the same fractions of their limits for all arms of as many joints, so that arms with
-the same limits are proved at the same joint vectors, and many of them at once (`dh2urdf.kinematics.proof_columns`).
+Both ways from the root to a tool0, that of the tables and that of the file, are walked by `dh2urdf.kinematics.walk`:
+those of one robot at one joint vector after the other, which needs no numpy; or at all joint vectors together, for one
+robot or for many that differ in numbers only. Their arrays have the shape (P, N), for P joint vectors of N arms, and a
+dimension of 1 where all are alike.
+
+An arm's figures do not depend on the arms beside it. Elementwise sums do not. The cosine of an angle that moves is
+numpy's, also where all arms have the same limits; that of one that does not is `exact_cos_sin`'s, which gives a column
+what it gives a float.
 """
 
 from __future__ import annotations
 
 import math
-import random
-from dataclasses import dataclass, field
-from functools import lru_cache
-from operator import itemgetter
-from typing import TYPE_CHECKING, TypeAlias
+from dataclasses import dataclass, field, replace
+from itertools import repeat
+from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics.chain import TOOL, KinematicChain, angle_error, joints_between, position_error
+from dh2urdf.kinematics.chain import TOOL, compile_joints, joints_between, reach
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof_vectors import joint_columns
+from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, Frame, JointValue, values_of
+from dh2urdf.kinematics.walk.vectors import STACKS
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
+from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from dh2urdf.kinematics.expected_poses import Tip, Truth
+    from dh2urdf.columns import ManipulatorColumns, RobotColumns
+    from dh2urdf.kinematics.expected_poses import Tip
+    from dh2urdf.kinematics.proof_vectors import Array, Pick
+    from dh2urdf.kinematics.walk.vectors import Numbers
+    from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.robot import Joint, Robot
-    from dh2urdf.rotations import RigidTransform
-
-Poses: TypeAlias = tuple[tuple[float, ...], ...]
 
 TOLERANCE = 1e-9
 """What a written description may differ from the DH product: [m] per metre of arm, at least per 1 m, and [rad]."""
-LARGEST_SAMPLE = 1e3
-"""Joint values beyond this are not sampled [rad or m]: an arm is proved where it can be, not at limits of 1e300."""
+BLOCK = 256
+"""Arms that are walked together: so many that their arrays stay in the processor's cache."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,60 +74,39 @@ class Proof:
         )
 
 
-@lru_cache(maxsize=32)
-def fractions(joints: int, count: int) -> Poses:
-    """The random joint vectors, as fractions of the joints' ranges; the first of many are those of few."""
-    draw = random.Random(f"dh2urdf {joints}")  # noqa: S311 - reproducible on purpose
-    return tuple(tuple(draw.random() for _ in range(joints)) for _ in range(count))
-
-
-def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
-    """Joint vectors inside the limits: the one nearest to zero, then random ones [rad or m].
-
-    Args:
-        truth: what the tables say; a vector has a value for each of its joints, in order.
-        robot: the robot made of them, whose joints have the limits that the tables left open.
-        count: how many.
-    """
-    ranges = joint_ranges(truth, robot)
-    nearest_to_zero = tuple(min(max(0.0, lower), upper) for lower, upper in ranges)
-    others = (
-        tuple(lower + u * (upper - lower) for u, (lower, upper) in zip(row, ranges, strict=True))
-        for row in fractions(len(ranges), max(0, count - 1))
-    )
-    return (nearest_to_zero, *others) if count > 0 else ()
-
-
-def proof_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
-    """The joint vectors of a proof: all zero (inside the limits or not), both ends, and `count` inside the limits."""
-    ranges = joint_ranges(truth, robot)
-    ends = [tuple(0.0 for _ in ranges), tuple(low for low, _ in ranges), tuple(high for _, high in ranges)]
-    return (*ends, *joint_vectors(truth, robot, count))
-
-
-def prove(truth: Truth, written: Robot, poses: Sequence[Sequence[float]]) -> Proof:
+def prove(truth: Truth, written: Robot, poses: Sequence[Sequence[float]], *, at_once: bool = False) -> Proof:
     """Compare T(root → tool0), of every arm, of what was written with the DH product.
 
     Args:
         truth: what the tables say.
         written: the robot read back from the file.
         poses: joint vectors, one value per joint of the truth [rad or m].
+        at_once: whether to walk all of them together: several times as fast, where numpy has been imported.
 
     Raises:
         ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
     """
-    found = {tip.link: _largest(tip, KinematicChain.of(joints_to(truth, tip, written)), poses) for tip in truth.tips}
+    ways = {tip.link: (tip.compiled(), _written_way(joints_to(truth, tip, written), tip.columns)) for tip in truth.tips}
+    largest = _largest_at_once if at_once and poses else _largest
+    found = {link: largest(said, way, poses) for link, (said, way) in ways.items()}
     worst = max(found, key=lambda link: found[link][:2])
-    position, _, q = found[worst]
     return Proof(
-        position_error=position,
-        angle_error=max(angle for _, angle, _ in found.values()),
-        q=q,
+        position_error=found[worst].position,
+        angle_error=max(errors.angle for errors in found.values()),
+        q=found[worst].q,
         tolerance=TOLERANCE * max(1.0, *(tip.reach(poses) for tip in truth.tips)),
         poses=len(poses),
         tip=worst,
-        tips={link: largest for link, (largest, _, _) in found.items()},
+        tips={link: errors.position for link, errors in found.items()},
     )
+
+
+def _written_way(joints: Sequence[Joint], columns: Sequence[int] | None = None) -> CompiledChain:
+    """The joints on the way to a tip, whose values are these entries of a joint vector."""
+    chain = CompiledChain()
+    compile_joints(chain, joints, columns)
+    chain.stop()
+    return chain
 
 
 def joints_to(truth: Truth, tip: Tip, written: Robot) -> tuple[Joint, ...]:
@@ -141,34 +130,201 @@ def joints_to(truth: Truth, tip: Tip, written: Robot) -> tuple[Joint, ...]:
     return joints
 
 
-def _largest(
-    tip: Tip, chain: KinematicChain, poses: Sequence[Sequence[float]]
-) -> tuple[float, float, tuple[float, ...]]:
-    """Largest position error [m] and largest angle error [rad] of a tip, and the joint vector of the first."""
-    errors = [(*_errors(tip.pose(q), chain.forward_kinematics(tip.values(q))), tuple(q)) for q in poses]
-    position, _, q = max(errors, key=itemgetter(0, 1), default=(0.0, 0.0, ()))
-    return position, max((angle for _, angle, _ in errors), default=0.0), q
+# --- Errors
 
 
-def _errors(truth: RigidTransform, found: RigidTransform) -> tuple[float, float]:
-    """Position error [m] and angle error [rad]; infinite where a description holds what is not a number."""
-    position, angle = position_error(truth, found), angle_error(truth, found)
-    return (math.inf if math.isnan(position) else position, math.inf if math.isnan(angle) else angle)
+class _LargestErrors(NamedTuple):
+    """The largest errors of a tip.
+
+    Attributes:
+        position: largest distance [m].
+        angle: largest angle [rad].
+        q: the joint vector of the largest distance, and of the largest angle where distances agree.
+    """
+
+    position: float
+    angle: float
+    q: tuple[float, ...]
 
 
-def joint_ranges(truth: Truth, robot: Robot) -> list[tuple[float, float]]:
-    """The ends of every joint's limits, as far as they are sampled [rad or m]; a full turn where there are none."""
-    joints = {joint.name: joint for joint in robot.joints}
-    return [_range(joints.get(name)) for name in truth.joints]
+def _largest(said: CompiledChain, found: CompiledChain, poses: Sequence[Sequence[float]]) -> _LargestErrors:
+    """The largest errors of floats."""
+    worst, largest = _LargestErrors(0.0, 0.0, ()), 0.0
+    for q in poses:
+        values = values_of(q)
+        [one], [other] = said.walk(values), found.walk(values)
+        position = math.dist(one.origin, other.origin)
+        chord = math.hypot(*map(math.dist, one.axes, other.axes))
+        angle = _angle(chord) if math.isfinite(chord) else math.inf
+        if not (math.isfinite(position) and angle < math.inf):
+            position = math.inf
+        largest = max(largest, angle)
+        if not worst.q or (position, angle) > worst[:2]:
+            worst = _LargestErrors(position, angle, tuple(q))
+    return worst._replace(angle=largest)
 
 
-def _range(joint: Joint | None) -> tuple[float, float]:
-    lower = joint.limits.lower if joint else None
-    upper = joint.limits.upper if joint else None
-    if lower is None or upper is None:
-        return -math.pi, math.pi
-    return max(lower, -LARGEST_SAMPLE), min(upper, LARGEST_SAMPLE)
+def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[Sequence[float]]) -> _LargestErrors:
+    """The largest errors of floats, all joint vectors walked together."""
+    import numpy as np
+
+    q = np.array(poses).reshape(len(poses), len(poses[0]), 1).swapaxes(0, 1)
+    [largest] = _largest_of_arms(said, found, list(zip(q, np.cos(q), np.sin(q), strict=True)), (len(poses), 1))
+    return _LargestErrors(*largest)
+
+
+def _largest_of_arms(
+    said: CompiledChain, found: CompiledChain, values: Sequence[JointValue], shape: tuple[int, int]
+) -> Iterator[tuple[float, float, tuple[float, ...]]]:
+    """What `_LargestErrors` has, of each of N arms at P joint vectors, whose values have the shape (P, N) or (P, 1)."""
+    import numpy as np
+
+    with np.errstate(all="ignore"):  # What is not a number is an infinite error.
+        [one], [other] = said.walk(values, STACKS), found.walk(values, STACKS)
+        position, angle = (np.broadcast_to(square, shape) for square in _squared_differences(one, other))
+        angle = np.where(np.isfinite(angle), angle, math.inf)
+        position = np.where(np.isfinite(position) & (angle < math.inf), position, math.inf)
+    largest = position.max(axis=0)
+    worst = np.where(position == largest, angle, -1.0).argmax(axis=0)
+    arms = range(shape[1])
+    vectors = [np.broadcast_to(value, shape)[worst, arms].tolist() for value, _, _ in values]
+    return zip(
+        np.sqrt(largest).tolist(),
+        map(_angle, np.sqrt(angle.max(axis=0)).tolist()),
+        zip(*vectors, strict=True) if values else repeat(()),
+        strict=bool(values),
+    )
+
+
+def _squared_differences(one: Frame, other: Frame) -> tuple[Array, Array]:
+    """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes."""
+    position = _squared(one.origin - other.origin)
+    x, y, z = (_squared(left - right) for left, right in zip(one.axes, other.axes, strict=True))
+    return position, x + y + z
+
+
+def _squared(vectors: Array) -> Array:
+    vectors *= vectors
+    x, y, z = vectors
+    return x + y + z
+
+
+def _angle(chord: float) -> float:
+    """The angle [rad] between two rotations R and S whose difference has a Frobenius norm of `chord`.
+
+    ‖R − S‖ = 2√2·sin(angle/2); no two rotations are further apart than half a turn, and infinity is kept.
+    """
+    half_sine = chord / math.sqrt(8.0)
+    return 2.0 * math.asin(half_sine) if half_sine <= 1.0 else max(math.pi, half_sine)
 
 
 def _few(names: Sequence[str], most: int = 8) -> str:
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "") or "none"
+
+
+# --- Many at once
+
+
+def prove_columns(
+    tables: ManipulatorColumns, robots: RobotColumns, written: Sequence[tuple[Sequence[int], Robot]], count: int
+) -> list[Proof | ProofError | None]:
+    """Compare T(base_link → tool0) of what was written with the DH product, at the joint vectors of `proof_vectors`.
+
+    Args:
+        tables: what the tables say.
+        robots: the robots made of them, whose joints have the limits that the tables left open.
+        written: what was read back from the files, in groups, each with the places of its members among the tables.
+        count: random joint vectors of each proof, besides zero, both ends of the limits and the nearest to zero.
+
+    Returns:
+        For each table its proof; why there is none, where the written chain does not have the table's moving joints in
+        order; None where no group has its file.
+    """
+    found: dict[int, Proof | ProofError] = {}
+    truth = Truth.of(tables.table)
+    for places, described in written:
+        try:
+            joints = joints_to(truth, truth.tips[0], described)
+        except ProofError:
+            found.update(_refusals(tables, places, described))
+            continue
+        for first in range(0, len(places), BLOCK):
+            block = places[first : first + BLOCK]
+            proofs = _proofs(tables.table, robots.robot, joints, places=block, first=first, count=count)
+            found.update(zip(block, proofs, strict=True))
+    return [found.get(place) for place in range(len(tables))]
+
+
+def _refusals(tables: ManipulatorColumns, places: Sequence[int], described: Robot) -> Iterator[tuple[int, ProofError]]:
+    """Why there is no proof, for each of the members of a group, with its name."""
+    for place in places:
+        truth = Truth.of(tables.pick(place))
+        try:
+            joints_to(truth, truth.tips[0], replace(described, name=truth.name))
+        except ProofError as error:
+            yield place, error
+
+
+def _proofs(
+    table: Manipulator, robot: Robot, joints: Sequence[Joint], *, places: Sequence[int], first: int, count: int
+) -> list[Proof]:
+    """The proofs of a block of arms.
+
+    Args:
+        table: what the tables say, in columns.
+        robot: the robots made of them, in columns.
+        joints: those of the written ways to tool0, in columns of their own.
+        places: where the arms stand in the columns of the first two.
+        first: where the first of them stands in the columns of the written ways; the others follow.
+        count: random joint vectors.
+    """
+    import numpy as np
+
+    chosen = np.array(places)
+
+    def of_tables(numbers: Numbers) -> Numbers:
+        return numbers[chosen] if is_column(numbers) else numbers
+
+    def of_files(numbers: Numbers) -> Numbers:
+        return numbers[first : first + len(places)] if is_column(numbers) else numbers
+
+    table = replace_unchecked(table, rows=tuple([_row(row, of_tables) for row in table.rows]))
+    q = joint_columns(table, robot, of_tables, count)
+    with np.errstate(all="ignore"):
+        said, found = Truth.of(table).tips[0].compiled(), _written_way([_joint(joint, of_files) for joint in joints])
+    shape = (3 + count, len(places))
+    largest = _largest_of_arms(said, found, values_of(q), shape)
+    return [
+        Proof(
+            position_error=position,
+            angle_error=angle,
+            q=vector,
+            tolerance=tolerance,
+            poses=3 + count,
+            tips={TOOL: position},
+        )
+        for (position, angle, vector), tolerance in zip(largest, _tolerances(table, q, len(places)), strict=True)
+    ]
+
+
+def _row(row: DHRow, pick: Pick) -> DHRow:
+    """The kinematics of a row, for some arms."""
+    return replace_unchecked(
+        row, a=pick(row.a), alpha=pick(row.alpha), d=pick(row.d), theta=pick(row.theta), offset=pick(row.offset)
+    )
+
+
+def _joint(joint: Joint, pick: Pick) -> Joint:
+    """The kinematics of a joint, for some arms."""
+    xyz, rpy, axis = (tuple(map(pick, numbers)) for numbers in (joint.origin.xyz, joint.origin.rpy, joint.axis))
+    return replace_unchecked(joint, origin=replace_unchecked(joint.origin, xyz=xyz, rpy=rpy), axis=axis)
+
+
+def _tolerances(table: Manipulator, q: Sequence[Array], arms: int) -> list[float]:
+    """What each position error may be [m]."""
+    import numpy as np
+
+    slides = [abs(v) for row, v in zip(table.moving_rows, q, strict=True) if row.type is JointType.PRISMATIC]
+    travel = sum(slides[1:], slides[0]).max(axis=0) if slides else 0.0
+    tolerances: list[float] = np.broadcast_to(TOLERANCE * np.maximum(1.0, reach(table) + travel), arms).tolist()
+    return tolerances

@@ -22,10 +22,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics.chain import axis_rotation, dh_transform, joint_variables
+from dh2urdf.kinematics.chain import axis_rotation, compile_joints, dh_frames
+from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import (
-    IDENTITY,
     IDENTITY_ROTATION,
     X_AXIS,
     ZERO,
@@ -96,29 +96,26 @@ class Alignment:
 
 def screws_of_chain(chain: KinematicChain) -> list[Screw]:
     """The axes of a chain's moving joints, in the frame of its root."""
-    found, pose = [], IDENTITY
-    for joint, origin in zip(chain.joints, chain.origins, strict=True):
-        pose = pose @ origin
-        if joint.type is not JointType.FIXED:
-            direction = rotate(pose.rotation, joint.axis)
-            found.append(Screw(direction, pose.translation, joint.type is JointType.PRISMATIC))
-    return found
+    compiled = CompiledChain()
+    compile_joints(compiled, chain.joints, with_axes=True)
+    moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
+    frames = [frame.transform for frame in compiled.walk(values_of([0.0] * len(moving)))]
+    return [
+        Screw(rotate(frame.rotation, joint.axis), frame.translation, joint.type is JointType.PRISMATIC)
+        for joint, frame in zip(moving, frames, strict=True)
+    ]
 
 
 def screws_of_table(manipulator: Manipulator) -> list[Screw]:
     """The axes of a table's moving joints, in the frame of its base link."""
-    found, pose = [], manipulator.base
-    for row in manipulator.rows:
-        theta, d = joint_variables(row)
-        step = dh_transform(manipulator.convention, a=row.a, alpha=row.alpha, d=d, theta=theta)
-        if row.type is not JointType.FIXED:
-            before = pose
-            if manipulator.convention is Convention.MODIFIED:  # the axis comes after a and alpha
-                before = pose @ dh_transform(manipulator.convention, a=row.a, alpha=row.alpha, d=0.0, theta=0.0)
-            direction = rotate(before.rotation, (0.0, 0.0, float(row.sign)))
-            found.append(Screw(direction, before.translation, row.type is JointType.PRISMATIC))
-        pose = pose @ step
-    return found
+    frames = dh_frames(manipulator, (0.0,) * len(manipulator.moving_rows))
+    # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
+    before = manipulator.convention is Convention.STANDARD
+    return [
+        Screw(rotate(frame.rotation, (0.0, 0.0, float(row.sign))), frame.translation, row.type is JointType.PRISMATIC)
+        for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True)
+        if row.type is not JointType.FIXED
+    ]
 
 
 class _State(NamedTuple):

@@ -15,8 +15,7 @@ from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.isolation.watchdog import watched
-from dh2urdf.kinematics.proof import Proof
-from dh2urdf.kinematics.proof_columns import prove_columns
+from dh2urdf.kinematics.proof import Proof, prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
 from dh2urdf.plugin_system.calls import blaming
@@ -236,6 +235,7 @@ class Work(BatchContent):
                             proved=index in self.recipe.proved,
                             sampled=index in self.recipe.sample,
                             alone=index == 0,
+                            at_once=True,
                         )
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     if loaders:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.columns import RobotColumns
 from dh2urdf.errors import Dh2UrdfError, EmitterError, InputError, PluginError
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import TOLERANCE, proof_vectors
+from dh2urdf.kinematics.proof import TOLERANCE
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.robot import Box, Link, Sphere, Visual
 from dh2urdf.stages import EmittedFile, Emitter, Expansion
 from dh2urdf.testing.oracle import difference, robot_pose

@@ -14,7 +14,7 @@ import pytest
 from dh2urdf.errors import CrashError, LoaderError, PluginError, UnknownStageError
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import joint_vectors
+from dh2urdf.kinematics.proof_vectors import joint_vectors
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Problem
 from dh2urdf.stages import Emitter, Loader, LoadReport, LoadRequest

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import PluginError, ProofError, TransformError
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import TOLERANCE, proof_vectors, prove
+from dh2urdf.kinematics.proof import TOLERANCE, prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
@@ -77,18 +78,16 @@ class TransformContract(StageContract):
                     accepted="a chain from base_link to tool0 with the moving joints of the table, in order",
                     remedy=remedy,
                 )
-            tolerance = proof.tolerance
             for q in poses:
-                distance, angle = difference(
-                    table_pose(manipulator, q), robot_pose(robot, q, truth.root, truth.tips[0].link)
-                )
-                if not (proof.holds and distance <= tolerance and angle <= TOLERANCE):
+                found = robot_pose(robot, q, truth.root, truth.tips[0].link)
+                distance, angle = difference(table_pose(manipulator, q), found)
+                if not (proof.holds and distance <= proof.tolerance and angle <= TOLERANCE):
                     worst, turned = max(distance, proof.position_error), max(angle, proof.angle_error)
                     self.breach(
                         clause,
                         found=f"tool0 of {manipulator.name!r} is off by up to {worst:.3g} m and {turned:.3g} rad, "
                         f"at q = {proof.q if not proof.holds else q}",
-                        accepted=f"{tolerance:.3g} m and {TOLERANCE:.3g} rad",
+                        accepted=f"{proof.tolerance:.3g} m and {TOLERANCE:.3g} rad",
                         remedy=remedy,
                     )
 

@@ -17,7 +17,8 @@ from dh2urdf.cells.wanted_tables import Gathering
 from dh2urdf.conversion.one_manipulator import Call, make_cell
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.kinematics.proof import proof_vectors, prove
+from dh2urdf.kinematics.proof import prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.robot_check import check_robot

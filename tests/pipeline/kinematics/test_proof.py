@@ -9,7 +9,8 @@ import pytest
 
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import LARGEST_SAMPLE, TOLERANCE, Proof, fractions, joint_vectors, proof_vectors, prove
+from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
+from dh2urdf.kinematics.proof_vectors import LARGEST_SAMPLE, fractions, joint_vectors, proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 
@@ -104,7 +105,7 @@ class TestJointVectors:
         """The vectors of a manipulator do not depend on the process, its hash seed, or the vectors asked for."""
         assert joint_vectors(TRUTH, written(), 5) == joint_vectors(TRUTH, written(), 50)[:5]
         code = (
-            "from dh2urdf.manipulator import *; from dh2urdf.robot import *; from dh2urdf.kinematics.proof import *; from dh2urdf.kinematics.expected_poses import *\n"
+            "from dh2urdf.manipulator import *; from dh2urdf.robot import *; from dh2urdf.kinematics.proof_vectors import *; from dh2urdf.kinematics.expected_poses import *\n"
             "row = DHRow(joint='j', link='l', a=0.0, alpha=0.0, d=0.0)\n"
             "table = Manipulator(name='arm', convention=Convention.STANDARD, rows=(row,))\n"
             "print(joint_vectors(Truth.of(table), Robot(name='arm', links=(), joints=()), 3))"
@@ -155,6 +156,32 @@ class TestProve:
     def test_another_arm_is_not(self, wrong: Joint) -> None:
         """One wrong length, axis, joint type or angle, by as little as 1e-8, is found."""
         assert not prove(TRUTH, written(**{wrong.name: wrong}), POSES).holds
+
+    @pytest.mark.parametrize(
+        "wrong",
+        [
+            joint("bolt"),
+            replace(joint("bolt"), origin=Origin(xyz=(0.7, 0.0, 0.0), rpy=(0.1, 0.2, 0.3))),
+            replace(joint("bolt"), origin=Origin(xyz=(math.nan, 0.0, 0.0))),
+            replace(joint("turn"), axis=(0.6, 0.0, 0.8)),
+            replace(joint("slide"), axis=(0.0, 1.0, 0.0)),
+        ],
+        ids=["nothing", "an origin", "no number", "an oblique axis", "the sense of a slide"],
+    )
+    def test_all_joint_vectors_at_once_give_the_same(self, wrong: Joint) -> None:
+        """Whether they are walked one by one or together, the errors agree to rounding, and the joint vector does."""
+        robot = written(**{wrong.name: wrong})
+        alone, together = prove(TRUTH, robot, POSES), prove(TRUTH, robot, POSES, at_once=True)
+        assert together.position_error == pytest.approx(alone.position_error, rel=1e-13, abs=1e-15)
+        assert together.angle_error == pytest.approx(alone.angle_error, rel=1e-13, abs=1e-15)
+        assert (together.holds, together.poses, together.tolerance) == (alone.holds, alone.poses, alone.tolerance)
+        assert wrong == joint(wrong.name) or together.q == alone.q
+
+    @pytest.mark.parametrize("at_once", [False, True])
+    def test_without_joint_vectors_nothing_is_compared(self, *, at_once: bool) -> None:
+        """No joint vector, no error."""
+        proof = prove(TRUTH, written(), (), at_once=at_once)
+        assert (proof.position_error, proof.angle_error, proof.q, proof.poses) == (0.0, 0.0, (), 0)
 
     def test_the_worst_joint_vector_is_named(self) -> None:
         """The proof names the joint vector at which the position error is largest."""
@@ -252,4 +279,5 @@ class TestChainsThatDoNotMatch:
         robot = Robot(name="arm", links=(), joints=joints)
         poses = proof_vectors(Truth.of(table), robot, 2)
         assert set(poses) == {()}
-        assert prove(Truth.of(table), robot, poses).holds
+        for at_once in (False, True):
+            assert prove(Truth.of(table), robot, poses, at_once=at_once).holds

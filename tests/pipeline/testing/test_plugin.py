@@ -11,7 +11,8 @@ import dh2urdf_plugins
 from dh2urdf.errors import UnknownStageError
 from dh2urdf.kinematics.chain import forward_kinematics
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import proof_vectors, prove
+from dh2urdf.kinematics.proof import prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot_check import check_robot
 from dh2urdf.stages import Emitter, NoOptions

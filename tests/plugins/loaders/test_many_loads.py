@@ -11,7 +11,7 @@ from dh2urdf.errors import LoaderError, PluginError
 from dh2urdf.isolation import loads
 from dh2urdf.isolation.loads import LOADS, KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import Truth
-from dh2urdf.kinematics.proof import joint_vectors
+from dh2urdf.kinematics.proof_vectors import joint_vectors
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import LoadRequest
 from dh2urdf.testing.oracle import table_pose

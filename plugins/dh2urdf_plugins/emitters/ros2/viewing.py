@@ -5,7 +5,7 @@ from __future__ import annotations
 import pprint
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import norm
 from dh2urdf_plugins.emitters.ros2.package_files import filled
@@ -63,7 +63,8 @@ def test_file(package: str, name: str, robot: Robot) -> bytes:
     poses = []
     for part in (None, *_PARTS):
         values = {joint.name: _value(joint, part, place) for place, joint in enumerate(robot.moving_joints)}
-        poses.append((values, {tool: _rows(_pose(robot, tool, values)) for tool in tools}))
+        frames = link_poses(robot, values)
+        poses.append((values, {tool: _rows(frames[tool]) for tool in tools}))
     return filled(
         "test_description.py",
         PACKAGE=package,
@@ -82,11 +83,6 @@ def _value(joint: Joint, part: float | None, place: int) -> float:
         lower, upper = -_UNLIMITED, _UNLIMITED
     part = part if place % 2 else 1.0 - part
     return round(lower + part * (upper - lower), 6)
-
-
-def _pose(robot: Robot, tool: str, values: dict[str, float]) -> RigidTransform:
-    chain = KinematicChain.between(robot, robot.root, tool)
-    return chain.forward_kinematics([values[joint.name] for joint in chain.joints if joint.name in values])
 
 
 def _rows(pose: RigidTransform) -> list[list[float]]:

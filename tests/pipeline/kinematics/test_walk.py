@@ -220,10 +220,13 @@ def test_quarter_turns_and_lengths_of_0_are_no_steps(about: int, quarters: int) 
         (0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0),
         (1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         (0.0,) * 9,
+        (*(0.0,) * 8, 1.0),
+        (1.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0),
+        (1.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 1.0),
     ],
 )
 def test_what_is_no_rotation_is_multiplied(matrix: Any) -> None:
-    """A mirrored or sheared transform, which no check has let pass, still gives the product of matrices."""
+    """A mirrored, sheared or scaled transform, which no check has let pass, still gives the product of matrices."""
     chain = CompiledChain()
     chain.transform(RigidTransform(matrix, (0.1, 0.2, 0.3)))
     chain.turn(2, 0.4)

@@ -109,6 +109,21 @@ class TestMjcfDescription(ReaderContract):
 """
 
 
+class TestUrKinematics(ReaderContract):
+    stage = CATALOG.get("reader", "ur-kinematics")
+    example = "kinematics:\n" + "".join(
+        f"  {name}: {{x: 0, y: {y}, z: 0.1, roll: {roll}, pitch: 0, yaw: 0}}\n"
+        for name, y, roll in (
+            ("shoulder", 0, 0),
+            ("upper_arm", 0, 1.57),
+            ("forearm", 0.4, 0),
+            ("wrist_1", 0.4, 0),
+            ("wrist_2", 0, 1.57),
+            ("wrist_3", 0, -1.57),
+        )
+    )
+
+
 @pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
 class TestParquet(ReaderContract):
     stage = CATALOG.get("reader", "parquet")

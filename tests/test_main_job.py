@@ -94,6 +94,7 @@ def test_the_report_has_its_full_form(output: Path) -> None:
         "simulator_notices",
         "manipulators",
         "left_out",
+        "axes",
     }
     assert (report["exit_status"], report["left_out"]) == (0, 0)
     (entry,) = report["manipulators"]

@@ -22,7 +22,8 @@ def dh2urdf_readers() -> Iterable[Reader[Any]]:
     from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 
     tables = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
-    return (*tables, descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)
+    chains = (descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF, descriptions.UR_KINEMATICS)
+    return (*tables, *chains)
 
 
 @hookimpl

@@ -105,6 +105,11 @@ def read_mjcf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator |
     return _arms(path, options, _mjcf)
 
 
+def read_ur_kinematics(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulator of a calibration of Universal Robots, as `read_urdf` has those of a URDF file."""
+    return _arms(path, options, _ur_kinematics)
+
+
 def _urdf(path: Path, _options: DescriptionOptions) -> Description:
     from dh2urdf_plugins.descriptions.description import urdf_description
 
@@ -128,6 +133,12 @@ def _mjcf(path: Path, _options: DescriptionOptions) -> Description:
     from dh2urdf_plugins.descriptions.description import mjcf_description
 
     return mjcf_description(path)
+
+
+def _ur_kinematics(path: Path, _options: DescriptionOptions) -> Description:
+    from dh2urdf_plugins.descriptions.ur_kinematics import ur_kinematics_description
+
+    return ur_kinematics_description(path)
 
 
 def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], Mapping[str, int]]:
@@ -211,4 +222,12 @@ MJCF: Reader[DescriptionOptions] = Reader(
     leaves=_leaves(_mjcf),
     options=DescriptionOptions,
     suffixes=(".xml", ".mjcf"),
+)
+UR_KINEMATICS: Reader[DescriptionOptions] = Reader(
+    name="ur-kinematics",
+    summary="*_calibration.yaml of Universal Robots' ROS packages: the DH table of one calibrated arm",
+    read=read_ur_kinematics,
+    leaves=_leaves(_ur_kinematics),
+    options=DescriptionOptions,
+    suffixes=(),
 )

@@ -379,5 +379,6 @@ def test_the_peer_does_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The peer imports, refuses and crashes where CoppeliaSim did, and has the same objects in its scene."""
-    monkeypatch.setattr(f"{__name__}.ANSWERS_WITHIN", 0.5)
+    if record[name]["end"] == "crashes":  # Then there is no answer to wait for, however busy the machine is.
+        monkeypatch.setattr(f"{__name__}.ANSWERS_WITHIN", 0.5)
     assert differences(peer(name, folder), record[name]) == []

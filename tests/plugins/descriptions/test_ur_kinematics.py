@@ -1,0 +1,138 @@
+"""Calibrations that `ur_calibration` writes: the table of the arm, against an own product of the file's frames."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import TableError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer
+    from numpy.typing import NDArray
+
+    Frames = dict[str, tuple[float, ...]]
+
+UR5: Frames = {
+    "shoulder": (0, 0, 0.089201138580847966, -0.0, 0, 1.5413963267648517e-05),
+    "upper_arm": (8.28481932000539e-05, 0, 0, 1.5702793305568989, 0, 9.4248239648454113e-05),
+    "forearm": (-0.42514603197027351, 0, 0, 0.00027727163297603633, 0.00074181659174685764, 8.2061777589927939e-05),
+    "wrist_1": (
+        *(-0.39231335412023205, 0.00070367842866065884, 0.11004902881674888),
+        *(3.1351985141209435, -3.1400954402443415, 3.1415185610293745),
+    ),
+    "wrist_2": (
+        *(3.6501405590628345e-05, -0.094721186124807052, 0.0001791428279527357),
+        *(1.5689050644312028, 0, -1.320607040336194e-05),
+    ),
+    "wrist_3": (
+        *(0.00015399008043081661, 0.082421327089370319, 0.00012632686207930083),
+        *(1.5723290218826846, 3.1415926535897931, -3.14158677108863),
+    ),
+}
+"""A UR5 that somebody has measured."""
+UR5E: Frames = {
+    "shoulder": (0, 0, 0.1627122445743823, -0.0, 0, 5.707382499074709e-08),
+    "upper_arm": (0.0001820110310317555, 0, 0, 1.571314866107557, 0, 1.12157791523139e-06),
+    "forearm": (-0.425170344631444, 0, 0, 0.001444320579376547, -0.0004261037597356073, 4.642343028998144e-06),
+    "wrist_1": (
+        *(-0.392646598028507, -0.0004030322688786401, 0.1331063119537431),
+        *(0.003027888244224887, -0.001185722601572754, -2.569771029137183e-06),
+    ),
+    "wrist_2": (
+        *(-7.071306960874342e-06, -0.09960359635829828, -3.198591184007791e-07),
+        *(1.570799538115874, 0, 1.304820282092834e-06),
+    ),
+    "wrist_3": (
+        *(1.369362273278849e-05, 0.09958483828527664, 9.521789789182917e-05),
+        *(1.571752475045119, 3.141592653589793, 3.141592510837143),
+    ),
+}
+"""A UR5e that somebody else has measured."""
+JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+Q = [[0.0] * 6, [0.3, -1.2, 0.9, -0.4, 1.1, 2.0], [-2.0, -0.5, 1.7, 0.2, -1.4, 0.6]]
+
+
+def text_of(frames: Frames) -> str:
+    names = ("x", "y", "z", "roll", "pitch", "yaw")
+    entries = (
+        f"  {name}:\n" + "".join(f"    {key}: {value!r}\n" for key, value in zip(names, values, strict=True))
+        for name, values in frames.items()
+    )
+    return f"kinematics:\n{''.join(entries)}  hash: calib_15200003067234149431\n"
+
+
+def turn(axis: int, angle: float) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    one, two = {0: (1, 2), 1: (2, 0), 2: (0, 1)}[axis]
+    matrix[one, one] = matrix[two, two] = np.cos(angle)
+    matrix[one, two], matrix[two, one] = -np.sin(angle), np.sin(angle)
+    return matrix
+
+
+def product(frames: Frames, q: list[float]) -> NDArray[np.float64]:
+    """The origins as `ur_description` has them in its URDF, each before a joint about z."""
+    pose = np.eye(4)
+    for (x, y, z, roll, pitch, yaw), value in zip(frames.values(), q, strict=True):
+        origin = turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
+        origin[:3, 3] = x, y, z
+        pose = pose @ origin @ turn(2, value)
+    return pose
+
+
+@pytest.mark.parametrize("frames", [UR5, UR5E], ids=["UR5", "UR5e"])
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+@pytest.mark.parametrize("near_parallel", ["dh", "split"])
+def test_the_table_is_the_arm(frames: Frames, convention: str, near_parallel: str, tmp_path: Path) -> None:
+    """T(q) from the controller's base to tool0, within the tolerance that is asked for; joints keep their names."""
+    (path := tmp_path / "ur_calibration.yaml").write_text(text_of(frames))
+    options = {"convention": convention, "near_parallel": near_parallel, "tolerance": 1e-12}
+    arm = dh2urdf.extract(path, reader="ur-kinematics", **options)
+    assert [row.joint for row in arm.moving_rows] == [f"{name}_joint" for name in JOINTS]
+    assert (arm.name, len(arm.rows)) == ("ur", 6 if near_parallel == "dh" else 8)
+    assert (max(abs(row.d) for row in arm.rows) < 1) == (near_parallel == "split")
+    for q in Q:
+        assert np.abs(arm.fk(q) - product(frames, q)).max() < 2e-12
+
+
+def test_in_a_run_and_in_commands(cli: Callable[..., Answer], tmp_path: Path) -> None:
+    """The reader goes by its name: the file ends as a table does."""
+    (path := tmp_path / "ur_calibration.yaml").write_text(text_of(UR5))
+    assert "the axes of" not in cli("extract", path, "--from", "ur-kinematics").stdout
+    assert cli("extract", path, "--from", "ur-kinematics", "--tips").stdout == "tool0: 6 moving joints\n"
+    cli("convert", path, "--from", "ur-kinematics", "--set", "reader.near_parallel=split", "-o", tmp_path / "ur.urdf")
+    pose = dh2urdf.extract(tmp_path / "ur.urdf", base_link="base_link", tip_link="tool0").fk(Q[1])
+    assert np.abs(pose - product(UR5, Q[1])).max() < 3e-9
+    (tmp_path / "run.yaml").write_text(
+        f"inputs: [{{path: {path.name}, stage: ur-kinematics, options: {{near_parallel: split}}}}]\nemitters: [urdf]\n"
+        "output: {directory: out}\n"
+    )
+    cli("run", tmp_path / "run.yaml")
+    assert [each.name for each in (tmp_path / "out").glob("*.urdf")] == ["ur.urdf"]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "message"),
+    [
+        (r"kinematics:\n", "kinematic:\n", "'kinematic' is no entry of a calibration"),
+        (r"  wrist_3:", "  wrist3:", "'wrist3' is no entry of a calibration"),
+        (r"  wrist_3:(.|\n)*\Z", "", "there is no kinematics.wrist_3"),
+        (r"    yaw: [^\n]*\n  upper", "  upper", "there is no kinematics.shoulder.yaw"),
+        (r"x: 0\n", "x: zero\n", "kinematics.shoulder.x is the text 'zero'"),
+        (r"x: 0\n", "x: .nan\n", "kinematics.shoulder.x is"),
+        (r"(.|\n)*", "[1, 2]\n", "the file is a list of 2"),
+    ],
+)
+def test_what_is_wrong_has_its_place(pattern: str, new: str, message: str, tmp_path: Path) -> None:
+    """The entry, what was found, and what a file holds."""
+    text: Any = re.sub(pattern, new, text_of(UR5), count=1)
+    (path := tmp_path / "ur_calibration.yaml").write_text(text)
+    with pytest.raises(TableError, match=re.escape(message)):
+        dh2urdf.extract(path, reader="ur-kinematics")

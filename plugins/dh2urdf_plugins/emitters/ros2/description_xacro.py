@@ -137,10 +137,12 @@ def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
     etree.SubElement(etree.SubElement(control, "hardware"), "plugin").text = "${plugin}"
     for joint in kind.robot.moving_joints:
         element = etree.SubElement(control, "joint", {"name": "${prefix}" + joint.name})
-        etree.SubElement(element, "command_interface", {"name": "position"})
+        for interface in options.command_interfaces:
+            etree.SubElement(element, "command_interface", {"name": interface})
         state = etree.SubElement(element, "state_interface", {"name": "position"})
         etree.SubElement(state, "param", {"name": "initial_value"}).text = f"${{initial_positions['{joint.name}']}}"
-        etree.SubElement(element, "state_interface", {"name": "velocity"})
+        for interface in ("velocity", *(("effort",) if "effort" in options.command_interfaces else ())):
+            etree.SubElement(element, "state_interface", {"name": interface})
     return serialise(library)
 
 

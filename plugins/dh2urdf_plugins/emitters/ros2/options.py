@@ -10,6 +10,7 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.srdf.emitter import SrdfOptions
 
+Interface: TypeAlias = Literal["position", "velocity", "effort"]
 HardwareName: TypeAlias = Literal["mock", "gazebo", "topic", "none"]
 
 PLUGINS: dict[HardwareName, str] = {
@@ -40,6 +41,13 @@ class Ros2Options(SrdfOptions):
         default="mock",
         metadata={"help": "hardware of ros2_control that is the default of the description; none: no ros2_control"},
     )
+    command_interfaces: tuple[Interface, ...] = field(
+        default=("position",),
+        metadata={
+            "help": "what the hardware takes for each joint: position, and on request velocity and effort; the "
+            "trajectory controller commands positions"
+        },
+    )
     moveit: bool = field(
         default=False,
         metadata={"help": "also write the configuration of MoveIt, which trials, seed, min_distance and group are for"},
@@ -64,6 +72,13 @@ class Ros2Options(SrdfOptions):
             ConfigError: some are.
         """
         SrdfOptions.__post_init__(self)
+        given = self.command_interfaces
+        if "position" not in given or len(set(given)) < len(given):
+            message = "one is given twice" if "position" in given else "the trajectory controller commands positions"
+            accepted = "position, and beside it velocity, effort, or both"
+            raise ConfigError(
+                Problem(message=message, field="command_interfaces", found=", ".join(given), accepted=accepted)
+            )
         if self.acceleration is not None and not (math.isfinite(self.acceleration) and self.acceleration > 0.0):
             message, found = "this is no acceleration that a joint can plan with", f"{self.acceleration:.9g}"
             accepted = "a finite number greater than 0 [rad/s², m/s²]"

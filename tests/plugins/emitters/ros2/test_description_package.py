@@ -10,7 +10,7 @@ import pytest
 import yaml
 from lxml import etree
 
-from dh2urdf.errors import EmitterError
+from dh2urdf.errors import ConfigError, EmitterError
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.stages import Expansion
 from dh2urdf.testing.oracle import robot_pose
@@ -209,6 +209,39 @@ def test_ros2_control_has_the_joints_and_the_chosen_hardware(package: Any) -> No
         assert [each.get("name") for each in joints] == [f"p_{joint.name}" for joint in robot.moving_joints]
         assert [float(each.findtext("state_interface/param[@name='initial_value']")) for each in joints] == [0.0] * 6
         assert (root.find("gazebo/plugin") is not None) is has_gazebo
+
+
+@pytest.mark.parametrize(
+    ("options", "states"),
+    [
+        (("position",), ["position", "velocity"]),
+        (("position", "velocity"), ["position", "velocity"]),
+        (("effort", "position"), ["position", "velocity", "effort"]),
+    ],
+)
+def test_joints_have_the_interfaces_that_are_asked_for(package: Any, options: Any, states: list[str]) -> None:
+    """Beside positions, on request; the trajectory controller stays with positions."""
+    folder, _, _ = package("ur5.csv", "aligned", Ros2Options(command_interfaces=options))
+    from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+
+    root = etree.fromstring(expand_foreign(folder / "urdf" / "ur5.urdf.xacro", Expansion()).content)
+    for joint in root.findall("ros2_control/joint"):
+        assert [each.get("name") for each in joint.findall("command_interface")] == list(options)
+        assert [each.get("name") for each in joint.findall("state_interface")] == states
+    (controller,) = [
+        each["ros__parameters"]
+        for each in yaml.safe_load((folder / "config" / "ros2_controllers.yaml").read_text()).values()
+        if "command_interfaces" in each["ros__parameters"]
+    ]
+    assert controller["command_interfaces"] == ["position"]
+
+
+@pytest.mark.parametrize("options", [("velocity",), (), ("position", "position")])
+def test_positions_are_always_commanded(options: Any) -> None:
+    """The controller that is written needs them."""
+    with pytest.raises(ConfigError) as caught:
+        Ros2Options(command_interfaces=options)
+    assert caught.value.problems[0].field == "command_interfaces"
 
 
 def test_without_hardware_there_is_no_ros2_control(package: Any) -> None:

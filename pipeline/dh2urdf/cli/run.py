@@ -71,7 +71,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     elif not quiet:
         from dh2urdf.cli.summary import print_summary
 
-        print_summary(result, report, str(plan.store), dry_run=dry_run)
+        print_summary(result, report, str(plan.store), str(plan.report_store), dry_run=dry_run)
         if plan.html and not dry_run and not can_write_html():
             answer(HOW_TO_GET)
     return result.exit_status

@@ -29,13 +29,14 @@ NAME_WIDTH = 48
 """Characters of a name in one line; a longer one is folded."""
 
 
-def print_summary(result: Result, report: RunReport, where: str, *, dry_run: bool) -> None:
+def print_summary(result: Result, report: RunReport, where: str, reports: str, *, dry_run: bool) -> None:
     """Print what became of each manipulator, with the largest error of every file and simulator, and the counts.
 
     Args:
         result: what became of the run.
         report: its report.
         where: where its output is.
+        reports: where its report is.
         dry_run: whether nothing was written.
     """
     from rich.console import Console
@@ -69,7 +70,8 @@ def print_summary(result: Result, report: RunReport, where: str, *, dry_run: boo
     if told := result.leftovers.told:
         console.print(told)
     if not dry_run:
-        console.print(f"written to {where}", markup=False, soft_wrap=True)
+        beside = "" if reports == where else f", what tells of the run to {reports}"
+        console.print(f"written to {where}{beside}", markup=False, soft_wrap=True)
 
 
 def _table(rows: Sequence[ManipulatorEntry]) -> Table:

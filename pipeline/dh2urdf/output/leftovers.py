@@ -54,11 +54,12 @@ class Leftovers:
         return f"files of an earlier run: {', '.join(parts)}" if parts else None
 
 
-def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bool) -> Leftovers:
-    """Remove what the manifest in a store names and a new manifest does not.
+def clear_leftovers(store: Store, reports: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bool) -> Leftovers:
+    """Remove what the manifest of the last run names and a new manifest does not.
 
     Args:
-        store: the place.
+        store: the place of the files.
+        reports: the place of the manifest.
         rows: the new manifest, which is not in its place yet.
         keep: count the files, and remove none.
         keep_meshes: leave copies of meshes alone: descriptions may name them as originals.
@@ -66,13 +67,13 @@ def clear_leftovers(store: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bo
     Raises:
         OutputError: a file cannot be removed, or the old manifest cannot be read.
     """
-    if not store.size(MANIFEST) or _is_same(store, rows):
+    if not reports.size(MANIFEST) or _is_same(reports, rows):
         return Leftovers()
     found: Counter[str] = Counter()
     named, failed, digests = _of_new(rows)
     shards: dict[str, bool] = {}
     meshes: dict[str, str] = {}
-    with store.open(MANIFEST) as stream:
+    with reports.open(MANIFEST) as stream:
         for row in map(_LastRow, stream):
             if failed.known([row.name]):
                 continue

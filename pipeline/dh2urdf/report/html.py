@@ -52,22 +52,25 @@ def can_write_html() -> bool:
     return all(find_spec(package) for package in ("jinja2", "matplotlib", "PIL"))
 
 
-def write_html(store: Store, ledger: Ledger, exhibits: Exhibits, recipe: Recipe, layout: Layout) -> None:
+def write_html(
+    store: Store, ledger: Ledger, exhibits: Exhibits, recipe: Recipe, layout: Layout, *, reports: Store
+) -> None:
     """Write `report.html`.
 
     Args:
-        store: where it goes, and where the pictures of the simulators are.
+        store: where the pictures of the simulators are.
         ledger: what was gathered from the rows of its manifest, an overview among it.
         exhibits: what the run's first manipulators are made of.
         recipe: what was done with every manipulator.
         layout: under which names the files lie.
+        reports: where it goes.
 
     Raises:
         OutputError: it cannot be written.
     """
     with without_warnings():
         content = page(ledger, exhibits, recipe, store, layout)
-    store.write(PAGE, content)
+    reports.write(PAGE, content)
 
 
 def page(ledger: Ledger, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:

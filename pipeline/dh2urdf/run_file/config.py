@@ -183,7 +183,7 @@ class _Sections(SettingsReader):
         output = self.entries(sections["output"], ("directory", "layout", "size", "meshes"), "output")
         proof = self.entries(sections["proof"], ("poses", "first", "every"), "proof")
         sample = self.entries(sections["sample"], ("first", "every"), "sample")
-        report = self.entries(sections["report"], ("html",), "report")
+        report = self.entries(sections["report"], ("html", "directory"), "report")
         layout = self.layout(output)
         mesh_prefix, mesh_conversion = self.mesh_copies(output.get("meshes"), layout)
         return RunConfig(
@@ -194,7 +194,7 @@ class _Sections(SettingsReader):
             loaders=tuple(self._calls(sections["loaders"], "loaders", ("optional",))),
             execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR, ("time_limit",))
             or StageCall(stage=DEFAULT_EXECUTOR),
-            output=self._output(output.get("directory")),
+            output=self._place(output.get("directory"), "output.directory") or self._usual_output(),
             layout=layout,
             cells=CellsReader(self.problems).read(sections["cells"]),
             variations=VariationsReader(self.problems).read(sections["variations"]),
@@ -206,6 +206,7 @@ class _Sections(SettingsReader):
             sample=self.sample(sample, "sample", DEFAULT_SAMPLE),
             time_limit=self.seconds(sections["execution"]),
             html=self.switch(report.get("html"), "report.html", default=True),
+            reports=self._place(report.get("directory"), "report.directory"),
             problems=tuple(self.problems),
         )
 
@@ -312,10 +313,14 @@ class _Sections(SettingsReader):
             return None
         return text, node
 
-    def _output(self, node: Node | None) -> Path | str:
-        directory = self._path_text(node, "output.directory")
+    def _usual_output(self) -> Path:
+        return self.path.parent / "build" / self.path.stem
+
+    def _place(self, node: Node | None, field: str) -> Path | str | None:
+        """A folder or an address, where one is given."""
+        directory = self._path_text(node, field)
         if directory is None:
-            return self.path.parent / "build" / self.path.stem
+            return None
         return directory[0] if "://" in directory[0] else self._resolved(*directory)
 
     def _resolved(self, text: str, node: Node) -> Path:

@@ -24,8 +24,11 @@ from dh2urdf.variations import sampling
 from dh2urdf.variations.variation import VariationCall
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.run_file.records import RunConfig
+    from dh2urdf.stages import Emitter
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +41,7 @@ class Plan:
         recipe: what is done with every manipulator.
         key: the recipe's, by which a later run knows files that are still right.
         store: where the output goes.
+        reports: where what tells of the run goes, where that is another place.
         layout: under which names.
         executor: does the work.
         cells: robots of several of the manipulators, made when all have been read.
@@ -61,6 +65,12 @@ class Plan:
     files: tuple[Path, ...] = ()
     command: str | None = None
     input_notices: Mapping[Path, Problem] = field(default_factory=dict)
+    reports: Store | None = None
+
+    @property
+    def report_store(self) -> Store:
+        """Where what tells of the run goes: report, manifest, index, journal."""
+        return self.reports or self.store
 
 
 def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
@@ -109,4 +119,15 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         html=config.html,
         meshes=config.meshes,
         input_notices=asked.notices,
+        reports=_reports(config, emitters),
     )
+
+
+def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -> Store | None:
+    """Where what tells of a run goes: beside the output, where that holds folders of packages and nothing else."""
+    if config.reports is not None:
+        return None if str(config.reports) == str(config.output) else open_store(config.reports)
+    if emitters and all(call is not None and call.stage.in_folders for call in emitters):
+        place = f"{str(config.output).rstrip('/')}_report"
+        return open_store(place if isinstance(config.output, str) else Path(place))
+    return None

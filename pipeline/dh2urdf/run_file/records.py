@@ -82,6 +82,7 @@ class RunConfig:
         sample: whose files go through what is slow: expansion of xacro, and simulators.
         time_limit: how long one manipulator may take, simulators aside [s].
         html: whether the run writes a page for people, where its packages are installed.
+        reports: where report, manifest and index go; None for the place of the output, or beside one of packages.
         problems: what is wrong with the file; nothing may start while there is any.
     """
 
@@ -102,4 +103,5 @@ class RunConfig:
     sample: Sample = DEFAULT_SAMPLE
     time_limit: float = DEFAULT_TIME_LIMIT
     html: bool = True
+    reports: Path | str | None = None
     problems: tuple[Problem, ...] = ()

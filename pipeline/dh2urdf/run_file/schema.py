@@ -99,7 +99,11 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
                     "type": "boolean",
                     "default": True,
                     "description": "whether report.html is written, where jinja2 and matplotlib are installed",
-                }
+                },
+                "directory": _text(
+                    "where report, manifest and index go: a folder or an address; by default that of the output, or "
+                    "one beside it where the output is folders of packages"
+                ),
             }
         )
         | {"description": "what is told of the run"},

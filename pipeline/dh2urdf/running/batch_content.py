@@ -52,7 +52,8 @@ class Assignment:
         key: the key of the recipe.
         store: where everything goes.
         layout: under which names.
-        journal: folder of the store for what is done so far.
+        reports: where what tells of the run goes.
+        journal: folder of it for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
         children: the children of loaders that are kept, of the process that this is in.
@@ -61,6 +62,7 @@ class Assignment:
     recipe: Recipe
     key: str
     store: Store
+    reports: Store
     layout: Layout
     journal: str
     home: str

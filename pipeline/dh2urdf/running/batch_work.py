@@ -45,7 +45,7 @@ class Work(BatchContent):
         missing = [place for place in range(len(self.batch)) if place not in kept]
         ready = self._side_by_side(set(missing))
         report = Tally(self.batch.first)
-        journal = Journal(self.maker.store, f"{self.maker.journal}/{self.batch.first:09d}.jsonl")
+        journal = Journal(self.maker.reports, f"{self.maker.journal}/{self.batch.first:09d}.jsonl")
         rows: list[bytes] = []
         makes = self.maker.effect is Depth.MAKE
         is_whole = self.maker.layout.is_whole

@@ -6,7 +6,7 @@ import sys
 import tempfile
 import time
 from collections import deque
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -16,7 +16,6 @@ from dh2urdf.isolation.child_process import run_in_child
 from dh2urdf.isolation.watchdog import this_process
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.output.leftovers import clear_leftovers
-from dh2urdf.output.open_store import open_store
 from dh2urdf.plugin_system.at_work import unmarked
 from dh2urdf.plugin_system.calls import Call, depending_on, fault, own_work
 from dh2urdf.plugin_system.stage_answers import a_record, items_of
@@ -83,10 +82,10 @@ def load_plan(
         if root is None and is_table(path, catalog):
             raise ConfigError(table_as_run_file(path)) from error
         raise
-    plan = make_plan(config, catalog)
+    plan = make_plan(config if output is None else replace(config, output=output), catalog)
     if root is None:
         plan = replace(plan, files=(path,), command=command_line(path, overrides))
-    return plan if output is None else replace(plan, store=open_store(output))
+    return plan
 
 
 def execute(
@@ -127,35 +126,42 @@ def execute(
             report = run_report(ledger, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
-    store = plan.store
-    with store.lock(), _earlier(store, resume=resume) as earlier, store.scratch() as folder:
-        journal = next_journal(store)
+    store, reports = plan.store, plan.report_store
+    with _locked(store, reports), _earlier(reports, resume=resume) as earlier, reports.scratch() as folder:
+        journal = next_journal(reports)
         path = folder / "manifest"
         exhibits = Exhibits()
         with path.open("w+b") as rows:
-            ledger = Ledger(rows, f"{store}/{MANIFEST}", told, Verdicts.of(plan.recipe))
+            ledger = Ledger(rows, f"{reports}/{MANIFEST}", told, Verdicts.of(plan.recipe))
             if can_write_parquet():
-                ledger.table = ManifestTable(folder / TABLE, f"{store}/{TABLE}")
+                ledger.table = ManifestTable(folder / TABLE, f"{reports}/{TABLE}")
             if plan.html and can_write_html():
                 ledger.overview = Overview(FULL, ledger.index)
             try:
                 _make(plan, Depth.MAKE, journal, earlier, ledger, result, note, exhibits)
             except TableError:  # There is nothing to go on with.
-                store.remove_tree(journal if resume else JOURNAL)
+                reports.remove_tree(journal if resume else JOURNAL)
                 raise
-            report = write_reports(store, ledger, result)
+            report = write_reports(reports, ledger, result)
             if ledger.overview:
-                write_html(store, ledger, exhibits, plan.recipe, plan.layout)
+                write_html(store, ledger, exhibits, plan.recipe, plan.layout, reports=reports)
             else:
-                store.remove(PAGE)  # An older one would tell of another run.
+                reports.remove(PAGE)  # An older one would tell of another run.
             # While the old manifest stands there, as what is removed is known from it alone.
             kept_meshes = plan.recipe.mesh_prefix is None
-            result.leftovers = clear_leftovers(store, rows, keep=keep, keep_meshes=kept_meshes)
+            result.leftovers = clear_leftovers(store, reports, rows, keep=keep, keep_meshes=kept_meshes)
             result.seconds["total"] = time.perf_counter() - started
-            write_timing(store, result)
-        store.put(MANIFEST, path)
-        store.remove_tree(JOURNAL)
+            write_timing(reports, result)
+        reports.put(MANIFEST, path)
+        reports.remove_tree(JOURNAL)
     return result, report
+
+
+@contextmanager
+def _locked(store: Store, reports: Store) -> Iterator[None]:
+    """Both places of a run, or the one that is both."""
+    with store.lock(), nullcontext() if reports is store else reports.lock():
+        yield
 
 
 @contextmanager
@@ -184,6 +190,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         recipe=plan.recipe,
         key=plan.key,
         store=plan.store,
+        reports=plan.report_store,
         layout=plan.layout,
         journal=journal,
         home=this_process(),

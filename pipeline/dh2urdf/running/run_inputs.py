@@ -11,7 +11,7 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.local_store import LocalStore
-from dh2urdf.output.store import WORKING
+from dh2urdf.output.store import WORKING, Store
 from dh2urdf.report.html import PAGE
 from dh2urdf.report.json import INDEX, REPORT, TABLE, TIMING
 from dh2urdf.source import Problem, shown
@@ -35,23 +35,28 @@ def refuse_overwriting(plan: Plan) -> None:
     Raises:
         ConfigError: a file that the run writes is one that it reads; it names all of them.
     """
-    store = plan.store
-    if not isinstance(store, LocalStore):
-        return
     suffixes = tuple(suffix for call in plan.recipe.emitters for suffix in call.stage.suffixes)
     pictures = (".png",) if plan.recipe.loaders else ()
+    _refuse_overwriting(plan, plan.store, (*suffixes, *pictures), "output.directory")
+    if plan.reports is not None:
+        _refuse_overwriting(plan, plan.reports, (), "report.directory")
+
+
+def _refuse_overwriting(plan: Plan, store: Store, suffixes: tuple[str, ...], field: str) -> None:
+    if not isinstance(store, LocalStore):
+        return
     problems = []
     names = set()
     for path in dict.fromkeys(_inputs(plan)):
         for name in _names_in(store, path):
             names.add(name)
             is_shard = plan.layout.form is Form.SHARDS and _SHARD.fullmatch(name)
-            if name.endswith((*suffixes, *pictures)) or is_shard or name.startswith(f"{WORKING}/") or name in OWN_FILES:
+            if name.endswith(suffixes) or is_shard or name.startswith(f"{WORKING}/") or name in OWN_FILES:
                 problems.append(
                     Problem(
                         message=f"the run would overwrite its input {shown(str(path), 200)} in the output folder "
                         f"{shown(str(store), 200)}",
-                        field="output.directory",
+                        field=field,
                         found=str(path),
                         accepted="another output folder, or an input of another name",
                         suggestion="write to another folder: `output: {directory: DIR}`, or `-o DIR`",

@@ -55,7 +55,7 @@ def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
             "coverage": gathered.coverage(),
             "simulator_notices": gathered.notices(),
         }
-        print_summary(result, report, "build/out", dry_run=dry_run)
+        print_summary(result, report, "build/out", "build/out", dry_run=dry_run)
         return capsys.readouterr().out.splitlines()
 
     return call

@@ -138,11 +138,11 @@ def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
     for joint in kind.robot.moving_joints:
         element = etree.SubElement(control, "joint", {"name": "${prefix}" + joint.name})
         for interface in options.command_interfaces:
-            etree.SubElement(element, "command_interface", {"name": interface})
+            etree.SubElement(element, "command_interface", name=interface)
         state = etree.SubElement(element, "state_interface", {"name": "position"})
         etree.SubElement(state, "param", {"name": "initial_value"}).text = f"${{initial_positions['{joint.name}']}}"
         for interface in ("velocity", *(("effort",) if "effort" in options.command_interfaces else ())):
-            etree.SubElement(element, "state_interface", {"name": interface})
+            etree.SubElement(element, "state_interface", name=interface)
     return serialise(library)
 
 

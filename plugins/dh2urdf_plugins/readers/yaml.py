@@ -25,7 +25,7 @@ from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 from dh2urdf_plugins.readers.words.unheld import UNHELD
 from dh2urdf_plugins.readers.yaml_file import texts as yaml_texts
-from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots
+from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots, other_reader
 from dh2urdf_plugins.readers.yaml_file.schema import table_schema
 
 if TYPE_CHECKING:
@@ -82,6 +82,8 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
     if not isinstance(root.value, dict):
         raise TableError([*previous.problems, no_mapping(root, KEYS)])
     if "robots" not in root.value:
+        if other := other_reader(root):
+            raise TableError(other)
         yield _Table(previous, path.stem, options).manipulator(trace)
         return
     problems = list(previous.problems)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from dh2urdf.documents import Node
 
@@ -26,6 +26,43 @@ def no_mapping(root: Node, keys: Iterable[str]) -> Problem:
         accepted=f"the keys {', '.join(keys)}, or robots with a list of such mappings",
         suggestion="this looks like CSV: give the file the suffix .csv" if commas else None,
     )
+
+
+def other_reader(root: Node) -> Problem | None:
+    """A mapping that is no table, and that another reader of YAML files reads; None for any other.
+
+    Args:
+        root: the mapping.
+    """
+    entries = root.value if isinstance(root.value, dict) else {}
+    for name, what, is_it in _OTHERS:
+        if is_it(entries):
+            return Problem(
+                message=f"this is {what}, not a table",
+                mark=root.mark,
+                accepted="a mapping with the key joints",
+                suggestion=f"`--from {name}` reads it; in a run file, `stage: {name}` beside the path",
+            )
+    return None
+
+
+def _is_mapping_with(node: Node | None, key: str) -> bool:
+    return node is not None and isinstance(node.value, dict) and key in node.value
+
+
+_OTHERS: tuple[tuple[str, str, Callable[[dict[str, Node]], bool]], ...] = (
+    (
+        "ur-kinematics",
+        "a calibration of Universal Robots' ROS packages",
+        lambda entries: _is_mapping_with(entries.get("kinematics"), "shoulder"),
+    ),
+    (
+        "franka-kinematics",
+        "a kinematics.yaml of Franka's ROS package",
+        lambda entries: _is_mapping_with(entries.get("joint1"), "kinematic"),
+    ),
+)
+"""Readers of other YAML files: name, what they read, and how it is recognized."""
 
 
 def no_robots(robots: Node) -> Problem:

@@ -134,6 +134,11 @@ class TestFrankaKinematics(ReaderContract):
     )
 
 
+class TestScrews(ReaderContract):
+    stage = CATALOG.get("reader", "screws")
+    example = "Slist: [[0, 0], [0, 1], [1, 0], [0, -0.3], [0, 0], [0, 0]]\nM: {xyz: [0.5, 0, 0.3]}\n"
+
+
 @pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
 class TestParquet(ReaderContract):
     stage = CATALOG.get("reader", "parquet")

@@ -24,7 +24,7 @@ def dh2urdf_readers() -> Iterable[Reader[Any]]:
     tables = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
     chains = (descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)
     origins = (descriptions.UR_KINEMATICS, descriptions.FRANKA_KINEMATICS)
-    return (*tables, *chains, *origins)
+    return (*tables, *chains, *origins, descriptions.SCREWS)
 
 
 @hookimpl

@@ -115,6 +115,11 @@ def read_franka_kinematics(path: Path, options: DescriptionOptions) -> Iterator[
     return _arms(path, options, _franka_kinematics)
 
 
+def read_screws(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulator of a file of screw axes, as `read_urdf` has those of a URDF file."""
+    return _arms(path, options, _screws)
+
+
 def _urdf(path: Path, _options: DescriptionOptions) -> Description:
     from dh2urdf_plugins.descriptions.description import urdf_description
 
@@ -150,6 +155,12 @@ def _franka_kinematics(path: Path, _options: DescriptionOptions) -> Description:
     from dh2urdf_plugins.descriptions.origin_files import FRANKA, origins_description
 
     return origins_description(path, FRANKA)
+
+
+def _screws(path: Path, _options: DescriptionOptions) -> Description:
+    from dh2urdf_plugins.descriptions.screws import screws_description
+
+    return screws_description(path)
 
 
 def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], Mapping[str, int]]:
@@ -247,6 +258,14 @@ FRANKA_KINEMATICS: Reader[DescriptionOptions] = Reader(
     summary="kinematics.yaml of Franka's ROS package: the DH table of one of its arms",
     read=read_franka_kinematics,
     leaves=_leaves(_franka_kinematics),
+    options=DescriptionOptions,
+    suffixes=(),
+)
+SCREWS: Reader[DescriptionOptions] = Reader(
+    name="screws",
+    summary="screw axes in YAML or JSON: Slist and M, Blist and M, or H and P",
+    read=read_screws,
+    leaves=_leaves(_screws),
     options=DescriptionOptions,
     suffixes=(),
 )

@@ -170,7 +170,8 @@ class TestWritten:
         answer = cli("extract", str(ur5.with_suffix(".csv")), status=2)
         assert "the reader 'csv' reads tables" in answer.stderr
         assert (
-            "accepted: a file in the format franka-kinematics, mjcf, sdf, ur-kinematics, urdf, xacro" in answer.stderr
+            "accepted: a file in the format franka-kinematics, mjcf, screws, sdf, ur-kinematics, urdf, xacro"
+            in answer.stderr
         )
 
 

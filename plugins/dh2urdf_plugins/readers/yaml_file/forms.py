@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from dh2urdf.documents import Node
+    from dh2urdf_plugins.readers.words.cells import Cell
 
 
 def no_mapping(root: Node, keys: Iterable[str]) -> Problem:
@@ -61,6 +62,11 @@ _OTHERS: tuple[tuple[str, str, Callable[[dict[str, Node]], bool]], ...] = (
         "a kinematics.yaml of Franka's ROS package",
         lambda entries: _is_mapping_with(entries.get("joint1"), "kinematic"),
     ),
+    (
+        "screws",
+        "a file of screw axes",
+        lambda entries: any(key in entries for key in ("Slist", "Blist")) or ("H" in entries and "P" in entries),
+    ),
 )
 """Readers of other YAML files: name, what they read, and how it is recognized."""
 
@@ -73,3 +79,9 @@ def no_robots(robots: Node) -> Problem:
         field="robots",
         accepted="a list of manipulators, each with name, convention and joints",
     )
+
+
+def unused_default(name: str, cell: Cell) -> Problem:
+    """A default that no joint takes, as a notice."""
+    message = f"defaults.{name} has no effect: every joint has a value of its own"
+    return Problem(message=message, severity="notice", mark=cell.mark, field=f"defaults.{name}", found=cell.text)

@@ -124,6 +124,21 @@ class TestUrKinematics(ReaderContract):
     )
 
 
+class TestFrankaKinematics(ReaderContract):
+    stage = CATALOG.get("reader", "franka-kinematics")
+    example = "".join(
+        f"joint{number}: {{kinematic: {{x: 0, y: {y}, z: 0.1, roll: {roll}, pitch: 0, yaw: 0}}}}\n"
+        for number, (y, roll) in enumerate(
+            [(0, 0), (0, -1.57), (-0.3, 1.57), (0, 1.57), (0.3, -1.57), (0, 1.57), (0, 1.57), (0, 0)], start=1
+        )
+    )
+
+
+class TestScrews(ReaderContract):
+    stage = CATALOG.get("reader", "screws")
+    example = "Slist: [[0, 0], [0, 1], [1, 0], [0, -0.3], [0, 0], [0, 0]]\nM: {xyz: [0.5, 0, 0.3]}\n"
+
+
 @pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
 class TestParquet(ReaderContract):
     stage = CATALOG.get("reader", "parquet")

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         run as run,
     )
     from dh2urdf.commands.convert import Conversion as Conversion
+    from dh2urdf.commands.screw_axes import from_screws as from_screws
     from dh2urdf.commands.toolbox_robots import from_roboticstoolbox as from_roboticstoolbox
     from dh2urdf.errors import Dh2UrdfError as Dh2UrdfError
     from dh2urdf.manipulator import (
@@ -44,6 +45,7 @@ else:
         {
             "api": "check convert extract read read_all run",
             "commands.convert": "Conversion",
+            "commands.screw_axes": "from_screws",
             "commands.toolbox_robots": "from_roboticstoolbox",
             "errors": "Dh2UrdfError",
             "manipulator": "Convention DHRow Inertia JointType Limits LinkGeometry Manipulator",

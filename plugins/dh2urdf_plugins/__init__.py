@@ -22,8 +22,9 @@ def dh2urdf_readers() -> Iterable[Reader[Any]]:
     from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 
     tables = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
-    chains = (descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF, descriptions.UR_KINEMATICS)
-    return (*tables, *chains)
+    chains = (descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)
+    origins = (descriptions.UR_KINEMATICS, descriptions.FRANKA_KINEMATICS)
+    return (*tables, *chains, *origins, descriptions.SCREWS)
 
 
 @hookimpl

@@ -43,6 +43,7 @@ class Description:
         rounded: numbers that were meant to be parts of π.
         repaired: the robot with these numbers read as they were meant; None where there are none. Where it is asked
             for, it is `robot`, and this is the robot as it is written.
+        notices: what a careful person would want to know about how the file was read.
     """
 
     robot: Robot
@@ -52,6 +53,7 @@ class Description:
     loose: Mapping[str, str] = field(default_factory=dict)
     rounded: tuple[Rounded, ...] = ()
     repaired: Robot | None = None
+    notices: tuple[Problem, ...] = ()
 
 
 def urdf_description(path: Path) -> Description:

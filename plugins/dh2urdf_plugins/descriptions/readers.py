@@ -130,6 +130,16 @@ def read_ur_kinematics(path: Path, options: DescriptionOptions) -> Iterator[Mani
     return _arms(path, options, _ur_kinematics)
 
 
+def read_franka_kinematics(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulator of Franka's file of origins, as `read_urdf` has those of a URDF file."""
+    return _arms(path, options, _franka_kinematics)
+
+
+def read_screws(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulator of a file of screw axes, as `read_urdf` has those of a URDF file."""
+    return _arms(path, options, _screws)
+
+
 def _urdf(path: Path, _options: DescriptionOptions) -> Description:
     from dh2urdf_plugins.descriptions.description import urdf_description
 
@@ -156,9 +166,21 @@ def _mjcf(path: Path, _options: DescriptionOptions) -> Description:
 
 
 def _ur_kinematics(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.descriptions.ur_kinematics import ur_kinematics_description
+    from dh2urdf_plugins.descriptions.origin_files import UR, origins_description
 
-    return ur_kinematics_description(path)
+    return origins_description(path, UR)
+
+
+def _franka_kinematics(path: Path, _options: DescriptionOptions) -> Description:
+    from dh2urdf_plugins.descriptions.origin_files import FRANKA, origins_description
+
+    return origins_description(path, FRANKA)
+
+
+def _screws(path: Path, _options: DescriptionOptions) -> Description:
+    from dh2urdf_plugins.descriptions.screws import screws_description
+
+    return screws_description(path)
 
 
 def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], Mapping[str, int]]:
@@ -248,6 +270,22 @@ UR_KINEMATICS: Reader[DescriptionOptions] = Reader(
     summary="*_calibration.yaml of Universal Robots' ROS packages: the DH table of one calibrated arm",
     read=read_ur_kinematics,
     leaves=_leaves(_ur_kinematics),
+    options=DescriptionOptions,
+    suffixes=(),
+)
+FRANKA_KINEMATICS: Reader[DescriptionOptions] = Reader(
+    name="franka-kinematics",
+    summary="kinematics.yaml of Franka's ROS package: the DH table of one of its arms",
+    read=read_franka_kinematics,
+    leaves=_leaves(_franka_kinematics),
+    options=DescriptionOptions,
+    suffixes=(),
+)
+SCREWS: Reader[DescriptionOptions] = Reader(
+    name="screws",
+    summary="screw axes in YAML or JSON: Slist and M, Blist and M, or H and P",
+    read=read_screws,
+    leaves=_leaves(_screws),
     options=DescriptionOptions,
     suffixes=(),
 )

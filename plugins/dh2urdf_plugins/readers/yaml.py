@@ -25,7 +25,7 @@ from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 from dh2urdf_plugins.readers.words.unheld import UNHELD
 from dh2urdf_plugins.readers.yaml_file import texts as yaml_texts
-from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots
+from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots, other_reader, unused_default
 from dh2urdf_plugins.readers.yaml_file.schema import table_schema
 
 if TYPE_CHECKING:
@@ -82,6 +82,8 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
     if not isinstance(root.value, dict):
         raise TableError([*previous.problems, no_mapping(root, KEYS)])
     if "robots" not in root.value:
+        if other := other_reader(root):
+            raise TableError(other)
         yield _Table(previous, path.stem, options).manipulator(trace)
         return
     problems = list(previous.problems)
@@ -104,6 +106,11 @@ READER: Reader[TableOptions] = Reader(
     write=yaml_texts.write,
     texts=yaml_texts.texts,
 )
+
+
+def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
+    """The manipulator of a mapping, or everything that is wrong with it."""
+    return _Table(item, default_name, TableOptions()).manipulator()
 
 
 class _Table:
@@ -222,7 +229,7 @@ class _Table:
             cells = self._cells(node, common, f"joint_{number}")
             unused -= {name for name in unused if name in cells and cells[name].mark == common[name].mark}
             found.append((cells, node.mark))
-        self.problems += [_unused_default(name, common[name]) for name in common if name in unused and found]
+        self.problems += [unused_default(name, common[name]) for name in common if name in unused and found]
         rows: list[DHRow | None] = []
         for row, node in zip(read_rows(found, reader), joints.value, strict=False):
             entries = node.value if isinstance(node.value, dict) else {}
@@ -382,11 +389,6 @@ class _Table:
             accepted=", ".join(_JOINT_KEYS),
             suggestion=meant_key(key, header, why and why.field, _JOINT_KEYS),
         )
-
-
-def _unused_default(name: str, cell: Cell) -> Problem:
-    message = f"defaults.{name} has no effect: every joint has a value of its own"
-    return Problem(message=message, severity="notice", mark=cell.mark, field=f"defaults.{name}", found=cell.text)
 
 
 def _joint_field(key: str) -> str | None:

@@ -187,7 +187,7 @@ class TestStandardInput:
             (b"", [], "standard input: error: there is nothing in it"),
             (b" \n", ["--from", "csv"], "standard input: error: there is nothing in it"),
             (b"hello", [], "the format is not sure: no reader surely reads this as it is"),
-            (b"hello", [], "accepted: `--from NAME`, with one of csv, mjcf, parquet, "),
+            (b"hello", [], "accepted: `--from NAME`, with one of csv, franka-kinematics, mjcf, parquet, "),
             (BARE.encode(), ["--from", "cvs"], "no reader is named 'cvs'"),
             (b"inputs: arm.csv\n", ["--from", "yaml"], "this is a run file, not a table"),
         ],

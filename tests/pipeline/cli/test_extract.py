@@ -169,7 +169,10 @@ class TestWritten:
     def test_a_table_is_no_description(self, cli: Cli, ur5: Path) -> None:
         answer = cli("extract", str(ur5.with_suffix(".csv")), status=2)
         assert "the reader 'csv' reads tables" in answer.stderr
-        assert "accepted: a file in the format mjcf, sdf, ur-kinematics, urdf, xacro" in answer.stderr
+        assert (
+            "accepted: a file in the format franka-kinematics, mjcf, screws, sdf, ur-kinematics, urdf, xacro"
+            in answer.stderr
+        )
 
 
 def _rows(path: Path) -> list[str]:

@@ -1,4 +1,4 @@
-"""Calibrations that `ur_calibration` writes: the table of the arm, against an own product of the file's frames."""
+"""Files of origins from makers: the table of the arm, against an own product of the file's frames."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from conftest import Answer
+    from conftest import Answer, ReferenceRobot
     from numpy.typing import NDArray
 
     Frames = dict[str, tuple[float, ...]]
@@ -121,8 +121,8 @@ def test_in_a_run_and_in_commands(cli: Callable[..., Answer], tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("pattern", "new", "message"),
     [
-        (r"kinematics:\n", "kinematic:\n", "'kinematic' is no entry of a calibration"),
-        (r"  wrist_3:", "  wrist3:", "'wrist3' is no entry of a calibration"),
+        (r"kinematics:\n", "kinematic:\n", "'kinematic' is no entry of a chain of origins"),
+        (r"  wrist_3:", "  wrist3:", "'wrist3' is no entry of a chain of origins"),
         (r"  wrist_3:(.|\n)*\Z", "", "there is no kinematics.wrist_3"),
         (r"    yaw: [^\n]*\n  upper", "  upper", "there is no kinematics.shoulder.yaw"),
         (r"x: 0\n", "x: zero\n", "kinematics.shoulder.x is the text 'zero'"),
@@ -136,3 +136,75 @@ def test_what_is_wrong_has_its_place(pattern: str, new: str, message: str, tmp_p
     (path := tmp_path / "ur_calibration.yaml").write_text(text)
     with pytest.raises(TableError, match=re.escape(message)):
         dh2urdf.extract(path, reader="ur-kinematics")
+
+
+FRANKA: Frames = {
+    "joint1": (0, 0, 0.333, 0, 0, 0),
+    "joint2": (0, 0, 0, -1.570796326794897, 0, 0),
+    "joint3": (0, -0.316, 0, 1.570796326794897, 0, 0),
+    "joint4": (0.0825, 0, 0, 1.570796326794897, 0, 0),
+    "joint5": (-0.0825, 0.384, 0, -1.570796326794897, 0, 0),
+    "joint6": (0, 0, 0, 1.570796326794897, 0, 0),
+    "joint7": (0.088, 0, 0, 1.570796326794897, 0, 0),
+    "joint8": (0, 0, 0.107, 0, 0, 0),
+}
+"""robots/fer/kinematics.yaml of franka_description 1.0.1; those of fr3 and fp3 hold the same numbers."""
+
+
+def franka_text(frames: Frames) -> str:
+    names = ("x", "y", "z", "roll", "pitch", "yaw")
+    entries = (
+        f"{name}:\n  kinematic:\n"
+        + "".join(f"    {key}: {value!r}\n" for key, value in zip(names, values, strict=True))
+        for name, values in frames.items()
+    )
+    return "\n".join(entries)
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_franka_is_the_arm(convention: str, tmp_path: Path) -> None:
+    """T(q) from link0 to the flange: seven joints, and the fixed one behind them."""
+    (path := tmp_path / "kinematics.yaml").write_text(franka_text(FRANKA))
+    arm = dh2urdf.extract(path, reader="franka-kinematics", convention=convention, tolerance=1e-12)
+    assert [row.joint for row in arm.rows] == [f"joint{number}" for number in range(1, 8)]
+    for q in np.random.default_rng(8).uniform(-3, 3, (20, 7)):
+        assert np.abs(arm.fk(q) - product(FRANKA, [*q, 0.0])).max() < 1e-12
+
+
+def test_franka_is_the_published_table(reference_robots: list[ReferenceRobot], tmp_path: Path) -> None:
+    """The rows of the Panda's table in the Robotics Toolbox, which is Craig's; the last d reaches to the flange."""
+    (path := tmp_path / "kinematics.yaml").write_text(franka_text(FRANKA))
+    arm = dh2urdf.extract(path, reader="franka-kinematics", convention="modified")
+    (panda,) = [robot.manipulator for robot in reference_robots if robot.id == "rtb_Panda"]
+    for row, published in zip(arm.rows, panda.rows, strict=True):
+        assert (row.a, row.alpha, row.d, row.theta) == (published.a, published.alpha, published.d, published.theta)
+    assert arm.tool.translation == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "message"),
+    [
+        ("joint8:(.|\n)*", "", "there is no joint8"),
+        ("  kinematic:", "  kinematics:", "'kinematics' is no entry of a chain of origins"),
+        (r"    z: 0.333\n", "", "there is no joint1.kinematic.z"),
+        (r"z: 0.333\n", "z: 3330\n", "joint1.kinematic.z is the number 3330"),
+    ],
+)
+def test_what_is_wrong_with_franka_has_its_place(pattern: str, new: str, message: str, tmp_path: Path) -> None:
+    """As of any file of origins."""
+    (path := tmp_path / "kinematics.yaml").write_text(re.sub(pattern, new, franka_text(FRANKA), count=1))
+    with pytest.raises(TableError, match=re.escape(message)):
+        dh2urdf.extract(path, reader="franka-kinematics")
+
+
+@pytest.mark.parametrize(
+    ("text", "reader"), [(text_of(UR5), "ur-kinematics"), (franka_text(FRANKA), "franka-kinematics")]
+)
+def test_the_reader_of_tables_names_the_right_one(
+    text: str, reader: str, cli: Callable[..., Answer], tmp_path: Path
+) -> None:
+    """Its suffix is that of a table: the error is one, and its advice works."""
+    (path := tmp_path / "kinematics.yaml").write_text(text)
+    answer = cli("convert", path, "-o", tmp_path / "arm.urdf", status=2)
+    assert (answer.stderr.count("error:"), f"`--from {reader}` reads it" in answer.stderr) == (1, True)
+    cli("convert", path, "--from", reader, "-o", tmp_path / "arm.urdf")

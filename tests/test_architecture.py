@@ -341,6 +341,7 @@ def test_packages_can_be_overlooked() -> None:
 
 
 STAGES_NAMED = {
+    ("pipeline/dh2urdf/commands/screw_axes.py", "screws"): "what `from_screws` is the function of",
     ("pipeline/dh2urdf/stages.py", "urdf"): "what a loader takes whose record says nothing of it",
     ("pipeline/dh2urdf/testing/stage_contract.py", "yaml"): "a Python module",
 }

@@ -15,7 +15,13 @@ from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.profiles import PROFILES, adapted, notices_of
-from dh2urdf_plugins.emitters.ros2.description_xacro import Kind, control_file, macro_file, top_file
+from dh2urdf_plugins.emitters.ros2.description_xacro import (
+    Kind,
+    arms_of,
+    control_file,
+    macro_file,
+    top_file,
+)
 from dh2urdf_plugins.emitters.ros2.moveit_package import moveit_name, moveit_notices, moveit_package
 from dh2urdf_plugins.emitters.ros2.names import check_names, package_stem, proposed_name, robot_name
 from dh2urdf_plugins.emitters.ros2.options import Ros2Options
@@ -143,7 +149,7 @@ def _with_base(robot: Robot) -> Robot:
     """
     kinds = {id(arm.kind): _with_base(arm.kind) for arm in robot.arms}
     links, joints = list(robot.links), list(robot.joints)
-    for prefix, kind in [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]:
+    for prefix, kind in arms_of(robot):
         table, names = kind.manipulator, {link.name for link in kind.links}
         if table is not None and table.base != IDENTITY and BASE not in names:
             origin = Origin(xyz=table.base.translation, rpy=table.base.rpy)

@@ -25,7 +25,7 @@ import dh2urdf_plugins
 from dh2urdf import hookspecs
 from dh2urdf._faces import MOVED
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.catalog import KINDS, RECORDS
+from dh2urdf.plugin_system.catalog import KINDS, RECORDS, load
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.source import Mark, Problem
@@ -338,6 +338,28 @@ def test_packages_can_be_overlooked() -> None:
         for package in root.rglob("__init__.py")
     }
     assert [name for name, size in sizes.items() if size > 2500] == ["pipeline/dh2urdf"]
+
+
+STAGES_NAMED = {
+    ("pipeline/dh2urdf/commands/screw_axes.py", "screws"): "what `from_screws` is the function of",
+    ("pipeline/dh2urdf/stages.py", "urdf"): "what a loader takes whose record says nothing of it",
+    ("pipeline/dh2urdf/testing/stage_contract.py", "yaml"): "a Python module",
+}
+"""Where the host has a word that is also the name of a built-in stage."""
+MERE_WORDS = {"table", "local"}
+"""Names of stages that are words of every day."""
+
+
+def test_the_host_names_no_stage() -> None:
+    """What is taken where nobody names a stage, and what is a flag, the records of the stages say."""
+    catalog = load()
+    names = {item.stage.name for kind in KINDS for item in catalog.builtin(kind)} | {"exact", "paper"}
+    found = set()
+    for path in modules(HOST):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value in names - MERE_WORDS:
+                found.add((relative(path), node.value))
+    assert found == STAGES_NAMED.keys()
 
 
 def test_no_class_name_means_two_things() -> None:

@@ -86,7 +86,7 @@ def load(request, options):
 
 GOOD = {
     "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",), schema=dict),
-    "transform": replace(TRANSFORM, name="bad"),
+    "transform": replace(TRANSFORM, name="bad", compared=None),
     "emitter": replace(EMITTER, name="bad", suffixes=(".bad", ".robot")),
     "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("urdf", "bad"),
                      poses=lambda _: 2, picture=lambda _: False),
@@ -392,6 +392,8 @@ def test_every_function_of_every_record_is_tried() -> None:
         "costly_proof",
         "expandable",
         "finds_packages",
+        "is_usual",
+        "compared",
     }
     assert tried == {
         (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.argument_words import word_of
 from dh2urdf.commands.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
-from dh2urdf.commands.convert import DEFAULT_EMITTER, DEFAULT_TRANSFORM, Conversion, plan_conversion
+from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import GivenRows, as_file
 from dh2urdf.commands.options_of_stages import Asker, asker_of, settings_of, stage_calls
 from dh2urdf.conversion.one_manipulator import checked_items, read_items
@@ -154,7 +154,7 @@ def manipulator_of(
             message = f"{shown(table)} is no table: it has one line"
             raise TableError(Problem(message=message, mark=asker.mark, suggestion=suggestion))
         source: Any = table
-        return read(source, reader="csv", robot=robot, **options)
+        return read(source, reader=load().cell_reader().name, robot=robot, **options)
     given = GivenRows(table, columns, function)
     if types is not None:
         given.add_column("type", types, "types")
@@ -189,7 +189,7 @@ def convert(
     meshes: str | None = None,
     convert_meshes: str | None = None,
     reader: str | None = None,
-    transform: str = DEFAULT_TRANSFORM,
+    transform: str | None = None,
     without: Iterable[str] = (),
     **options: object,
 ) -> Conversion:
@@ -283,16 +283,18 @@ def check(
         PluginError: a plugin that is needed is broken.
     """
     from dh2urdf.commands.check import inspect
+    from dh2urdf.commands.written_robots import write_description
     from dh2urdf.stages import Expansion
 
     asker = _asker("check")
     catalog = _catalog(without, asker)
     if isinstance(description, Robot):
-        if emitter not in (None, DEFAULT_EMITTER):
-            message = f"a robot is checked as {DEFAULT_EMITTER}, and emitter={emitter!r} says another format"
-            accepted = f"no emitter=, or a description in the format {emitter}"
-            raise ConfigError(Problem(message=message, mark=asker.mark, field="emitter", accepted=accepted))
-        description, emitter = description.to_urdf(), DEFAULT_EMITTER
+        usual = catalog.usual("emitter")
+        if emitter not in (None, usual.name):
+            message = f"a robot is checked as {usual.name}, and emitter={emitter!r} says another format"
+            raise ConfigError(Problem(message=message, mark=asker.mark, accepted="no emitter=, or a file as it says"))
+        emitter = usual.name
+        description = write_description(description, usual.suffixes[0], None, {}, str(asker.mark))
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
         check_file(path, InputError)
         expansion = Expansion(
@@ -391,9 +393,7 @@ def _check_name(name: object, argument: str, asker: Asker) -> None:
     """
     if name is not None and not (isinstance(name, str) and name.strip()):
         message = f"{argument}={name!r} is no name"
-        raise ConfigError(
-            Problem(message=message, mark=asker.mark, field=argument, accepted="a text that is not empty")
-        )
+        raise ConfigError(Problem(message=message, mark=asker.mark, field=argument, accepted="a text, not empty"))
 
 
 def _names(names: str | Iterable[str]) -> tuple[str, ...]:

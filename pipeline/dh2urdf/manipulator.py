@@ -284,13 +284,13 @@ class Manipulator:
         """
         from dh2urdf.commands.written_tables import write_table
 
-        return write_table(self, "csv", out, "Manipulator.to_csv()")
+        return write_table(self, ".csv", out, "Manipulator.to_csv()")
 
     def to_yaml(self, out: str | os.PathLike[str] | None = None) -> str:
         """The table as YAML, as `to_csv` has it as CSV."""
         from dh2urdf.commands.written_tables import write_table
 
-        return write_table(self, "yaml", out, "Manipulator.to_yaml()")
+        return write_table(self, ".yaml", out, "Manipulator.to_yaml()")
 
     def fk(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
         """Forward kinematics: the DH product at one joint vector or at many.

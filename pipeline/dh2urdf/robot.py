@@ -274,21 +274,22 @@ class Robot:
             ConfigError: an option is unknown or its value wrong.
             OutputError: the file cannot be written.
         """
-        from dh2urdf.commands.written_robots import write_description
-
-        return write_description(self, "urdf", out, options)
+        return self._written(".urdf", out, options, "Robot.to_urdf()")
 
     def to_sdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as SDF, as `to_urdf` has it as URDF."""
-        from dh2urdf.commands.written_robots import write_description
-
-        return write_description(self, "sdf", out, options)
+        return self._written(".sdf", out, options, "Robot.to_sdf()")
 
     def to_mjcf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as MJCF for MuJoCo, as `to_urdf` has it as URDF."""
+        return self._written(".xml", out, options, "Robot.to_mjcf()")
+
+    def _written(
+        self, suffix: str, out: str | os.PathLike[str] | None, options: dict[str, object], function: str
+    ) -> str:
         from dh2urdf.commands.written_robots import write_description
 
-        return write_description(self, "mjcf", out, options)
+        return write_description(self, suffix, out, options, function)
 
     def __repr__(self) -> str:
         """Name, number of links and number of moving joints."""

@@ -12,6 +12,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeAlias, TypeVar
 
+from dh2urdf._stage_defaults import (
+    LOAD_TIME_LIMIT,
+    all_there,
+    always,
+    load_time_limit,
+    nothing,
+    option_picture,
+    option_poses,
+)
 from dh2urdf.columns import ManipulatorColumns, RobotColumns
 from dh2urdf.inspections import (
     PACKAGE_FILE,
@@ -122,10 +131,6 @@ class Reader(Generic[O]):
     leaves: Callable[[Path, O], Mapping[str, int]] | None = None
 
 
-def _always(_options: object) -> bool:
-    return True
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Transform(Generic[O]):
     """Makes the robot of a manipulator.
@@ -140,16 +145,21 @@ class Transform(Generic[O]):
         transform_columns: makes the robots of many manipulators at once, to the last bit as `transform` does, in groups
             whose members differ in numbers only, each with the places of its members; it leaves out what has to be made
             one by one. None where it cannot with these options. A stage without it makes all of them one by one.
+        is_usual: whether it is taken where nobody names a transform; of the built-in ones, one is.
+        compared: name of an option, a choice of words, whose first two choices the studio shows side by side, such as
+            two variants of an algorithm. The first is what is meant where nothing else is chosen.
     """
 
     name: str
     summary: str
     transform: Callable[[Manipulator, O], Robot]
     options: type[O]
-    keeps_kinematics: Callable[[O], bool] = _always
+    keeps_kinematics: Callable[[O], bool] = always
     transform_columns: Callable[[ManipulatorColumns, O], Sequence[tuple[Sequence[int], RobotColumns]] | None] | None = (
         None
     )
+    is_usual: bool = False
+    compared: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -206,6 +216,7 @@ class Emitter(Generic[O]):
             those that are whole descriptions of the format, and not a part of others: `dh2urdf check FOLDER`.
         annotate: the file of the format that goes with a robot description of any origin, of which it takes how it is
             expanded, and an earlier file, whose other content stays: `dh2urdf collisions`.
+        is_usual: whether it is taken where nobody names an emitter; of the built-in ones, one is.
     """
 
     name: str
@@ -228,6 +239,7 @@ class Emitter(Generic[O]):
     descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
     notices: Callable[[Robot, O], Sequence[Problem]] | None = None
     annotate: Callable[[Path, Expansion, Path | None, O], Annotation] | None = None
+    is_usual: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -294,32 +306,6 @@ class LoadReport:
     picture: str | None = None
 
 
-LOAD_TIME_LIMIT = 300.0
-"""How long a loader may take where its record names no other time [s]."""
-
-
-def _load_time_limit(_options: object) -> float:
-    return LOAD_TIME_LIMIT
-
-
-def _option_poses(options: object) -> int:
-    poses: int = getattr(options, "poses", 25)
-    return poses
-
-
-def _option_picture(options: object) -> bool:
-    picture: bool = getattr(options, "picture", False)
-    return picture
-
-
-def _nothing(_request: LoadRequest, _output: str) -> tuple[Problem, ...]:
-    return ()
-
-
-def _all_there(_options: object) -> None:
-    return None
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loader(Generic[O]):
     """Loads a written file into a simulator and reports what the simulator says.
@@ -353,11 +339,11 @@ class Loader(Generic[O]):
     load: Callable[[LoadRequest, O], LoadReport]
     options: type[O]
     formats: tuple[str, ...] = ("urdf",)
-    poses: Callable[[O], int] = _option_poses
-    picture: Callable[[O], bool] = _option_picture
-    read_output: Callable[[LoadRequest, str], Sequence[Problem]] = _nothing
-    require: Callable[[O], None] = _all_there
-    time_limit: Callable[[O], float | None] = _load_time_limit
+    poses: Callable[[O], int] = option_poses
+    picture: Callable[[O], bool] = option_picture
+    read_output: Callable[[LoadRequest, str], Sequence[Problem]] = nothing
+    require: Callable[[O], None] = all_there
+    time_limit: Callable[[O], float | None] = load_time_limit
     prepare: Callable[[O], None] | None = None
 
 
@@ -387,13 +373,15 @@ class Executor(Generic[O]):
             worker on another machine has to have in the same versions.
         require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `map`
             needs with these options is not installed, without importing it (`importlib.util.find_spec`).
+        is_usual: whether it is taken where nobody names an executor; of the built-in ones, one is.
     """
 
     name: str
     summary: str
     map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]]
     options: type[O]
-    require: Callable[[O], None] = _all_there
+    require: Callable[[O], None] = all_there
+    is_usual: bool = False
 
 
 Kind: TypeAlias = Literal["reader", "transform", "emitter", "loader", "executor"]

@@ -81,4 +81,4 @@ def test_the_paper_is_remarked_on(catalog: Catalog) -> None:
     session.show_variant("both")
     assert words.remark(session).endswith("at this pose its tool0 is 1.41 m and 90° from the table's.")
     session.edit(0, "alpha", "0.3")
-    assert words.remark(session).startswith("The paper's variant refuses this table: ")
+    assert words.remark(session).startswith("The variant paper refuses this table: ")

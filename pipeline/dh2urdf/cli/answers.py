@@ -35,12 +35,12 @@ def keep_apart(context: click.Context) -> None:
     It goes to standard error: many a library prints when it is imported.
     """
     if _OWN not in context.meta and None not in (sys.stdout, sys.stderr):  # None where a shell has closed it
-        context.meta[_OWN] = context.with_resource(_kept_apart())
+        context.meta[_OWN] = context.with_resource(kept_apart())
         context.call_on_close(lambda: context.meta.pop(_OWN))
 
 
 @contextmanager
-def _kept_apart() -> Iterator[IO[str]]:
+def kept_apart() -> Iterator[IO[str]]:
     """The standard output of this process, which is nobody else's as long."""
     sys.stdout.flush()
     # What a terminal's encoding lacks is escaped as JSON does it.

@@ -11,8 +11,9 @@ import click
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
-from dh2urdf.cli.tables import ASKER, READER_OPTIONS, package_paths_option, table_options
+from dh2urdf.cli.tables import ASKER, package_paths_option, table_options
 from dh2urdf.commands.check import given_arguments, inspect, inspect_several, repaired
 from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
 from dh2urdf.commands.options_of_stages import stage_calls
@@ -39,7 +40,7 @@ EXIT_STATUS = (
 )
 
 
-@click.command(name="check", epilog=EXIT_STATUS)
+@click.command(name="check", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
 @click.option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
@@ -128,7 +129,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     elif form == "sarif":
         answer(as_sarif(findings))
     else:
-        from dh2urdf.cli.findings import print_findings
+        from dh2urdf.cli.printing.findings import print_findings
 
         print_findings(findings, consumers, comparison)
     return status
@@ -180,7 +181,7 @@ def _print_several(several: Inspections, consumers: Mapping[str, str], form: str
 
         answer(as_json(several, findings, consumers))
     else:
-        from dh2urdf.cli.several_findings import print_grouped
+        from dh2urdf.cli.printing.several_findings import print_grouped
 
         print_grouped(several, findings, consumers)
     return status
@@ -217,8 +218,7 @@ def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None])
     table, reader_name = given_table(table, flags["reader_name"], catalog)
     check_file(table, TableError)
     reader = chosen_reader(catalog, table, reader_name, ASKER)
-    given = {"reader": {name: flags[name] for name in READER_OPTIONS}}
-    (call,) = stage_calls(catalog, {"reader": [reader]}, ASKER, given)["reader"]
+    (call,) = stage_calls(catalog, {"reader": [reader]}, ASKER, given_options(flags))["reader"]
     return read_manipulator(call, table, flags["robot"], ASKER)
 
 

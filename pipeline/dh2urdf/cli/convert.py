@@ -10,11 +10,12 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.conversion_rows import print_report, row_of
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.printing.conversion_rows import print_report, row_of
+from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, files_behind, given_table
-from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, READER_OPTIONS, chain_options, settings_of, table_options
-from dh2urdf.commands.convert import DEFAULT_TRANSFORM, plan_conversion
+from dh2urdf.cli.tables import ASKER, settings_of, table_options
+from dh2urdf.commands.convert import plan_conversion
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.answers.conversions import closing_line
 
@@ -27,18 +28,14 @@ if TYPE_CHECKING:
 STANDARD_OUTPUT = "standard output"
 
 
-@click.command(name="convert", epilog=EXIT_STATUS)
+@click.command(name="convert", cls=StageCommand, kinds=("reader", "transform", "emitter"), epilog=EXIT_STATUS)
 @click.argument("tables", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="TABLE…")
 @click.option(
     "-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without the option."
 )
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
-@chain_options
-@click.option("--transform", "transform_name", default=DEFAULT_TRANSFORM, metavar="NAME", help="Transform; alpha-swap.")
-@click.option("--variant", metavar="V", help="exact (the arm itself) or paper (the published algorithm).")
-@click.option("--frames", metavar="F", help="aligned (link frames parallel to the base) or dh (DH frames).")
-@click.option("--profile", metavar="P", help="Reader that a URDF or xacro is written for, such as gazebo; portable.")
+@click.option("--transform", "transform_name", metavar="NAME", help="Transform; the usual one.")
 @click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
 @click.option(
     "--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex)."
@@ -57,7 +54,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     output: str | None,
     format_name: str | None,
     reader_name: str | None,
-    transform_name: str,
+    transform_name: str | None,
     robot: str | None,
     settings: tuple[str, ...],
     as_json: bool,  # noqa: FBT001 - click hands flags over so
@@ -95,11 +92,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             transform=transform_name,
             formats=(format_name,) if format_name else (),
             robot=robot,
-            given={
-                "reader": {name: flags[name] for name in (*READER_OPTIONS, *CHAIN_OPTIONS)},
-                "transform": {name: flags[name] for name in ("variant", "frames")},
-                "emitter": {"profile": flags["profile"]},
-            },
+            given=given_options(flags),
             settings=settings_of(settings),
             meshes=flags["meshes"],
             convert_meshes=flags["convert_meshes"],

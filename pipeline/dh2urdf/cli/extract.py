@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +13,9 @@ from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import files_behind, given_table
-from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, chain_options, package_paths_option, settings_of
+from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.extract import arms_of, description_reader, leaves_of, table_lines, write_extracted
 from dh2urdf.errors import ConfigError
@@ -29,23 +31,14 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.stages import Reader
 
-OPTIONS = ("tolerance", "near_parallel", "rounded_pi", "origins")
 
-
-@click.command(name="extract", epilog=EXIT_STATUS)
+@click.command(name="extract", cls=StageCommand, kinds=("reader",), which=attrgetter("leaves"), epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
 @click.option(
     "-o", "--output", "output", type=click.Path(path_type=Path), metavar="TABLE", help="A .yaml or .csv file."
 )
 @click.option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
-@chain_options
 @click.option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
-@click.option("--tolerance", metavar="T", help="How far the tip may be from ROBOT's [m, rad]; 1e-9.")
-@click.option(
-    "--near-parallel", metavar="N", help="Of nearly parallel axes: auto, dh (a large d), split (a fixed row)."
-)
-@click.option("--rounded-pi", metavar="R", help="repair reads 1.5708 in an orientation as pi/2; keep by default.")
-@click.option("--origins", metavar="O", help="d of parallel axes: fewest that are not 0, or as in the file.")
 @click.option("--length-unit", default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
 @click.option("--angle-unit", default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
 @click.option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
@@ -90,7 +83,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
     robot, reader_name = given_table(robots[0], reader_name, installed)
     _check_units(length_unit, angle_unit)
-    given = {name: flags[name] for name in (*CHAIN_OPTIONS, *OPTIONS)}
+    given = given_options(flags)["reader"]
     if arguments:
         given["arguments"] = json.dumps(given_arguments(arguments, COMMAND_LINE))
     if package_paths:

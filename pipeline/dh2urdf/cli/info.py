@@ -10,10 +10,10 @@ import click
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
 from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import given_table
-from dh2urdf.cli.tables import ASKER, CHAIN_OPTIONS, READER_OPTIONS, chain_options, settings_of, table_options
+from dh2urdf.cli.tables import ASKER, settings_of, table_options
 from dh2urdf.commands.chosen_table import chosen_reader, refuse_run_file
-from dh2urdf.commands.convert import DEFAULT_TRANSFORM
 from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.conversion.one_manipulator import make_robot, read_items
 from dh2urdf.documents.text_files import check_file
@@ -32,10 +32,9 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Reader, Rejected
 
 
-@click.command(name="info", epilog=EXIT_STATUS)
+@click.command(name="info", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
 @click.argument("table", type=click.Path(path_type=Path))
 @table_options
-@chain_options
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
 @click.option("--json", "form", flag_value="json", help="Print it as JSON.")
 @click.option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
@@ -63,9 +62,8 @@ def command(
     installed = catalog()
     path, reader = given_table(table, reader_name, installed)
     check_file(path, TableError)
-    given = {"reader": {name: flags[name] for name in (*READER_OPTIONS, *CHAIN_OPTIONS)}}
     stages = {"reader": [chosen_reader(installed, path, reader, ASKER)]}
-    (call,) = stage_calls(installed, stages, ASKER, given, settings_of(settings))["reader"]
+    (call,) = stage_calls(installed, stages, ASKER, given_options(flags), settings_of(settings))["reader"]
     arms, chosen, trace = _read(call, path, robot)
     detail = None if chosen is None else _detail(installed, chosen, trace)
     failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))
@@ -124,7 +122,7 @@ def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[
 
 def _detail(catalog: Catalog, manipulator: Manipulator, trace: Trace) -> Detail:
     """All of a manipulator, with what the default transform makes of it."""
-    transform = default_call(catalog, catalog.get("transform", DEFAULT_TRANSFORM))
+    transform = default_call(catalog, catalog.usual("transform"))
     try:
         robot = make_robot(manipulator, transform)
     except ManipulatorError as error:

@@ -52,7 +52,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf run configs/folder.yaml --workers 4 --json > report.json
     dh2urdf run configs/folder.yaml --resume
     """
-    from dh2urdf.cli.progress import progress
+    from dh2urdf.cli.printing.progress import progress
 
     refuse_dash([config], "run")
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
@@ -69,7 +69,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if as_json:
         answer(to_text(report), nl=False)
     elif not quiet:
-        from dh2urdf.cli.summary import print_summary
+        from dh2urdf.cli.printing.summary import print_summary
 
         print_summary(result, report, str(plan.store), str(plan.report_store), dry_run=dry_run)
         if plan.html and not dry_run and not can_write_html():

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Emitter
 
-DEFAULT_EMITTER = "urdf"
-DEFAULT_TRANSFORM = "alpha-swap"
 TRACED_BYTES = 2**16
 """Size of a table of which a conversion also reads what its cells say [B]: a few hundred rows."""
 POSES = 8
@@ -172,7 +170,7 @@ def plan_conversion(
     catalog: Catalog,
     *,
     reader: str | None = None,
-    transform: str = DEFAULT_TRANSFORM,
+    transform: str | None = None,
     formats: Sequence[str] = (),
     robot: str | None = None,
     given: Mapping[str, Mapping[str, str | None]] | None = None,
@@ -190,8 +188,8 @@ def plan_conversion(
         asker: who asks.
         catalog: the stages that there are.
         reader: name of the reader; without it the table's suffix says it.
-        transform: name of the transform.
-        formats: names of emitters; without any the suffix of the target says it, else it is URDF.
+        transform: name of the transform; None for the usual one.
+        formats: names of emitters; without any the suffix of the target says it, else it is the usual one.
         robot: which manipulator of a table that holds several.
         given: options by kind of stage, as words.
         settings: further options.
@@ -211,9 +209,10 @@ def plan_conversion(
         stages["reader"] = [chosen_reader(catalog, table, reader, asker)]
     else:
         _refuse_choice(asker, {asker.reader: reader, asker.robot: robot})
-    stages["transform"] = [catalog.get("transform", transform)]
+    stages["transform"] = [catalog.get("transform", transform) if transform else catalog.usual("transform")]
     if formats or target is None:
-        stages["emitter"] = [catalog.get("emitter", name) for name in formats or (DEFAULT_EMITTER,)]
+        named = [catalog.get("emitter", name) for name in formats]
+        stages["emitter"] = named or [catalog.usual("emitter")]
     in_folders = [emitter.name for emitter in stages.get("emitter", ()) if emitter.in_folders]
     if in_folders and target is None:
         raise ConfigError(

@@ -34,17 +34,17 @@ TOLERANCE = 1e-9
 
 
 def write_description(
-    robot: Robot, format_name: str, out: str | os.PathLike[str] | None, options: Mapping[str, object]
+    robot: Robot, suffix: str, out: str | os.PathLike[str] | None, options: Mapping[str, object], function: str
 ) -> str:
-    """A robot in a format; see `Robot.to_urdf`."""
-    asker = asker_of(f"Robot.to_{format_name}()")
+    """A robot in the format of the files with a suffix, for a function that is called so; see `Robot.to_urdf`."""
+    asker = asker_of(function)
     problems = [problem for problem in check_robot(robot) if problem.severity == "error"]
     if columns_of(robot):
         problems.append(Problem(message="a number of the robot is an array", robot=robot.name, accepted="one number"))
     if problems:
         raise RobotError(problem.about(mark=asker.mark) for problem in problems)
     catalog = load()
-    emitter: Any = catalog.get("emitter", format_name)
+    emitter: Any = catalog.emitter_for(Path(f"robot{suffix}"))
     given = {"emitter": {name: word_of(value) for name, value in options.items()}}
     (call,) = stage_calls(catalog, {"emitter": [emitter]}, asker, given)["emitter"]
     robot = located(robot, prefix_of(FILE))

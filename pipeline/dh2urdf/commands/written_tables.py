@@ -154,12 +154,12 @@ def _shown(field: str, owners: Sequence[str]) -> str:
     return f"{field!r} of {rows} row{'' if rows == 1 else 's'}" if rows else repr(field)
 
 
-def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLike[str] | None, function: str) -> str:
-    """The table of a manipulator in the format of a reader.
+def write_table(manipulator: Manipulator, suffix: str, out: str | os.PathLike[str] | None, function: str) -> str:
+    """The table of a manipulator in the format of the files with a suffix.
 
     Args:
         manipulator: the arm.
-        format_name: name of the reader.
+        suffix: what names of such files end in, with the dot.
         out: the file to write; None writes none.
         function: what was called, for messages.
 
@@ -170,7 +170,8 @@ def write_table(manipulator: Manipulator, format_name: str, out: str | os.PathLi
         RecordValueError: the format has no place for something that the manipulator says.
         OutputError: the file cannot be written.
     """
-    call = _reader(format_name)
+    catalog = load()
+    call = default_call(catalog, catalog.reader_for(Path(f"table{suffix}")))
     content = in_format([table_text(manipulator)], call).content
     if found := list(_differences([manipulator], content, call, function)):
         raise RecordValueError(_other(difference, call, function) for difference in found)

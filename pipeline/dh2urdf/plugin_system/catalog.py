@@ -61,6 +61,10 @@ class Catalog:
         """The stages of a kind with the plugins that provide them, by name; every plugin that may have one is asked."""
         return self._provided(kind, self._plugins)
 
+    def builtin(self, kind: Kind) -> tuple[Provided, ...]:
+        """The stages of a kind that dh2urdf brings itself, by name; no other plugin is asked."""
+        return self._provided(kind, _by_right(self._plugins, kind)[0])
+
     def clashes(self) -> tuple[StageConflictError, ...]:
         """The names that several plugins claim with equal right; an error only for who uses one of them."""
         return tuple(
@@ -134,12 +138,35 @@ class Catalog:
         Raises:
             UnknownStageError: no installed reader has it.
         """
-        for plugins in _by_right(self._plugins, "reader"):
-            for item in self._provided("reader", plugins):
-                if isinstance(item.stage, Reader) and item.stage.read_cells:
+        reader: Reader[Any] = self._first("reader", "read_cells", "of rows of cells")
+        return reader
+
+    @overload
+    def usual(self, kind: Literal["transform"]) -> Transform[Any]: ...
+    @overload
+    def usual(self, kind: Literal["emitter"]) -> Emitter[Any]: ...
+    @overload
+    def usual(self, kind: Literal["executor"]) -> Executor[Any]: ...
+    @overload
+    def usual(self, kind: Kind) -> Stage: ...
+    def usual(self, kind: Kind) -> Stage:
+        """The stage that is taken where nobody names one of its kind: its record says so.
+
+        dh2urdf's own stage is taken where plugins have others.
+
+        Raises:
+            UnknownStageError: no installed stage of the kind is one.
+        """
+        stage: Stage = self._first(kind, "is_usual", "that is taken where none is named")
+        return stage
+
+    def _first(self, kind: Kind, attribute: str, wanted: str) -> Any:  # noqa: ANN401 - a record of the kind
+        """The stage with the best right of those whose record has an attribute that is true."""
+        for plugins in _by_right(self._plugins, kind):
+            for item in self._provided(kind, plugins):
+                if getattr(item.stage, attribute, None):
                     return item.stage
-        installed_names = [item.stage.name for item in self.provided("reader")]
-        raise UnknownStageError("reader", "of rows of cells", installed_names)
+        raise UnknownStageError(kind, wanted, [item.stage.name for item in self.provided(kind)])
 
     def plugin_of(self, stage: Stage) -> Plugin:
         """The plugin that provides a stage of this catalog.

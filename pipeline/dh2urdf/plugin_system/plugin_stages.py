@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from contextlib import contextmanager
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 import pluggy
@@ -169,6 +169,9 @@ def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a h
         words = getattr(stage, what, ())
         if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
             raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")
+    compared = getattr(stage, "compared", None)
+    if compared is not None and compared not in {each.name for each in fields(stage.options)}:
+        raise ValueError(f"the {kind} {stage.name!r} compares {compared!r:.60}, which is none of its options")
     for suffix in getattr(stage, "suffixes", ()):
         if not re.fullmatch(r"\.[^/\\\s]+", suffix) or suffix != suffix.lower():
             raise ValueError(

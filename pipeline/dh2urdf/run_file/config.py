@@ -44,9 +44,6 @@ SECTIONS = (
     "sample",
     "report",
 )
-DEFAULT_TRANSFORM = "alpha-swap"
-DEFAULT_EMITTER = "urdf"
-DEFAULT_EXECUTOR = "local"
 MAX_POSES = 1_000_000
 """Random joint vectors of one proof."""
 _SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
@@ -121,10 +118,10 @@ def _written_out(root: Node) -> Node:
         "cells": _list_of(given.get("cells"), "name", root),
         "variations": _list_of(given.get("variations"), "of", root),
         "meshes": _list_of(given.get("meshes"), "of", root),
-        "transform": _mapping_of(given.get("transform", _text(DEFAULT_TRANSFORM, root)), "stage"),
-        "emitters": _list_of(given.get("emitters", _text(DEFAULT_EMITTER, root)), "stage", root),
+        "transform": _mapping_of(given.get("transform", _mapping({}, root)), "stage"),
+        "emitters": _list_of(given.get("emitters", _mapping({}, root)), "stage", root),
         "loaders": _list_of(given.get("loaders"), "stage", root),
-        "execution": _mapping_of(given.get("execution", _text(DEFAULT_EXECUTOR, root)), "stage"),
+        "execution": _mapping_of(given.get("execution", _mapping({}, root)), "stage"),
         "output": _output_of(_mapping_of(given.get("output", _mapping({}, root)), "directory")),
         "proof": given.get("proof", _mapping({}, root)),
         "sample": given.get("sample", _mapping({}, root)),
@@ -188,12 +185,10 @@ class _Sections(SettingsReader):
         mesh_prefix, mesh_conversion = self.mesh_copies(output.get("meshes"), layout)
         return RunConfig(
             inputs=tuple(self._inputs(sections["inputs"])),
-            transform=self._call(sections["transform"], "transform", DEFAULT_TRANSFORM)
-            or StageCall(stage=DEFAULT_TRANSFORM),
+            transform=self._call(sections["transform"], "transform") or StageCall(),
             emitters=tuple(self._calls(sections["emitters"], "emitters", needed="something must be written")),
             loaders=tuple(self._calls(sections["loaders"], "loaders", ("optional",))),
-            execution=self._call(sections["execution"], "execution", DEFAULT_EXECUTOR, ("time_limit",))
-            or StageCall(stage=DEFAULT_EXECUTOR),
+            execution=self._call(sections["execution"], "execution", ("time_limit",)) or StageCall(),
             output=self._place(output.get("directory"), "output.directory") or self._usual_output(),
             layout=layout,
             cells=CellsReader(self.problems).read(sections["cells"]),
@@ -257,8 +252,11 @@ class _Sections(SettingsReader):
             self.say(f"the list is empty, and {needed}", section, field, accepted="at least one stage")
         seen: dict[str, Mark | None] = {}
         for index, node in enumerate(entries):
-            call = self._call(node, f"{field}.{index}", others=others)
+            call = self._call(node, f"{field}.{index}", others, is_named=field == "loaders")
             if call is None:
+                continue
+            if call.stage is None:
+                yield call
                 continue
             if call.stage in seen:
                 self.say(
@@ -273,18 +271,19 @@ class _Sections(SettingsReader):
             yield call
 
     def _call(
-        self, node: Node, field: str, default: str | None = None, others: tuple[str, ...] = ()
+        self, node: Node, field: str, others: tuple[str, ...] = (), *, is_named: bool = False
     ) -> StageCall | None:
-        """One stage and its options; None where it is not said which."""
+        """One stage and its options; None where something is wrong with what says which."""
         before = len(self.problems)
         given = self.entries(node, ("stage", "options", *others), field)
-        if default is None and "stage" not in given and len(self.problems) == before:
+        if is_named and "stage" not in given and len(self.problems) == before:
             self.say("it is not said which stage is meant", node, field, accepted="`stage: NAME`")
-        name = self.name(given.get("stage"), f"{field}.stage") or default
+        name = self.name(given.get("stage"), f"{field}.stage")
+        is_clear = name is not None or not (is_named or "stage" in given)
         options = self._options(given.get("options"), f"{field}.options")
         optional = self.switch(given.get("optional"), f"{field}.optional", default=False)
         mark = given.get("stage", node).mark
-        return StageCall(stage=name, options=options, mark=mark, optional=optional) if name else None
+        return StageCall(stage=name, options=options, mark=mark, optional=optional) if is_clear else None
 
     def _options(self, node: Node | None, field: str) -> Node | None:
         if node is None or node.value is None:

@@ -25,13 +25,13 @@ class StageCall:
     """A stage as a run file asks for it.
 
     Attributes:
-        stage: its name.
+        stage: its name; None for the usual one of its kind.
         options: its options as they are written; `dh2urdf.plugin_system.options.make_options` checks them.
         mark: where the stage is named.
         optional: of a loader, whether what it refuses is a notice and fails nothing.
     """
 
-    stage: str
+    stage: str | None = None
     options: Node | None = None
     mark: Mark | None = None
     optional: bool = False

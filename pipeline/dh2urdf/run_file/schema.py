@@ -6,10 +6,11 @@ and the schema asks for quotes.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.one_manipulator import Sample
-from dh2urdf.errors import ConfigError
+from dh2urdf.errors import ConfigError, UnknownStageError
 from dh2urdf.meshes.conversion import ACCEPTED
 from dh2urdf.meshes.files import FILE, RELATIVE
 from dh2urdf.meshes.forms import MeshConversion
@@ -18,7 +19,7 @@ from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.option_types import type_hints
 from dh2urdf.plugin_system.stage_answers import a_record
-from dh2urdf.run_file.config import DEFAULT_EMITTER, DEFAULT_EXECUTOR, DEFAULT_TRANSFORM, MAX_POSES
+from dh2urdf.run_file.config import MAX_POSES
 from dh2urdf.run_file.mesh_section import SHAPE_KEYS
 from dh2urdf.run_file.records import DEFAULT_POSES
 from dh2urdf.run_file.settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, MOST
@@ -41,15 +42,16 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
         for item in catalog.provided(kind):
             options |= _options_schemas(item, f"{kind}.{named[item.full_name][0]}")
     inputs = _either(_text("a table, or a pattern such as tables/*.csv"), _input(catalog))
+    transform, emitter, executor = (_usual(catalog, kind) for kind in ("transform", "emitter", "executor"))
     sections = {
         "inputs": _one_or_more(inputs, "the tables that are read"),
         "cells": _one_or_more(_cell(), "robots of several arms, with one root; none by default", least=0),
         "variations": _one_or_more(_variation(), "manipulators drawn from others; none by default", least=0),
         "meshes": _one_or_more(_meshes(), "mesh files that links are seen as and touch with; none by default", least=0),
-        "transform": _stage(catalog, "transform", "what makes a robot of a table", DEFAULT_TRANSFORM)
-        | {"description": f"what makes a robot of a table; {DEFAULT_TRANSFORM} by default"},
+        "transform": _stage(catalog, "transform", "what makes a robot of a table", transform)
+        | {"description": f"what makes a robot of a table; {transform} by default"},
         "emitters": _one_or_more(
-            _stage(catalog, "emitter", "what writes files"), f"what writes files; {DEFAULT_EMITTER} by default"
+            _stage(catalog, "emitter", "what writes files", emitter), f"what writes files; {emitter} by default"
         ),
         "loaders": _one_or_more(
             _stage(
@@ -71,7 +73,7 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
             catalog,
             "executor",
             "what does the work",
-            DEFAULT_EXECUTOR,
+            executor,
             time_limit={
                 "type": "number",
                 "exclusiveMinimum": 0,
@@ -79,7 +81,7 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
                 "description": "seconds that one manipulator may take, simulators aside",
             },
         )
-        | {"description": f"what does the work; {DEFAULT_EXECUTOR} by default"},
+        | {"description": f"what does the work; {executor} by default"},
         "proof": _mapping(
             {
                 "poses": _whole(1, MAX_POSES)
@@ -193,6 +195,13 @@ def _stage(
         for own in named.values()
     ]
     return _either(names, call if default else {**call, "required": ["stage"]})
+
+
+def _usual(catalog: Catalog, kind: Kind) -> str | None:
+    """The name of the stage that is taken where none is named; None where every plugin that has one is left out."""
+    with suppress(UnknownStageError):
+        return catalog.usual(kind).name
+    return None
 
 
 def _all_of(named: dict[str, list[str]]) -> list[str]:

@@ -43,7 +43,7 @@ class AskedStages:
             PluginError: the plugin that it needs is broken, or several claim its name; the error has the place.
         """
         with self._at(asked.mark):
-            stage = self._catalog.get(kind, asked.stage)
+            stage = self._catalog.get(kind, asked.stage) if asked.stage else self._catalog.usual(kind)
             plugin = self._catalog.plugin_of(stage)
             where = f"{kind} {stage.name!r}"
             options = make_options(stage.options, asked.options, mark=asked.mark, where=where, plugin=plugin)
@@ -61,7 +61,7 @@ class AskedStages:
                         message=f"the {call.kind} {call.stage.name!r} stands twice in one run",
                         mark=given.mark,
                         field=f"{call.kind}s",
-                        found=given.stage,
+                        found=call.stage.name,
                         accepted="each name once",
                         suggestion=f"it stands first at {other.mark}",
                     )
@@ -129,7 +129,7 @@ class AskedStages:
     ) -> None:
         """Every loader takes a file that the run writes."""
         both = zip(asked_emitters, emitters, strict=True)
-        formats = [call.stage.name if call else each.stage for each, call in both]
+        formats = [call.stage.name if call else each.stage or "" for each, call in both]
         for each, loader in zip(asked, loaders, strict=True):
             if loader is not None and not set(loader.stage.formats) & set(formats):
                 self.problems.append(

@@ -259,8 +259,9 @@ async def save(session: Session, kind: str, name: str) -> None:
 
 async def generate(session: Session) -> None:
     """Press Generate: the URDF, made and proved as the command line makes and proves it."""
+    format_name = session.catalog.usual("emitter").name
     try:
-        file = await run.io_bound(saving.robot_file, session.table, "urdf", _made(session), session.catalog)
+        file = await run.io_bound(saving.robot_file, session.table, format_name, _made(session), session.catalog)
     except Dh2UrdfError as error:
         await show_error("The URDF cannot be generated yet", error)
         return
@@ -270,7 +271,7 @@ async def generate(session: Session) -> None:
 
 def _made(session: Session) -> str:
     """The variant that files are made in: where both are shown, the arm itself."""
-    return "paper" if session.variant == "paper" else "exact"
+    return session.variant if session.variant in session.variants else session.variants[0]
 
 
 def _hand_over(file: Saved) -> None:
@@ -282,7 +283,7 @@ def _hand_over(file: Saved) -> None:
             f"\nread back and compared with the table at {proof.poses} joint vectors: tool0 is within "
             f"{proof.position_error:.2g} m and {proof.angle_error:.2g} rad of the DH product"
             if proof.holds
-            else f"\nthe paper's variant: tool0 is up to {proof.position_error:.3g} m from the DH product"
+            else f"\nnot the arm of the table: tool0 is up to {proof.position_error:.3g} m from the DH product"
         )
     ui.notify(
         told, type="positive" if file.proof is None or file.proof.holds else "warning", multi_line=True, timeout=9000

@@ -13,6 +13,7 @@ from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.editing import edits, pasting
 from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.studio.editing.session import BOTH
 from dh2urdf.studio.lesson import LessonPanel
 from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
 
-_VARIANT_NAMES = {"exact": "exact", "paper": "paper", "both": "side by side"}
 _QUIET = "flat dense no-caps"
 
 
@@ -131,8 +131,10 @@ class StudioPage:
                 layer: ui.checkbox(told, on_change=self._choose_layers).props("dense size=xs")
                 for layer, told in LAYERS.items()
             }
-            self._variant = ui.toggle(_VARIANT_NAMES, on_change=self._choose_variant)
-            self._variant.props('dense unelevated no-caps aria-label="variant"')
+            names = self.session.variants
+            both = {BOTH: "side by side"} if len(names) > 1 else {}
+            self._variant = ui.toggle({name: name for name in names} | both, on_change=self._choose_variant)
+            self._variant.props('dense unelevated no-caps aria-label="variant"').set_visibility(bool(both))
             fit = ui.button(icon="center_focus_strong", on_click=self._see_all)
             fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
             explain = ui.button(icon="school", on_click=self._lesson.switch)

@@ -16,14 +16,13 @@ from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf.run_file.config import DEFAULT_EXECUTOR, RUN_SUFFIXES, is_run_file, load_config
+from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.drawing.scene import Drawing, Figure, extent, meshes_of
-from dh2urdf.studio.editing.reading import transform_call
 from dh2urdf.tasks.batch import Expected, items
 from dh2urdf.variations.variation import Variant
 
@@ -91,7 +90,7 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
         yield from _of_run(path, catalog)
         return
     if catalog.is_table(path):
-        transform = transform_call(catalog, "exact")
+        transform = default_call(catalog, catalog.usual("transform"))
         for item in read_items(default_call(catalog, catalog.reader_for(path)), path):
             arm = _accepted(item)
             yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
@@ -113,7 +112,7 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
     """The cells of a run file; of one that has none, its manipulators with their meshes, and its variants."""
     config = load_config(path)
     # Nothing is written, loaded or handed to workers.
-    looking = replace(config, loaders=(), output=str(path.parent), execution=StageCall(stage=DEFAULT_EXECUTOR))
+    looking = replace(config, loaders=(), output=str(path.parent), execution=StageCall())
     plan = make_plan(looking, catalog)
     transform = plan.recipe.transform
     every = (item.what for item in items(plan, Expected(plan)))

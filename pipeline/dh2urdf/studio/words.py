@@ -108,16 +108,17 @@ def _plain(number: float, digits: int) -> str:
 
 def remark(session: Session) -> str:
     """What is to be said of the variant on the screen."""
-    if session.arm is None or session.variant == "exact":
+    if session.arm is None or session.variant == session.variants[0]:
         return ""
-    if session.arm.paper is None:
+    name = session.variants[-1]
+    if session.arm.other is None:
         told = "; ".join(found.text.partition("\n")[0] for found in session.arm.refusal[:3])
-        return f"The paper's variant refuses this table: {told}"
-    error = session.paper_error
+        return f"The variant {name} refuses this table: {told}"
+    error = session.other_error
     if error is None:
         return ""
     distance, angle = error
     return (
-        f"The paper's links stand in a straight line: at this pose its tool0 is {distance:.4g} m and "
+        f"The variant {name} is not the arm of the table: at this pose its tool0 is {distance:.4g} m and "
         f"{math.degrees(angle):.4g}° from the table's."
     )

@@ -27,25 +27,45 @@ class DescriptionOptions:
     """What is left open by a robot description: which chain, and how its table is written."""
 
     convention: Literal["standard", "modified"] = field(
-        default="standard", metadata={"help": "standard (classic, distal) or modified (Craig, proximal)"}
+        default="standard", metadata={"flag": "C", "help": "standard (classic, distal) or modified (Craig, proximal)"}
     )
-    base_link: str | None = field(default=None, metadata={"help": "where the chain begins; the root by default"})
+    base_link: str | None = field(
+        default=None, metadata={"flag": "LINK", "help": "where the chain begins; the root by default"}
+    )
     tip_link: str | None = field(
         default=None,
-        metadata={"help": "where it ends; * for every leaf; tool0, tcp, flange, ee_link or the only leaf by default"},
+        metadata={
+            "flag": "LINK",
+            "help": "where it ends; * for every leaf; tool0, tcp, flange, ee_link or the only leaf by default",
+        },
     )
     tolerance: float = field(
-        default=TOLERANCE, metadata={"help": "how far the tip of the table may be from the file's [m, rad]"}
+        default=TOLERANCE,
+        metadata={
+            "flag": "T",
+            "commands": ("extract",),
+            "help": "how far the tip of the table may be from the file's [m, rad]",
+        },
     )
     near_parallel: Literal["auto", "dh", "split"] = field(
         default="auto",
-        metadata={"help": "of nearly parallel axes: dh (a large d), split (a fixed row), auto (dh up to 1000 arms)"},
+        metadata={
+            "flag": "N",
+            "commands": ("extract",),
+            "help": "of nearly parallel axes: dh (a large d), split (a fixed row), auto (dh up to 1000 arms)",
+        },
     )
     rounded_pi: Literal["keep", "repair"] = field(
-        default="keep", metadata={"help": "repair reads 1.5708 in an orientation as pi/2"}
+        default="keep",
+        metadata={"flag": "R", "commands": ("extract",), "help": "repair reads 1.5708 in an orientation as pi/2"},
     )
     origins: Literal["fewest", "file"] = field(
-        default="fewest", metadata={"help": "d of parallel axes: fewest that are not 0, or as the file's origins"}
+        default="fewest",
+        metadata={
+            "flag": "O",
+            "commands": ("extract",),
+            "help": "d of parallel axes: fewest that are not 0, or as the file's origins",
+        },
     )
     package_paths: tuple[str, ...] = field(
         default=(), metadata={"help": "ROS packages, or folders of some, with meshes and included files"}

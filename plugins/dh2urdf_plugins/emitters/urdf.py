@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class UrdfOptions:
     """What a URDF is written for."""
 
-    profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
+    profile: ProfileName = field(default="portable", metadata={"flag": "P", "help": PROFILE_HELP})
 
 
 def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
@@ -117,6 +117,7 @@ def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
 
 EMITTER = Emitter(
     name="urdf",
+    is_usual=True,
     summary="URDF that every common simulator and ROS tool reads alike",
     suffixes=(".urdf",),
     options=UrdfOptions,

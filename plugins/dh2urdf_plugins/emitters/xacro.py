@@ -76,7 +76,7 @@ class XacroOptions:
     single_file: bool = field(
         default=False, metadata={"help": "write the macro and its call into one file instead of two"}
     )
-    profile: ProfileName = field(default="portable", metadata={"help": PROFILE_HELP})
+    profile: ProfileName = field(default="portable", metadata={"flag": "P", "help": PROFILE_HELP})
 
 
 class XacroNotation(Notation):

@@ -313,6 +313,7 @@ class _Worker:
 
 EXECUTOR = Executor(
     name="local",
+    is_usual=True,
     summary="processes of this machine",
     options=LocalOptions,
     map=map_locally,

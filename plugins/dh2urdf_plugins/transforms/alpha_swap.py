@@ -74,6 +74,8 @@ def keeps_kinematics(options: AlphaSwapOptions) -> bool:
 
 TRANSFORM = Transform(
     name="alpha-swap",
+    is_usual=True,
+    compared="variant",
     summary="the arm of the table, its link frames parallel to the base or as in the table; or the paper's algorithm",
     transform=alpha_swap,
     options=AlphaSwapOptions,

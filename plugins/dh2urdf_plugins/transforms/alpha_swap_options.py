@@ -15,15 +15,17 @@ class AlphaSwapOptions:
     variant: Literal["exact", "paper"] = field(
         default="exact",
         metadata={
+            "flag": "V",
             "help": "exact: the arm of the table, always; "
-            "paper: the algorithm of the paper, bit-true, for reproduction only: it drops signs and offsets along x"
+            "paper: the algorithm of the paper, bit-true, for reproduction only: it drops signs and offsets along x",
         },
     )
     frames: Literal["aligned", "dh"] = field(
         default="aligned",
         metadata={
+            "flag": "F",
             "help": "exact variant: link frames parallel to the base at joint values 0 (aligned), "
-            "or the frames of the DH table (dh)"
+            "or the frames of the DH table (dh)",
         },
     )
     near_parallel: Literal["dh", "split"] = field(

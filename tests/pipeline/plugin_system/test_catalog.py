@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import pickle
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ import pytest
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin, load
+from dh2urdf.plugin_system.discovery import installed
 from dh2urdf.stages import Emitter, NoOptions, Reader
 
 if TYPE_CHECKING:
@@ -187,6 +189,24 @@ class TestBrokenPlugins:
         catalog = Catalog([plugin("bad", dh2urdf_readers=failing), GOOD])
         assert catalog.get("reader", "table").name == "table"
         assert catalog.reader_for(Path("arm.tab")).name == "table"
+
+
+class TestUsual:
+    def test_the_built_in_one_goes_first(self) -> None:
+        """What a record calls usual is taken where none is named; a plugin's where dh2urdf's own are left out."""
+        other = replace(load().usual("emitter"), name="other")
+        there = Catalog([*installed().plugins, plugin("lab", dh2urdf_emitters=lambda: [other])])
+        assert there.usual("emitter").name == load().usual("emitter").name == "urdf"
+        assert Catalog([plugin("lab", dh2urdf_emitters=lambda: [other])]).usual("emitter") is other
+        with pytest.raises(UnknownStageError, match="that is taken where none is named"):
+            Catalog([plugin("lab", dh2urdf_emitters=lambda: [replace(other, is_usual=False)])]).usual("emitter")
+
+    def test_a_transform_compares_choices_of_its_own(self) -> None:
+        """Another name breaks its plugin, with the reason."""
+        odd = replace(load().usual("transform"), name="odd", compared="colour")
+        there = Catalog([plugin("lab", dh2urdf_transforms=lambda: [odd])])
+        assert there.provided("transform") == ()
+        assert "compares 'colour', which is none of its options" in there.broken[0].reason
 
 
 class TestNames:

@@ -37,14 +37,14 @@ TABLE = "inputs: tables/a.csv\n"
 
 
 def test_defaults(folder: Path) -> None:
-    """A run file needs its inputs only; the output goes into `build/<stem>` beside it."""
+    """A run file needs its inputs only: stages are the usual ones; the output goes into `build/<stem>` beside it."""
     found = config(folder, TABLE)
     assert found.problems == ()
     assert [given.paths for given in found.inputs] == [(folder / "tables" / "a.csv",)]
-    assert found.transform.stage == "alpha-swap"
-    assert [call.stage for call in found.emitters] == ["urdf"]
+    assert found.transform.stage is None
+    assert [call.stage for call in found.emitters] == [None]
     assert found.loaders == ()
-    assert found.execution.stage == "local"
+    assert found.execution.stage is None
     assert found.output == folder / "build" / "run"
     assert found.poses == 32
 
@@ -53,7 +53,7 @@ def test_empty_sections_are_defaults(folder: Path) -> None:
     """A section whose lines are all commented out is as if it were absent."""
     text = TABLE + "transform:\nemitters:\nloaders:\noutput:\nexecution:\nproof:\n"
     assert config(folder, text).problems == ()
-    assert [call.stage for call in config(folder, text).emitters] == ["urdf"]
+    assert [call.stage for call in config(folder, text).emitters] == [None]
 
 
 def test_every_section_is_read(folder: Path) -> None:
@@ -282,7 +282,8 @@ def test_a_setting_does_not_leak_through_an_alias(folder: Path) -> None:
         ("emitters.1.stage=x", "names the entry '1' of a list that has 1"),
         ("emitters.first.stage=x", "names the entry 'first' of a list"),
         ("loaders.0.stage=x", "a whole list can be given as [a, b]"),
-        ("emitters.0.stage.x=1", "looks for 'x' in the text 'urdf'"),
+        ("emitters.0.stage.x=1", "field 'emitters.0.stage': this cannot be a mapping"),
+        ("inputs.0.path.x=1", "looks for 'x' in the text"),
         ("transform.variant=paper", "the options of a stage stand under `options:`"),
         ("output.dirctory=x", "did you mean 'directory'?"),
         (".".join("transform" for _ in range(99)) + "=1", "a key of 99 names"),
@@ -323,7 +324,7 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
     text = (
         "inputs:\n  - {path: tables/nope.csv}\n  - {pth: x}\n"
         "transfrom: alpha-swap\n"
-        "emitters:\n  - {stage: urdf, profile: portable}\n  - {options: {}}\n  - 3\n  - [x]\n"
+        "emitters:\n  - {stage: urdf, profile: portable}\n  - {stage: [x]}\n  - 3\n  - [x]\n"
         "output: [build]\n"
         "proof: {poses: 0}\n"
     )

@@ -45,16 +45,18 @@ STAGES: dict[str, tuple[Any, ...]] = {
         Reader(name="csv", summary="s", read=nothing, options=DotOptions, suffixes=(".csv", ".tsv")),
         Reader(name="odd", summary="s", read=nothing, options=NoOptions),
     ),
-    "dh2urdf_transforms": (Transform(name="alpha-swap", summary="s", transform=nothing, options=DotOptions),),
+    "dh2urdf_transforms": (
+        Transform(name="alpha-swap", summary="s", transform=nothing, options=DotOptions, is_usual=True),
+    ),
     "dh2urdf_emitters": (
-        Emitter(name="urdf", summary="s", emit=nothing, options=NoOptions, suffixes=(".urdf",)),
+        Emitter(name="urdf", summary="s", emit=nothing, options=NoOptions, suffixes=(".urdf",), is_usual=True),
         Emitter(name="dot", summary="graphs", emit=nothing, options=DotOptions, suffixes=(".dot",)),
         Emitter(name="broken", summary="s", emit=nothing, options=Unresolvable, suffixes=()),
     ),
     "dh2urdf_loaders": (
         Loader(name="sim", summary="s", load=nothing, options=NoOptions, poses=nothing, picture=nothing),
     ),
-    "dh2urdf_executors": (Executor(name="local", summary="s", map=nothing, options=NoOptions),),
+    "dh2urdf_executors": (Executor(name="local", summary="s", map=nothing, options=NoOptions, is_usual=True),),
 }
 
 
@@ -141,7 +143,6 @@ def test_good_run_files_are_valid(schema: dict[str, Any], text: str) -> None:
         "{inputs: a, transform: {options: {rank: XX}}}",
         "{inputs: a, transform: {stage: alpha-swap, options: {rank: XX}}}",
         "{inputs: a, emitters: []}",
-        "{inputs: a, emitters: [{options: {}}]}",
         "{inputs: a, emitters: [{stage: urdf, options: {rank: LR}}]}",
         "{inputs: a, emitters: [{stage: dot, rank: LR}]}",
         "{inputs: a, emitters: {stage: dot, options: {paper: {sze: a4}}}}",

@@ -40,7 +40,7 @@ def test_a_folder_of_its_own(folder: Path, cli: Callable[..., Answer], workers: 
     """Resumed, nothing is made again; what a later run does not make is removed; the journal leaves nothing."""
     config = "inputs: [one.csv, two.csv]\noutput: {directory: out}\nreport: {directory: told}\n"
     answer = run(folder, cli, config, "--workers", workers)
-    assert f"written to {folder / 'out'}, what tells of the run to {folder / 'told'}" in answer.stdout
+    assert f"written to {folder / 'out'}, report and manifest to {folder / 'told'}" in answer.stdout
     assert names(folder / "out") == {"one.urdf", "two.urdf"}
     assert names(folder / "told") == TOLD
     made = (folder / "out" / "one.urdf").stat().st_mtime_ns

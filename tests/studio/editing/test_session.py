@@ -159,8 +159,8 @@ def test_the_paper_stands_beside_the_arm(session: Session) -> None:
     """Side by side, both robots have poses of their own, and the distance of their tool0 is told."""
     session.show_variant("both")
     assert {"tool0", "paper/tool0"} <= {node.name for node in session.drawing.nodes}
-    assert session.paper_error is not None
-    distance, angle = session.paper_error
+    assert session.other_error is not None
+    distance, angle = session.other_error
     assert distance == pytest.approx(1.40983, abs=1e-4)
     assert angle == pytest.approx(math.pi / 2)
 
@@ -169,7 +169,7 @@ def test_where_the_paper_refuses_the_arm_is_shown(catalog: Catalog) -> None:
     """The modified convention is none of the paper's: it says so, and the exact arm stays."""
     session = Session(catalog, gallery.exhibit("panda.yaml", catalog))
     session.show_variant("paper")
-    assert session.paper_error is None
+    assert session.other_error is None
     assert "standard convention only" in (session.arm.refusal[0].text if session.arm else "")
     assert "tool0" in {node.name for node in session.drawing.nodes}
 

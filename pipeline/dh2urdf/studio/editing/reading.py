@@ -17,6 +17,7 @@ from dh2urdf.conversion.one_manipulator import make_robot, read_items
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import Call, default_call
+from dh2urdf.plugin_system.option_types import choices, type_hints
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
 
-READER = "csv"
-"""The format in which a table is read while it is typed: the one that tells where each text stands."""
-TRANSFORM = "alpha-swap"
 _OF_THE_TABLE = ("name", "convention", "units", "base", "tool", "payload", "defaults")
 _TEXTS = ("message", "accepted", "suggestion")
 
@@ -97,7 +95,7 @@ def read(table: TableText, catalog: Catalog) -> Reading:
 
 def read_whole(table: TableText, catalog: Catalog) -> Reading:
     """What the reader says of all rows of a table."""
-    reader = catalog.get("reader", READER)
+    reader = catalog.cell_reader()
     if blank := [number for number, row in enumerate(table.rows) if not row]:
         return Reading(table=table, problems=tuple(map(_blank, blank)))
     written = in_format([table], default_call(catalog, reader))
@@ -182,7 +180,7 @@ class Made:
 
 def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Catalog) -> Made:
     """The robot of a manipulator as a variant of the transform makes it."""
-    reader = catalog.get("reader", READER)
+    reader = catalog.cell_reader()
     try:
         robot = make_robot(manipulator, transform_call(catalog, variant))
     except ManipulatorError as error:
@@ -190,8 +188,20 @@ def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Cata
     return Made(robot=robot)
 
 
+def variants(catalog: Catalog) -> tuple[str, ...]:
+    """The variants of the usual transform that are shown side by side, the usual one first; one where it has no two."""
+    stage = catalog.usual("transform")
+    names = choices(type_hints(stage.options)[stage.compared]) if stage.compared else []
+    return tuple(names[:2]) or (stage.name,)
+
+
+def variant_options(stage: Transform[Any], variant: str) -> dict[str, str]:
+    """The options of the usual transform that make a variant."""
+    return {stage.compared: variant} if stage.compared else {}
+
+
 def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:
     """The transform with a variant, as the command line would call it."""
-    stage = catalog.get("transform", TRANSFORM)
-    options = make_options(stage.options, {"variant": variant}, where=f"transform {stage.name!r}")
+    stage = catalog.usual("transform")
+    options = make_options(stage.options, variant_options(stage, variant), where=f"transform {stage.name!r}")
     return Call(stage=stage, options=options, plugin=catalog.plugin_of(stage))

@@ -24,7 +24,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import Call, default_call
 from dh2urdf.stages import Emitter
-from dh2urdf.studio.editing.reading import READER, transform_call
+from dh2urdf.studio.editing.reading import transform_call, variant_options
 from dh2urdf.table_text import yaml_word
 
 if TYPE_CHECKING:
@@ -141,10 +141,12 @@ def all_files(table: TableText, variant: str, catalog: Catalog) -> tuple[Saved, 
 
 def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:
     """A run file that does with the saved table what the studio does."""
-    saved = table_file(table, READER, catalog)
+    saved = table_file(table, catalog.cell_reader().name, catalog)
+    transform = catalog.usual("transform")
+    options = ", ".join(f"{name}: {word}" for name, word in variant_options(transform, variant).items())
     lines = [
         f"inputs: {yaml_word(saved.name)}",
-        f"transform: {{stage: alpha-swap, options: {{variant: {variant}}}}}",
+        f"transform: {{stage: {transform.name}, options: {{{options}}}}}",
         "emitters:",
         *(f"  - {{stage: {name}}}" for name in robot_formats(catalog)),
         f"output: {{directory: {yaml_word('build/' + Path(saved.name).stem)}}}",
@@ -167,10 +169,10 @@ def zipped(files: Sequence[Saved]) -> bytes:
 
 def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog) -> list[Saved]:
     """The files of some emitters, made as `dh2urdf convert` makes them of the saved table."""
-    reader = default_call(catalog, catalog.get("reader", READER))
+    reader = default_call(catalog, catalog.cell_reader())
     recipe = Recipe(transform=transform_call(catalog, variant), emitters=tuple(emitters), poses=POSES)
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
-        saved = table_file(table, READER, catalog)
+        saved = table_file(table, reader.stage.name, catalog)
         path = Path(folder) / saved.name
         path.write_bytes(saved.content)
         (manipulator,) = read_items(reader, path)

@@ -6,7 +6,7 @@ It knows no browser. Whatever a person does is a method; the page shows what the
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import (
     KinematicChain,
@@ -24,7 +24,7 @@ from dh2urdf.studio.drawing.motions import moving_frame
 from dh2urdf.studio.drawing.scene import FRAME_SIZE, PAPER, Drawing, Figure, extent
 from dh2urdf.studio.editing import conversions, edits
 from dh2urdf.studio.editing.history import History
-from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read
+from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read, variants
 from dh2urdf.table_text import FIELDS, TableText
 
 if TYPE_CHECKING:
@@ -34,11 +34,10 @@ if TYPE_CHECKING:
     from dh2urdf.studio.drawing.strokes import Stroke
     from dh2urdf.studio.joints import Slider
 
-Variant = Literal["exact", "paper", "both"]
-VARIANTS: tuple[Variant, ...] = ("exact", "paper", "both")
+BOTH = "both"
+"""The choice of both variants, side by side."""
 COLUMNS = ("joint", "type", "a", "alpha", "d", "theta", "lower", "upper")
 """The columns of the paper's form, and limits; others are shown where the table uses them, or on request."""
-_BESIDE = "paper/"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,14 +48,14 @@ class OpenArm:
         table: the table.
         manipulator: what a reader makes of it.
         robot: the robot of the exact variant.
-        paper: the robot of the paper's variant; None where that refuses the table.
+        other: the robot of the other variant; None where there is none, or it refuses the table.
         refusal: why it does.
     """
 
     table: TableText
     manipulator: Manipulator
     robot: Robot
-    paper: Robot | None
+    other: Robot | None
     refusal: tuple[CellProblem, ...] = ()
 
 
@@ -71,7 +70,8 @@ class Session:
         drawing: it, as it is drawn.
         sliders: its moving joints.
         q: their values by name [rad or m].
-        variant: which variant is shown.
+        variants: the variants of the transform, the usual one first.
+        variant: which variant is shown, or `BOTH`.
         layers: what is shown.
         row: number of the row that is picked, counted from 0; None where none is.
         all_columns: whether columns are shown that are empty.
@@ -86,7 +86,8 @@ class Session:
         self.drawing = Drawing()
         self.sliders: tuple[Slider, ...] = ()
         self.q: dict[str, float] = {}
-        self.variant: Variant = "exact"
+        self.variants = variants(catalog)
+        self.variant = self.variants[0]
         self.layers: frozenset[str] = frozenset(("links", "axes", "frames"))
         self.row: int | None = None
         self.all_columns = False
@@ -190,8 +191,8 @@ class Session:
 
     # --- The arm ------------------------------------------------------------------------------------------------------
 
-    def show_variant(self, variant: Variant) -> None:
-        """The exact arm, the paper's, or both side by side."""
+    def show_variant(self, variant: str) -> None:
+        """The arm of a variant, or of both side by side."""
         self.variant = variant
         self._draw()
 
@@ -240,12 +241,12 @@ class Session:
         return reach(self.arm.manipulator) + sum(travel, 0.0)
 
     @property
-    def paper_error(self) -> tuple[float, float] | None:
-        """How far the paper's tool0 is from the arm's: a distance [m] and an angle [rad]; None where there is none."""
-        if self.arm is None or self.arm.paper is None or (pose := self.pose) is None:
+    def other_error(self) -> tuple[float, float] | None:
+        """How far the other variant's tool0 is from the arm's [m, rad]; None where there is none."""
+        if self.arm is None or self.arm.other is None or (pose := self.pose) is None:
             return None
-        chain = KinematicChain.between(self.arm.paper)
-        values = [self.q.get(joint.name, 0.0) for joint in self.arm.paper.moving_joints]
+        chain = KinematicChain.between(self.arm.other)
+        values = [self.q.get(joint.name, 0.0) for joint in self.arm.other.moving_joints]
         found = chain.forward_kinematics(values)
         return position_error(pose, found), angle_error(pose, found)
 
@@ -273,17 +274,16 @@ class Session:
         manipulator = reading.manipulator
         if manipulator is None:
             return False
-        made = make(manipulator, "exact", reading.table, self.catalog)
+        made, *others = (make(manipulator, each, reading.table, self.catalog) for each in self.variants)
         if made.robot is None:
             self.problems_of_making = made.problems
             return False
-        paper = make(manipulator, "paper", reading.table, self.catalog)
         self.arm = OpenArm(
             table=reading.table,
             manipulator=manipulator,
             robot=made.robot,
-            paper=paper.robot,
-            refusal=paper.problems,
+            other=others[0].robot if others else None,
+            refusal=others[0].problems if others else (),
         )
         self._draw()
         return True
@@ -294,21 +294,21 @@ class Session:
             return
         arm, variant = self.arm, self.variant
         figures = []
-        if variant != "paper" or arm.paper is None:
-            title = "the arm" if variant == "both" and arm.paper else ""
+        if variant in (BOTH, self.variants[0]) or arm.other is None:
+            title = "the arm" if variant == BOTH and arm.other else ""
             figures.append(Figure(robot=arm.robot, manipulator=arm.manipulator, typed=arm.table, title=title))
-        if variant == "paper" and arm.paper is not None:
-            figures.append(Figure(robot=arm.paper, tint=PAPER, link_frames=False))
-        if variant == "both" and arm.paper is not None:
-            aside = 0.6 * max(extent(arm.robot), extent(arm.paper))
+        elif variant == self.variants[-1]:
+            figures.append(Figure(robot=arm.other, tint=PAPER, link_frames=False))
+        if variant == BOTH and arm.other is not None:
+            aside = 0.6 * max(extent(arm.robot), extent(arm.other))
             place = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0))
             figures.append(
                 Figure(
-                    robot=arm.paper,
-                    name=_BESIDE,
+                    robot=arm.other,
+                    name=f"{self.variants[-1]}/",
                     place=place,
                     tint=PAPER,
-                    title="as the paper has it",
+                    title=self.variants[-1],
                     link_frames=False,
                 )
             )
@@ -319,4 +319,5 @@ class Session:
 
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""
-        return {**self.q, **{_BESIDE + name: value for name, value in self.q.items()}}
+        beside = f"{self.variants[-1]}/"
+        return {**self.q, **{beside + name: value for name, value in self.q.items()}}

@@ -146,15 +146,27 @@ def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
     return serialise(library)
 
 
+def arms_of(robot: Robot) -> list[tuple[str, Robot]]:
+    """The arms of a robot with their prefixes: those of a cell, or the robot itself."""
+    return [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
+
+
+def positions_argument(prefix: str) -> str:
+    """The argument that names the file of an arm's initial positions."""
+    return f"{prefix}initial_positions_file"
+
+
 def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Options) -> bytes:
     """The file to open: a robot of its own arguments, or the arms of a cell where they are."""
     notation = XacroNotation()
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     controlled = options.controlled
     files = {} if robot.arms else kinds[0].files
-    positions = {"initial_positions_file": "initial_positions.yaml"} if controlled and not robot.arms else {}
     placement = {} if robot.arms else PLACEMENT
-    defaults = {name: kinds[0].default(package, file) for name, file in {**files, **positions}.items()}
+    defaults = {name: kinds[0].default(package, file) for name, file in files.items()}
+    for prefix, alone in arms_of(robot) if controlled else ():
+        kind = next(each for each in kinds if each.robot is alone)
+        defaults[positions_argument(prefix)] = kind.default(package, "initial_positions.yaml")
     hardware = {"hardware": PLUGINS[options.hardware]} if controlled else {}
     append_arguments(top, {**placement, **defaults, **hardware})
     for kind in kinds:
@@ -187,7 +199,9 @@ def _append_arm(top: etree._Element, arm: Arm, kind: Kind, notation: XacroNotati
     origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
     etree.SubElement(call, "origin", origin)
     if controlled:
-        append_element(top, f"{kind.macro}_ros2_control", prefix=prefix, plugin="$(arg hardware)")
+        positions = f"$(arg {positions_argument(arm.prefix)})"
+        words = {"prefix": prefix, "plugin": "$(arg hardware)", "initial_positions_file": positions}
+        append_element(top, f"{kind.macro}_ros2_control", **words)
 
 
 def _append_gazebo(top: etree._Element, package: str) -> None:

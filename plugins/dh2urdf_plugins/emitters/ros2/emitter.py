@@ -8,12 +8,20 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import copy_name, read_mesh
-from dh2urdf.robot import Collision, Mesh, Visual
+from dh2urdf.robot import Collision, Joint, Link, Mesh, Origin, Visual
+from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.profiles import PROFILES, adapted, notices_of
-from dh2urdf_plugins.emitters.ros2.description_xacro import Kind, control_file, macro_file, top_file
+from dh2urdf_plugins.emitters.ros2.description_xacro import (
+    Kind,
+    arms_of,
+    control_file,
+    macro_file,
+    top_file,
+)
 from dh2urdf_plugins.emitters.ros2.moveit_package import moveit_name, moveit_notices, moveit_package
 from dh2urdf_plugins.emitters.ros2.names import check_names, package_stem, proposed_name, robot_name
 from dh2urdf_plugins.emitters.ros2.options import Ros2Options
@@ -44,9 +52,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.robot import Link, Robot
+    from dh2urdf.robot import Robot
     from dh2urdf.stages import Expansion, Inspection
 
+BASE = "base"
 _VERSION = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
 
 
@@ -65,7 +74,7 @@ def emit(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ..
     check_names(robot)
     package = f"{name}_description"
     copies: dict[str, bytes] = {}
-    robot = _with_meshes(adapted(robot, PROFILES["ros"]), package, copies)
+    robot = _with_meshes(adapted(_with_base(robot), PROFILES["ros"]), package, copies)
     kinds = _kinds(robot, name)
     contents = dict(_description(robot, kinds, name, package, options))
     contents.update(sorted(copies.items()))
@@ -128,6 +137,27 @@ def _description(
     yield "CHANGELOG.rst", changelog(package, options.version)
     if options.license:
         yield "LICENSE", license_file(options)
+
+
+# --- The frame of the controller --------------------------------------------------------------------------------------
+
+
+def _with_base(robot: Robot) -> Robot:
+    """A robot with the frame `base` of REP 199, where the base of its table is somewhere else than base_link.
+
+    Of a cell, each arm has it. A robot that has a link of this name keeps that.
+    """
+    kinds = {id(arm.kind): _with_base(arm.kind) for arm in robot.arms}
+    links, joints = list(robot.links), list(robot.joints)
+    for prefix, kind in arms_of(robot):
+        table, names = kind.manipulator, {link.name for link in kind.links}
+        if table is not None and table.base != IDENTITY and BASE not in names:
+            origin = Origin(xyz=table.base.translation, rpy=table.base.rpy)
+            joint, child, parent = (prefix + name for name in (f"{kind.root}-{BASE}", BASE, kind.root))
+            joints.append(Joint(name=joint, type=JointType.FIXED, parent=parent, child=child, origin=origin))
+            links.append(Link(name=child))
+    arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)
+    return replace(robot, links=tuple(links), joints=tuple(joints), arms=arms)
 
 
 # --- Meshes -----------------------------------------------------------------------------------------------------------

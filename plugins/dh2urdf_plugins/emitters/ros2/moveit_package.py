@@ -11,6 +11,7 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.source import Problem
+from dh2urdf_plugins.emitters.ros2.description_xacro import arms_of, positions_argument
 from dh2urdf_plugins.emitters.ros2.moveit_yaml import (
     SPEED_UP,
     cartesian_limits,
@@ -114,10 +115,14 @@ def moveit_notices(robot: Robot, options: Ros2Options) -> Iterator[Problem]:
     for group in groups(robot, options.group):
         if reaches_positions_only(group):
             yield Problem(
-                message=f"the group {group.name!r} has {len(group.joints)} joints: MoveIt finds positions for it, and "
-                "leaves orientations free",
+                message=f"the group {group.name!r} has {_joints(len(group.joints))}: MoveIt finds positions for it, "
+                "and leaves orientations free",
                 severity="notice",
             )
+
+
+def _joints(count: int) -> str:
+    return f"{count} joint{'' if count == 1 else 's'}"
 
 
 def _launches(robot: Robot, options: Ros2Options) -> Iterator[str]:
@@ -141,8 +146,8 @@ def _config(
     yield "config/moveit_controllers.yaml", moveit_controllers(arms)
     if options.controlled:
         yield "config/ros2_controllers.yaml", controllers(arms)
-        if not robot.arms:
-            yield "config/initial_positions.yaml", initial_positions(robot)
+        for prefix, arm in arms_of(robot):
+            yield f"config/{prefix}initial_positions.yaml", initial_positions(arm)
     yield "config/pilz_cartesian_limits.yaml", cartesian_limits()
     yield "config/moveit.rviz", planning_view(robot)
 
@@ -152,8 +157,8 @@ def _description(robot: Robot, name: str, package: str, description: str, option
     top = etree.Element("robot", name=XacroNotation().text(robot.name), nsmap={"xacro": NAMESPACE})
     if options.controlled:
         append_element(top, "arg", name="hardware", default=PLUGINS["mock"])
-        if not robot.arms:
-            place = f"$(find {package})/config/initial_positions.yaml"
-            append_element(top, "arg", name="initial_positions_file", default=place)
+        for prefix, _ in arms_of(robot):
+            place = f"$(find {package})/config/{prefix}initial_positions.yaml"
+            append_element(top, "arg", name=positions_argument(prefix), default=place)
     append_element(top, "include", filename=f"$(find {description})/urdf/{name}.urdf.xacro")
     return serialise(top)

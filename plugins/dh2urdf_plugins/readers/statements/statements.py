@@ -35,30 +35,30 @@ OPTIONS = "an option"
 """What marks name as the file of an option."""
 
 
+def _flag(value: str, text: str) -> Any:  # noqa: ANN401 - what dataclasses take for a default
+    return field(default=None, metadata={"flag": value, "help": text})
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableOptions:
     """What a table does not say itself; what it does say must not contradict it."""
 
-    convention: str | None = field(
-        default=None, metadata={"help": "standard (classic, distal) or modified (Craig, proximal)"}
+    convention: str | None = _flag("C", "standard (classic, distal) or modified (Craig, proximal)")
+    length_unit: str | None = _flag("UNIT", "unit of lengths: m, cm, mm, in …; m by default")
+    angle_unit: str | None = _flag("UNIT", "unit of angles: rad or deg; rad by default")
+    units: str | dict[str, Any] | list[Any] | None = _flag(
+        "YAML", "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}"
     )
-    length_unit: str | None = field(default=None, metadata={"help": "unit of lengths: m, cm, mm, in …; m by default"})
-    angle_unit: str | None = field(default=None, metadata={"help": "unit of angles: rad or deg; rad by default"})
-    units: str | dict[str, Any] | list[Any] | None = field(
-        default=None, metadata={"help": "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}"}
+    base: str | dict[str, Any] | list[Any] | None = _flag(
+        "YAML", "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}"
     )
-    base: str | dict[str, Any] | list[Any] | None = field(
-        default=None, metadata={"help": "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}"}
+    tool: str | dict[str, Any] | list[Any] | None = _flag(
+        "YAML", "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"
     )
-    tool: str | dict[str, Any] | list[Any] | None = field(
-        default=None, metadata={"help": "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"}
+    payload: str | dict[str, Any] | None = _flag(
+        "YAML", "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"
     )
-    payload: str | dict[str, Any] | None = field(
-        default=None, metadata={"help": "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"}
-    )
-    calibration: Path | None = field(
-        default=None, metadata={"help": "differences that are added to the rows: a calibration.conf, or a table"}
-    )
+    calibration: Path | None = _flag("FILE", "differences that are added to the rows: a calibration.conf, or a table")
     mesh_links: bool = field(
         default=False,
         metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,8 +12,10 @@ import pytest
 import yaml
 from lxml import etree
 
+import dh2urdf
 from dh2urdf.errors import ConfigError, EmitterError
 from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages import Expansion
 from dh2urdf.testing.oracle import robot_pose
 from dh2urdf_plugins.emitters.ros2.emitter import EMITTER
@@ -19,6 +23,8 @@ from dh2urdf_plugins.emitters.ros2.options import Ros2Options
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF, UrdfOptions
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
+from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,6 +32,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
 
+CONFIGS = Path(__file__).parents[4] / "configs"
 TABLES = ["ur5.csv", "panda.yaml", "scara.csv", "stanford.csv"]
 
 
@@ -101,6 +108,50 @@ def test_tool0_is_where_the_table_has_it_with_a_prefix_and_on_a_parent(package: 
     check_poses(found, manipulator, numbers_of(manipulator), "left_")
     mounted = np.array(robot_pose(found, [], "table", "left_base_link"))
     assert np.allclose(mounted, [[math.cos(0.5), -math.sin(0.5), 0, 1], [math.sin(0.5), math.cos(0.5), 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])  # fmt: skip
+
+
+@pytest.mark.parametrize("frames", ["dh", "aligned"])
+def test_the_controller_s_frame_is_where_the_base_of_the_table_is(frames: str, tmp_path: Path) -> None:
+    """REP 199: a fixed link without a shape, with the prefix; tool0 stays where it was. Without a base there is none."""
+    base = RigidTransform.from_xyz_rpy((0.1, -0.2, 0.3), (0.4, -0.5, math.pi))
+    plain = dh2urdf.read(CONFIGS / "tables" / "ur5.csv")
+    for manipulator in (plain, replace(plain, base=base)):
+        arm = replace(alpha_swap(manipulator, AlphaSwapOptions(frames=frames)), manipulator=manipulator)
+        for file in EMITTER.emit(arm, "arm", Ros2Options()):
+            path = tmp_path / file.name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(file.content)
+        top = tmp_path / "arm_description" / "urdf" / "arm.urdf.xacro"
+        found = read_foreign_xacro(top, Expansion(arguments={"prefix": "left_"}))
+        frame = [link for link in found.links if link.name == "left_base"]
+        assert [(link.visuals, link.collisions, link.inertial) for link in frame] == [((), (), None)] * (
+            manipulator is not plain
+        )
+        check_poses(found, manipulator, numbers_of(manipulator), "left_")
+    (joint,) = [joint for joint in found.joints if joint.child == "left_base"]
+    assert (joint.name, joint.type, joint.parent) == ("left_base_link-base", JointType.FIXED, "left_base_link")
+    pose = np.array(robot_pose(found, [0.0] * 6, "left_base_link", "left_base"))
+    assert np.abs(pose - matrix(base)).max() < 1e-15
+
+
+def test_each_arm_of_a_cell_has_the_frame_of_its_controller(cli: Any, tmp_path: Path) -> None:
+    """With its prefix, where its table has a base; a link of this name that a table has stays what it is."""
+    (tmp_path / "named.csv").write_text(
+        "# convention: standard\n# base: {xyz: [0, 0, 1]}\njoint,link,a,alpha,d,lower,upper,velocity,effort\n"
+        "turn,base,0.4,0,0.1,-1,1,1,10\n"
+    )
+    (tmp_path / "run.yaml").write_text(
+        f"inputs: [{CONFIGS}/tables/ur5.csv, {CONFIGS}/tables/track.csv, named.csv]\n"
+        "cells:\n  - name: lab\n    arms:\n      - {name: left, of: track}\n      - {name: right, of: track, xyz: [1, 0, 0]}\n"
+        "      - {name: rider, of: ur5, parent: left/tool0}\n      - {name: own, of: named, xyz: [2, 0, 0]}\n"
+        "emitters: [{stage: ros2, options: {license: MIT, maintainer: A, email: a@b.org}}]\n"
+    )
+    cli("run", tmp_path / "run.yaml", "-o", tmp_path / "out")
+    found = read_foreign_xacro(tmp_path / "out" / "lab_description" / "urdf" / "lab.urdf.xacro")
+    frames = {joint.child: joint.name for joint in found.joints if joint.child.endswith("_base")}
+    assert frames == {"left_base": "left_base_link-base", "right_base": "right_base_link-base", "own_base": "own_turn"}
+    pose = np.array(robot_pose(found, [0.0] * 9, "right_base_link", "right_base"))
+    assert np.abs(pose - matrix(dh2urdf.read(CONFIGS / "tables" / "track.csv").base)).max() < 1e-15
 
 
 @pytest.mark.parametrize("table", TABLES)

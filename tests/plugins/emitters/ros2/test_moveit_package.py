@@ -217,6 +217,19 @@ def test_a_cell_has_a_group_and_a_controller_for_each_arm(workshop: Path) -> Non
     assert not (workshop / "launch" / "static_virtual_joint_tfs.launch.py").exists()
 
 
+def test_each_arm_of_a_cell_starts_where_its_file_says(workshop: Path) -> None:
+    """Two arms of one kind have a file each: what one of them says moves that arm, and no other."""
+    path = workshop / "config" / "r_initial_positions.yaml"
+    assert (workshop / "config" / "f_initial_positions.yaml").read_bytes() == path.read_bytes()
+    path.write_text(path.read_text().replace("elbow_joint: 0.0", "elbow_joint: 1.25"))
+    started = {
+        joint.get("name"): joint.findtext("state_interface/param")
+        for joint in expanded(workshop).iterfind("ros2_control/joint")
+    }
+    assert started["r_elbow_joint"] == "1.25"
+    assert started["f_elbow_joint"] == "0.0"
+
+
 def test_the_group_has_the_name_that_is_given(package: Any) -> None:
     """In the SRDF and among the solvers."""
     folder = moveit_folder(package("scara.csv", "aligned", replace(OPTIONS, group="arm"))[0])

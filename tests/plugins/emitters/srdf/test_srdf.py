@@ -121,6 +121,26 @@ class TestOneArm:
         assert EMITTER.emit(robot_of("ur5.csv"), "arm", OPTIONS) == EMITTER.emit(robot_of("ur5.csv"), "arm", OPTIONS)
 
 
+def test_what_an_arm_holds_is_an_end_effector(cli: Cli, tmp_path: Path) -> None:
+    """A gripper at a flange or a tool, of fewer joints; neither an arm on a track, nor what stands on the floor."""
+    (tmp_path / "gripper.csv").write_text(
+        "# convention: standard\njoint,type,a,alpha,d,lower,upper,velocity,effort\njaw,prismatic,0,0,0.02,0,0.05,0.1,20\n"
+    )
+    held = (
+        "      - {name: hand, of: gripper, parent: fixed/flange}\n      - {name: shelf, of: gripper, xyz: [2, 0, 0]}\n"
+    )
+    text = CELL.replace(f"{TABLES}/track.csv", f"{TABLES}/track.csv, gripper.csv").replace(
+        "emitters:", held + "emitters:"
+    )
+    (tmp_path / "run.yaml").write_text(text)
+    cli("run", tmp_path / "run.yaml", "-o", tmp_path / "out")
+    out = tmp_path / "out"
+    semantic, _ = checked((out / "workshop.srdf").read_bytes(), (out / "workshop.urdf").read_bytes())
+    assert [dict(each.attrib) for each in semantic.findall("end_effector")] == [
+        {"name": "hand", "parent_link": "f_flange", "group": "hand_manipulator", "parent_group": "f_manipulator"}
+    ]
+
+
 def test_a_cell_has_a_group_for_each_arm_and_one_of_all(cli: Cli, tmp_path: Path) -> None:
     """Its root is world, so nothing is held by it; chains go over the arm's own joints."""
     (tmp_path / "run.yaml").write_text(CELL)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.findings import numbers_of, said
+from dh2urdf.cli.printing.findings import numbers_of, said
 from dh2urdf.report.answers.several_findings import by_rule, in_files
 from dh2urdf.source import printable
 from dh2urdf.stages import PACKAGE_FILE, SEVERITIES

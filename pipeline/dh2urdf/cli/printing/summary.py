@@ -70,7 +70,7 @@ def print_summary(result: Result, report: RunReport, where: str, reports: str, *
     if told := result.leftovers.told:
         console.print(told)
     if not dry_run:
-        beside = "" if reports == where else f", what tells of the run to {reports}"
+        beside = "" if reports == where else f", report and manifest to {reports}"
         console.print(f"written to {where}{beside}", markup=False, soft_wrap=True)
 
 

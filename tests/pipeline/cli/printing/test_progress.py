@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.cli.progress import progress
+from dh2urdf.cli.printing.progress import progress
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.source import Mark, Problem
 from dh2urdf.tasks.batch_report import BatchReport
@@ -65,8 +65,8 @@ class TestInALog:
     def test_plain_lines(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
         """How many are made, of how many, how many failed, how fast, and how long it will take."""
         clock = iter([0.0, 2.0, 4.0])
-        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
-        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.time.monotonic", lambda: next(clock))
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.LINE_EVERY", 0.0)
         assert said(batch(ok=1000), batch(ok=1990, kept=1000, failed=10), total=1_004_000) == [
             "1,000 of about 1,004,000 manipulators, 0 failed, 500/s, 33:26 left",
             "4,000 of about 1,004,000 manipulators, 10 failed, 1,000/s, 16:40 left",
@@ -75,8 +75,8 @@ class TestInALog:
     def test_hours(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
         """A long time is told in hours."""
         clock = iter([0.0, 10.0])
-        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
-        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.time.monotonic", lambda: next(clock))
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.LINE_EVERY", 0.0)
         (line,) = said(batch(ok=100), total=100_000)
         assert line.endswith(", 10/s, 2:46:30 left")
 
@@ -85,14 +85,14 @@ class TestInALog:
     ) -> None:
         """Where the end cannot be seen, there is no time that remains."""
         clock = iter([0.0, 1.0])
-        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
-        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.time.monotonic", lambda: next(clock))
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.LINE_EVERY", 0.0)
         assert said(batch(ok=7)) == ["7 manipulators, 0 failed, 7/s"]
 
     def test_a_line_now_and_then(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
         """A log of a million manipulators is read by people."""
         clock = iter([0.0, *(float(second) for second in range(1, 31))])
-        monkeypatch.setattr("dh2urdf.cli.progress.time.monotonic", lambda: next(clock))
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.time.monotonic", lambda: next(clock))
         lines = said(*[batch(ok=10)] * 30)
         assert [line.split()[0] for line in lines] == ["100", "200", "300"]
 
@@ -132,7 +132,7 @@ class TestWhatIsNoticedAndFails:
 
     def test_quiet_says_only_what_fails(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
         """No notice, no line."""
-        monkeypatch.setattr("dh2urdf.cli.progress.LINE_EVERY", 0.0)
+        monkeypatch.setattr("dh2urdf.cli.printing.progress.LINE_EVERY", 0.0)
         found = said(batch(problem("odd", "notice"), problem("bad"), ok=5, failed=1), quiet=True, total=9)
         assert found == ["arms.csv:3: error: bad"]
 

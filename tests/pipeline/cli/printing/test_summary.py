@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.cli.summary import MANY, MOST_ROWS, print_summary
+from dh2urdf.cli.printing.summary import MANY, MOST_ROWS, print_summary
 from dh2urdf.conversion.one_manipulator import Written
 from dh2urdf.conversion.outcome import Outcome, Verdict
 from dh2urdf.kinematics.proof import Proof

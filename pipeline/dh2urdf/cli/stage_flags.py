@@ -1,0 +1,109 @@
+"""Options of stages as flags of a command: what the metadata of an options dataclass call a flag."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import nullcontext
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from dh2urdf.cli.answers import kept_apart
+from dh2urdf.cli.leaving_out import loaded
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from dh2urdf.stages import Kind
+
+_BETWEEN = "__"
+_ASKS_ALL = f"{__name__}.asks_all"
+_WORDS = f"{__name__}.words"
+_LAST = "settings"
+"""The parameter of `--set`: flags of stages stand before it, as it is what all other options take."""
+
+
+class _Flag(NamedTuple):
+    kind: Kind
+    name: str
+    metavar: str
+    help: str
+
+    def option(self) -> click.Option:
+        words = [f"--{self.name.replace('_', '-')}", f"{self.kind}{_BETWEEN}{self.name}"]
+        first = self.help[:1] if self.help[1:2] == " " else self.help[:1].upper()  # d is no D
+        text = f"{first}{self.help[1:]}."
+        return click.Option(words, metavar=self.metavar, help=text)
+
+
+class StageCommand(click.Command):
+    """A command that has flags for options of the stages of some kinds.
+
+    An option becomes a flag where its metadata have ``flag``, the word for its value in the help, and ``commands``, if
+    they have that, name the command. Flags of the built-in stages are known at once; the plugins are imported for
+    theirs where the command line has another flag, and for the help.
+
+    Args:
+        kinds: the kinds of stages. Of an option that several have, the flag is that of the first.
+        which: the stages of these kinds that the command may call.
+    """
+
+    def __init__(
+        self,
+        *args: Any,  # noqa: ANN401 - click's
+        kinds: Sequence[Kind],
+        which: Callable[[Any], bool] = bool,
+        **others: Any,  # noqa: ANN401
+    ) -> None:
+        super().__init__(*args, **others)
+        self.kinds, self.which = tuple(kinds), which
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """The command's own parameters, with the flags of stages before the other options."""
+        own = super().get_params(ctx)
+        known = {word for parameter in own for word in parameter.opts}
+        options = [flag.option() for flag in self._flags(ctx)]
+        new = [option for option in options if not known.intersection(option.opts)]
+        at = next((index for index, parameter in enumerate(own) if parameter.name == _LAST), len(own))
+        return [*own[:at], *new, *own[at:]]
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the command line; where it has a flag that no built-in stage has, again with those of the plugins."""
+        ctx.meta[_WORDS] = tuple(args)
+        try:
+            return super().parse_args(ctx, list(args))
+        except click.NoSuchOption:
+            if ctx.meta.get(_ASKS_ALL):
+                raise
+            ctx.meta[_ASKS_ALL] = True
+            return super().parse_args(ctx, args)
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options of the help, with the flags of all plugins."""
+        ctx.meta[_ASKS_ALL] = True
+        super().format_options(ctx, formatter)
+
+    def _flags(self, ctx: click.Context) -> list[_Flag]:
+        """The flags, each once."""
+        installed, flags = loaded(ctx, ctx.meta.get(_WORDS, ())), dict[str, _Flag]()
+        with kept_apart() if ctx.meta.get(_ASKS_ALL) and None not in (sys.stdout, sys.stderr) else nullcontext():
+            for kind in self.kinds:
+                for item in installed.provided(kind) if ctx.meta.get(_ASKS_ALL) else installed.builtin(kind):
+                    is_asked = is_dataclass(item.stage.options) and self.which(item.stage)
+                    for field in fields(item.stage.options) if is_asked else ():
+                        data = field.metadata
+                        if "flag" in data and self.name in data.get("commands", (self.name,)):
+                            flag = _Flag(kind, field.name, str(data["flag"]), str(data.get("help", "")))
+                            flags.setdefault(field.name, flag)
+        return list(flags.values())
+
+
+def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:
+    """The options that flags of stages have given, by kind of stage."""
+    given: dict[str, dict[str, str | None]] = {}
+    for key, value in flags.items():
+        kind, between, name = key.partition(_BETWEEN)
+        if between:
+            given.setdefault(kind, {})[name] = value
+    return given

@@ -570,9 +570,14 @@ def test_masses_in_cells_are_read_as_they_stand(read: Callable[..., Outcome]) ->
 
 @pytest.mark.parametrize("name", [line[0] for line in TABLES["headers"]])
 def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[..., Outcome]) -> None:
-    """Accepted without a word, beside the fields that it cannot be without."""
+    """Accepted without a word, beside the fields that it cannot be without; six parameters with a notice."""
     examples = {line[0]: one_code(line[2]) for line in TABLES["headers"]}
     cells = {"convention": "standard", "a": "0.3", "alpha": "0", "d": "0", name: examples[name]}
+    if name in ("beta", "gamma", "b"):
+        cells |= {"convention": "modified", "gamma": examples["gamma"]}
+        (notice,) = read(table_of(",".join(cells), ",".join(cells.values()), "")).notices
+        assert "beta, gamma and b are part of the base" in notice
+        return
     for group in (("lower", "upper"), fields.COM, ("mass", *fields.INERTIA), ("mass", "inertia")):
         if name in group and name != "mass":
             cells |= {other: examples[other] for other in group}

@@ -99,7 +99,7 @@ def _with_bodies(given: Manipulator, table: Manipulator) -> Manipulator:
     """The table with what its links carry where the given one has it, in its own frames."""
     old = dict(zip([row.joint for row in given.rows], _frames(given), strict=True))
     rows = [
-        _moved(row, frame.inverse @ old[row.joint]) if row.joint in old else row
+        with_moved_body(row, frame.inverse @ old[row.joint]) if row.joint in old else row
         for row, frame in zip(table.rows, _frames(table), strict=True)
     ]
     back = table.base.inverse @ given.base
@@ -115,7 +115,8 @@ def _frames(table: Manipulator) -> Sequence[RigidTransform]:
     return dh_frames(table, (0.0,) * len(table.moving_rows))[1:]
 
 
-def _moved(row: DHRow, by: RigidTransform) -> DHRow:
+def with_moved_body(row: DHRow, by: RigidTransform) -> DHRow:
+    """A row with what its link carries in another frame, from which `by` leads to the frame that it is given in."""
     return replace(
         row,
         com=None if row.com is None else add(by.translation, rotate(by.rotation, row.com)),

@@ -222,7 +222,7 @@ REFUSED = [
     *((header, "3", "the ratio of a gear") for header in ("gear ratio", "G", "Übersetzung", "reduction ratio")),
     *((header, "3", "may be theta, d or an offset") for header in ("theta_home", "zero offset", "theta0", "home")),
     *((header, "3", "a torque that may not be the largest") for header in ("rated torque", "nominal torque")),
-    *((header, "3", "convention") for header in ("γ_j", "b_j", "beta", "γ")),
+    *((header, "3", "convention") for header in ("μ_j", "mu")),
     *((header, "3", "a limit of acceleration") for header in ("qdd_max", "q̈max")),
     ("Tc", "3", "a friction of the motor or of the joint"),
     ("roll", "3", "a turn of a frame beside the DH parameters"),

@@ -100,7 +100,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alhpa,d\nj1,0,0,0.1\n",
         "arm.csv:1:9: error: field 'alhpa': no column is called 'alhpa'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, beta, gamma, b, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'alpha'?",
     ),
     Case(
@@ -226,7 +226,7 @@ CASES = [
         {"convention": "standard"},
         "a,alpha,d,tehta [deg]\n0,0,0.1,90\n",
         "arm.csv:1:11: error: field 'tehta': no column is called 'tehta [deg]'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, beta, gamma, b, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'theta'?",
     ),
     Case(
@@ -536,8 +536,8 @@ CASES = [
         "geometry that no field holds",
         ".csv",
         {"convention": "standard"},
-        "joint,a,alpha,d,beta\nj1,0,0,0.1,0.2\n",
-        "arm.csv:2:12: error: joint 'joint_1', field 'beta': 'beta' is the angle of Hayati's convention, which no column holds, and it is '0.2'\n"
+        "joint,a,alpha,d,mu\nj1,0,0,0.1,0.2\n",
+        "arm.csv:2:12: error: joint 'joint_1', field 'mu': 'mu' is whether a joint is driven, in Khalil and Kleinfinger's convention, which no column holds, and it is '0.2'\n"
         "    accepted: 0 in this column, or a table of a, alpha, d and theta (or offset) without it",
     ),
     Case(
@@ -648,7 +648,7 @@ CASES = [
         "arm.yaml:3:3: error: joint 'joint_1', field 'alpha': there is no alpha\n"
         "    accepted: a number, 0 included: nothing is filled in for geometry\n"
         "arm.yaml:3:10: error: joint 'joint_1', field 'alhpa': 'alhpa' is no key of a joint\n"
-        "    accepted: name, link, type, a, alpha, d, theta, offset, sign, flip, mass, radius, damping, friction, armature, limits, com, inertia, visual, collision, mesh\n"
+        "    accepted: name, link, type, a, alpha, d, theta, offset, beta, gamma, b, sign, flip, mass, radius, damping, friction, armature, limits, com, inertia, visual, collision, mesh\n"
         "    did you mean 'alpha'?",
     ),
     Case(
@@ -849,7 +849,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alpha,d,tetha\nj1,0,0,0.1,1\n",
         "arm.csv:1:17: error: field 'tetha': no column is called 'tetha'\n"
-        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
+        "    accepted: robot, convention, index, joint, link, type, a, alpha, d, theta, offset, beta, gamma, b, sign, flip, limits, lower, upper, velocity, effort, mass, com, com_x, com_y, com_z, inertia, ixx, iyy, izz, ixy, ixz, iyz, radius, damping, friction, armature\n"
         "    did you mean 'theta'?",
     ),
     Case(

@@ -118,7 +118,7 @@ def test_craigs_keys_mean_his_convention(read: Callable[..., list[Manipulator | 
         "{a: 0, alpha: 0, d: 1, mass: 1, inertia: [1, 1, 1]}",
         "{a: 0, alpha: 0, d: 1, mass: 1, inertia: 3}",
         "{a: 0, alpha: 0, d: 1, mass: -1}",
-        "{a: 0, alpha: 0, d: 1, beta: 0.1}",
+        "{a: 0, alpha: 0, d: 1, b: 0.1}",
         "{a: 0, alpha: 0, d: 1, convention: standard}",
         "{'a [mm]': 0, alpha: 0, d: 1}",
         "{a: 0, alpha: 0, d: 1, flip: 2}",

@@ -13,12 +13,14 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Reader
 from dh2urdf_plugins.readers.calibrations.calibration import FIELDS, Calibration, RowDifference
 from dh2urdf_plugins.readers.calibrations.ur_conf import read_ur_conf
+from dh2urdf_plugins.readers.header.unknown_columns import is_zero
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from dh2urdf.manipulator import Convention
+    from dh2urdf.provenance import Said
 
 CONF = ".conf"
 _ALLOWED = {"joint", "link", "type", "mark", *FIELDS}
@@ -72,6 +74,7 @@ class CalibrationFile:
                 Problem(message=message, mark=Mark(file=file), field="calibration", accepted="the rows of one arm")
             )
         (arm, cells) = found[0]
+        _refuse_six_parameters(cells)
         _refuse_others(arm)
         named = any("joint" in row for row in cells)
         return Calibration(
@@ -108,6 +111,27 @@ class CalibrationFile:
                 accepted=f"{CONF} of Universal Robots, or a table of differences: {', '.join(suffixes)}",
             )
         )
+
+
+def _refuse_six_parameters(cells: Iterable[Mapping[str, Said]]) -> None:
+    """Refuses differences of what no row of a table has.
+
+    Raises:
+        TableError: a row has such a number.
+    """
+    for row in cells:
+        for name in ("beta", "gamma", "b"):
+            if name in row and not is_zero(row[name].text or ""):
+                raise TableError(
+                    Problem(
+                        message=f"a row of differences has {name}, which no row of a table keeps",
+                        mark=row[name].mark,
+                        field=name,
+                        found=row[name].text,
+                        accepted=f"{', '.join(FIELDS)}, with joint to name the row",
+                        suggestion=f"write {name} into the table itself: fixed rows are made of it there",
+                    )
+                )
 
 
 def _refuse_others(arm: Manipulator) -> None:

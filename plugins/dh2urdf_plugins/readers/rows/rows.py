@@ -15,6 +15,8 @@ from dh2urdf.row_fields import COM, DYNAMICS, INERTIA
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.readers.header.units import SI
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells
+from dh2urdf_plugins.readers.rows.six_parameters import Extra
+from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.fields import (
     ACCEPTED_FLIPS,
     ACCEPTED_TYPES,
@@ -49,6 +51,7 @@ class RowReader(RowCells):
     Attributes:
         type_is_given: whether the table has types at all, so that an empty one is worth a notice.
         names: the names of the rows so far.
+        extras: what rows have besides a, α, d and θ, by the names of their joints.
         said: what the cells of the rows so far say, where a trace is wanted; None where it is not.
     """
 
@@ -58,6 +61,7 @@ class RowReader(RowCells):
         self.said: list[dict[str, Said]] | None = [] if traced else None
         self.type_is_given = type_is_given
         self.names: list[RowNames] = []
+        self.extras: dict[str, Extra] = {}
 
     def read(self, number: int, cells: Mapping[str, Cell], mark: Mark) -> DHRow | None:
         """The row that some cells are, or None where there is an error in them.
@@ -83,8 +87,9 @@ class RowReader(RowCells):
                 message = f"there is no {name}" if cell is None else f"{name} is empty"
                 self._error(message, name, accepted="a number, 0 included: nothing is filled in for geometry")
         a = self._quantity("a").value
-        alpha = self._alpha()
+        alpha = self._turn("alpha")
         d, theta, offset, sign = self._joint_variable(kind)
+        self._six_parameters()
         if kind is not JointType.PRISMATIC and (theta or offset or sign < 0):
             self._refuse_bounds_of_theta()
         resistances: dict[str, Any] = {name: self._friction(name, kind) for name in DYNAMICS}
@@ -139,19 +144,35 @@ class RowReader(RowCells):
 
     # --- Geometry -----------------------------------------------------------------------------------------------------
 
-    def _alpha(self) -> float:
-        quantity = self._quantity("alpha")
-        if abs(quantity.value) > FULL_TURN and "alpha" not in self._unit_said:
+    def _turn(self, name: str) -> float:
+        quantity = self._quantity(name)
+        if abs(quantity.value) > FULL_TURN and name not in self._unit_said:
             self._error(
-                f"{shown(self._cells['alpha'].text)} is more than a full turn in rad, and no unit is declared for it",
-                "alpha",
+                f"{shown(self._cells[name].text)} is more than a full turn in rad, and no unit is declared for it",
+                name,
                 accepted="at most 2π rad where no unit is declared",
-                suggestion="if these are degrees, say so: `alpha [deg]` in the header, `units: {angle: deg}`, "
+                suggestion=f"if these are degrees, say so: `{name} [deg]` in the header, `units: {{angle: deg}}`, "
                 "or `--angle-unit deg`",
             )
         else:
-            self._nearly_quarter_turn("alpha", quantity.value)
+            self._nearly_quarter_turn(name, quantity.value)
         return quantity.value
+
+    def _six_parameters(self) -> None:
+        """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""
+        if all(self._absent(name) for name in ("beta", "gamma", "b")):
+            return
+        beta, gamma, b = self._turn("beta"), self._turn("gamma"), self._quantity("b").value
+        if b and "gamma" not in self._cells:
+            self._error(
+                f"b is {shown(self._cells['b'].text)}: it may be a length of Khalil and Kleinfinger, or a friction",
+                "b",
+                accepted="b beside gamma, which may be 0; or damping, the friction as the joint feels it",
+            )
+        elif abs(b) > MEASURABLE_ARM:
+            self._error(f"b is {b:.4g} m", "b", accepted=f"at most {MEASURABLE_ARM:g} m")
+        elif beta or gamma or b:
+            self.extras[self._joint] = Extra(beta, gamma, b, self._place("gamma" if gamma else "b"))
 
     def _nearly_quarter_turn(self, name: str, angle: float) -> None:
         turns = rounded_quarter_turn(angle)

@@ -10,12 +10,13 @@ from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import bare_beside_cells
 from dh2urdf_plugins.readers.rows.joint_rows import settle, total_problem
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
+from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
 from dh2urdf_plugins.readers.statements.plausibility import arm_length, plausibility
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.names import name_fault, name_problems
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.provenance import Trace
@@ -64,10 +65,7 @@ def manipulator(
     arm = [row for row in rows if row]
     if not rows:
         add(Problem(message="there are no joints: a manipulator has one row for each", mark=mark, field="joints"))
-    if reader.names:
-        for problem in name_problems(reader.names):
-            add(problem)
-    for problem in bare_beside_cells(reader.units, reader.foreign, reader.bare):
+    for problem in _problems_of_all_rows(reader, statements):
         add(problem)
     if statements.calibration and arm and not reader.errors:
         arm = _calibrated(arm, statements, mark, add)
@@ -78,7 +76,23 @@ def manipulator(
             tuple(problem for problem in problems if problem.severity == severity) for severity in ("error", "notice")
         )
         return Rejected(name=name.text, problems=errors, mark=mark, notices=notices)
-    return statements.manipulator(name.text, tuple(arm), mark, tuple(problems))
+    return _in_four_parameters(statements.manipulator(name.text, tuple(arm), mark, tuple(problems)), reader, trace)
+
+
+def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator[Problem]:
+    if reader.names:
+        yield from name_problems(reader.names)
+    yield from bare_beside_cells(reader.units, reader.foreign, reader.bare)
+    yield from extra_problems(reader.extras, statements.convention and statements.convention[0])
+
+
+def _in_four_parameters(given: Manipulator, reader: RowReader, trace: Trace | None) -> Manipulator:
+    """A table of rows of six parameters as one of four, and what its cells say beside its new rows."""
+    found = with_four_parameters(given, reader.extras)
+    if trace is not None and found is not given:
+        said = dict(zip([row.joint for row in given.rows], trace.rows, strict=True))
+        trace.rows = tuple(said.get(row.joint, {}) for row in found.rows)
+    return found
 
 
 def _calibrated(rows: list[DHRow], statements: Statements, mark: Mark, add: Callable[[Problem], None]) -> list[DHRow]:

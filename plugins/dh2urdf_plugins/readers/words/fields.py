@@ -165,6 +165,9 @@ def _fields() -> dict[str, Field]:
             it="angolo di giunto",
         ),
         _field("offset", "offset, joint offset"),
+        _field("beta", "beta, β", dimension=Dimension.ANGLE),
+        _field("gamma", "gamma, γ", dimension=Dimension.ANGLE),
+        _field("b", "b", dimension=Dimension.LENGTH),
         _field(
             "sign",
             "sign, direction, dir, polarity, rotation direction, direction of rotation",

@@ -33,9 +33,6 @@ _HOME = Unheld("an angle or a length that may be theta, d or an offset")
 _RIGID = "a table without it: joints do not yield"
 _AT_THE_JOINT = "damping and friction as the joint feels them, behind the gear"
 UNHELD_WORDS = {
-    "beta": Unheld("the angle of Hayati's convention"),
-    "gamma": Unheld("an angle of Khalil and Kleinfinger's convention"),
-    "b": Unheld("a length of Khalil and Kleinfinger's convention, or a friction"),
     "mu": Unheld("whether a joint is driven, in Khalil and Kleinfinger's convention"),
     "q": Unheld("the joint variable"),
     "q offset": Unheld("an offset of the joint variable"),

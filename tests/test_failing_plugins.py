@@ -95,7 +95,8 @@ GOOD = {
 KIND, FIELD, HOW = "{what}".split(".")
 
 def given(kind):
-    yield replace(GOOD[kind], **({FIELD: globals()[HOW]} if kind == KIND else {}))
+    others = {"map": None} if FIELD == "pool" else {}
+    yield replace(GOOD[kind], **({FIELD: globals()[HOW], **others} if kind == KIND else {}))
 
 @hookimpl
 def dh2urdf_readers():
@@ -197,6 +198,12 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
         ("loader.require.fail", "run run.yaml", "`require` of the loader 'bad' failed: ZeroDivisionError: at work"),
         ("executor.require.fail", "run run.yaml", "`require` of the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.map.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
+        ("executor.pool.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
+        (
+            "executor.pool.give_nothing",
+            "run run.yaml",
+            "the executor 'bad' failed: TypeError: it gave None, not a pool",
+        ),
         ("executor.map.leave", "run run.yaml", "the executor 'bad' failed: SystemExit: 7"),
         (
             "executor.map.give_nothing",

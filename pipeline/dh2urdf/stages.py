@@ -8,6 +8,7 @@ options dataclass that the function takes. The options' fields have defaults, an
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeAlias, TypeVar
@@ -370,7 +371,10 @@ class Executor(Generic[O]):
             worker that ends costs no result but that of a task which ends every worker it is given to: it gives `Lost`
             in its place, and the others go on. What the function raises is raised after the results before it.
             The function of a run has an attribute ``distributions``: the names of those whose stages it uses, which a
-            worker on another machine has to have in the same versions.
+            worker on another machine has to have in the same versions. None where `pool` is given.
+        pool: a context manager whose `submit(function, task)` gives a future, as every Executor of concurrent.futures
+            has it: then order, errors, and tasks that end a worker (`concurrent.futures.BrokenExecutor`) are dh2urdf's
+            work. The field ``workers`` of the options, where it is a number, says how many tasks are submitted ahead.
         require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `map`
             needs with these options is not installed, without importing it (`importlib.util.find_spec`).
         is_usual: whether it is taken where nobody names an executor; of the built-in ones, one is.
@@ -378,8 +382,9 @@ class Executor(Generic[O]):
 
     name: str
     summary: str
-    map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]]
     options: type[O]
+    map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]] | None = None
+    pool: Callable[[O], AbstractContextManager[Any]] | None = None
     require: Callable[[O], None] = all_there
     is_usual: bool = False
 

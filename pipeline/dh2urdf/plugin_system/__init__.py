@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     )
     from dh2urdf.plugin_system.child_place import ChildPlace as ChildPlace
     from dh2urdf.plugin_system.options import describe_options as describe_options
+    from dh2urdf.plugin_system.task_window import handed_over as handed_over
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
@@ -24,5 +25,6 @@ else:
             "catalog": "Catalog KINDS Provided RECORDS load",
             "child_place": "ChildPlace",
             "options": "describe_options",
+            "task_window": "handed_over",
         },
     )

@@ -153,6 +153,15 @@ class PluginStages:
             )
 
 
+def _check_choices(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - a record of the kind
+    """Raises a ValueError where fields of a record do not go together."""
+    if isinstance(stage, Executor) and (stage.map is None) is (stage.pool is None):
+        raise ValueError(f"the executor {stage.name!r} has to give either map or pool")
+    compared = getattr(stage, "compared", None)
+    if compared is not None and compared not in {each.name for each in fields(stage.options)}:
+        raise ValueError(f"the {kind} {stage.name!r} compares {compared!r:.60}, which is none of its options")
+
+
 def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a hook gave
     """Raises a TypeError or ValueError where it is no record of the kind that could be asked for by its name."""
     record = RECORDS[kind]
@@ -169,11 +178,9 @@ def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a h
         words = getattr(stage, what, ())
         if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
             raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")
-    compared = getattr(stage, "compared", None)
-    if compared is not None and compared not in {each.name for each in fields(stage.options)}:
-        raise ValueError(f"the {kind} {stage.name!r} compares {compared!r:.60}, which is none of its options")
     for suffix in getattr(stage, "suffixes", ()):
         if not re.fullmatch(r"\.[^/\\\s]+", suffix) or suffix != suffix.lower():
             raise ValueError(
                 f"the {kind} {stage.name!r} has the suffix {suffix!r:.60}; accepted: lower case, with the dot before it"
             )
+    _check_choices(kind, stage)

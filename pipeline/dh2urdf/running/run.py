@@ -18,6 +18,7 @@ from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, nex
 from dh2urdf.output.leftovers import clear_leftovers
 from dh2urdf.plugin_system.at_work import unmarked
 from dh2urdf.plugin_system.calls import Call, depending_on, fault, own_work
+from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.plugin_system.stage_answers import a_record, items_of
 from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
@@ -251,7 +252,7 @@ def _answers(
     """
     call = plan.executor
     with depending_on(call):
-        results = items_of(call.stage.map(maker, some, call.options), "an iterator of results")
+        results = items_of(results_of(call.stage, maker, some, call.options), "an iterator of results")
     end = object()
     try:
         while True:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import pytest
 
 from dh2urdf.errors import ExecutorError, PluginError
+from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.testing.stage_contract import StageContract
 from dh2urdf.testing.tasks import doubled, doubled_at_leisure, doubled_or_killed, process_of, reciprocal
@@ -166,13 +167,11 @@ class ExecutorContract(StageContract):
                     "where a run ends early",
                 )
 
-    # --- What the clauses use
-
     def _map(self, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Generator[Any, None, None]:
         """The results; whatever goes wrong is raised where the first of them is asked for."""
         try:
             self.stage.require(self.given())
-            yield from self.stage.map(function, tasks, self.given())
+            yield from results_of(self.stage, function, tasks, self.given())
         except PluginError as error:
             pytest.skip(str(error))
 

@@ -328,7 +328,7 @@ def outcome(function: Callable[..., Any], *args: Any) -> Any:  # noqa: ANN401 - 
 
 def _home(kind: Kind, stage: Any) -> str:  # noqa: ANN401 - a record of the kind
     """The module of the function that does a stage's work."""
-    return str(getattr(stage, WORK[kind]).__module__)
+    return str((getattr(stage, WORK[kind]) or stage.pool).__module__)  # an executor may have a pool in place of a map
 
 
 @cache

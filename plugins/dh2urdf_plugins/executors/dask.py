@@ -23,10 +23,10 @@ from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
 from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.isolation import is_own
+from dh2urdf.plugin_system import handed_over
 from dh2urdf.source import Problem
 from dh2urdf.stages import Executor, Lost
 from dh2urdf_plugins.executors.local import processors
-from dh2urdf_plugins.executors.window import handed_over
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -24,10 +24,9 @@ from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import ChildFailure
-from dh2urdf.plugin_system import MARK, ChildPlace, unmarked
+from dh2urdf.plugin_system import MARK, ChildPlace, handed_over, unmarked
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import Executor, Lost
-from dh2urdf_plugins.executors.window import handed_over
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

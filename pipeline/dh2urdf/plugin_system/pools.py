@@ -1,0 +1,117 @@
+"""The results of an executor: those of its own `map`, or of tasks that are submitted to its pool."""
+
+from __future__ import annotations
+
+import os
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any, Self
+
+from dh2urdf.plugin_system.task_window import handed_over
+from dh2urdf.stages import Executor, Lost
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from contextlib import AbstractContextManager
+
+AHEAD = 3
+"""Tasks per worker of a pool that wait or are under way: the next one is there when a result has left."""
+
+
+def results_of(
+    executor: Executor[Any],
+    function: Callable[[Any], Any],
+    tasks: Iterable[Any],
+    options: Any,  # noqa: ANN401 - the options of any executor
+) -> Iterator[Any]:
+    """Results of a function over tasks, in the order of the tasks, as `Executor.map` has them."""
+    if executor.map is not None:
+        return executor.map(function, tasks, options)
+    if executor.pool is None:
+        raise TypeError(f"the executor {executor.name!r} has neither map nor pool")
+    return _from_a_pool(executor, function, tasks, options)
+
+
+def _from_a_pool(
+    executor: Executor[Any],
+    function: Callable[[Any], Any],
+    tasks: Iterable[Any],
+    options: Any,  # noqa: ANN401
+) -> Iterator[Any]:
+    """Results of tasks that are submitted to a pool, a few ahead."""
+    workers = _workers(options)
+    with _Pool(lambda: executor.pool(options), function) as pool:  # type: ignore[misc]  # it is not None
+        for promise in handed_over(tasks, pool.submit, lambda: AHEAD * workers):
+            yield pool.result(promise)
+
+
+def _workers(options: object) -> int:
+    """How many work: the field `workers` of the options where it is a number, else one per processor."""
+    workers = getattr(options, "workers", None)
+    return workers if isinstance(workers, int) and workers > 0 else os.cpu_count() or 1
+
+
+class _Promise:
+    """A task that was submitted: to which pool, and what will be its result; None where the pool was broken."""
+
+    __slots__ = ("future", "pool", "task")
+
+    def __init__(self, task: Any, pool: Any, future: Any) -> None:  # noqa: ANN401
+        self.task, self.pool, self.future = task, pool, future
+
+
+class _Pool:
+    """The pool that is there now; one that a worker has broken is replaced by a new one."""
+
+    def __init__(self, make: Callable[[], AbstractContextManager[Any]], function: Callable[[Any], Any]) -> None:
+        self._make, self._function = make, function
+        self._stack = ExitStack()
+        self._pool: Any = None
+        self._under_way: set[Any] = set()
+
+    def __enter__(self) -> Self:
+        self._pool = self._entered()
+        return self
+
+    def _entered(self) -> Any:  # noqa: ANN401 - whatever has the interface
+        made = self._make()
+        if not (hasattr(made, "__enter__") and hasattr(made, "submit")):
+            given = None if made is None else type(made).__name__
+            raise TypeError(f"it gave {given}, not a pool: a context manager with `submit`")
+        return self._stack.enter_context(made)
+
+    def __exit__(self, *_: object) -> None:
+        for future in self._under_way:  # What has not begun need not be done for nobody.
+            future.cancel()
+        self._stack.close()
+
+    def submit(self, task: Any) -> _Promise:  # noqa: ANN401 - a task is the caller's
+        """Submit a task; where the pool is broken, nothing, and its result says so."""
+        from concurrent.futures import BrokenExecutor
+
+        try:
+            future = self._pool.submit(self._function, task)
+        except BrokenExecutor:
+            return _Promise(task, self._pool, None)
+        self._under_way.add(future)
+        return _Promise(task, self._pool, future)
+
+    def result(self, promise: _Promise) -> Any:  # noqa: ANN401 - the result of the caller's function
+        """The result of a task; Lost for one that ends the worker which it has for itself."""
+        from concurrent.futures import BrokenExecutor
+
+        self._under_way.discard(promise.future)
+        if promise.future is not None:
+            try:
+                return promise.future.result()
+            except BrokenExecutor:
+                pass  # Some task ended a worker, and the pool gives up all that it had.
+        if promise.pool is self._pool:
+            self._stack.close()
+            self._under_way.clear()
+            self._pool = self._entered()
+        # Alone in a pool, it is known whether it was this task.
+        with self._make() as alone:
+            try:
+                return alone.submit(self._function, promise.task).result()
+            except BrokenExecutor as error:
+                return Lost(reason=f"the worker ended: {error}" if str(error) else "the worker ended")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -227,6 +228,7 @@ class TestRos2(EmitterContract):
 
 class TestSrdf(EmitterContract):
     stage = CATALOG.get("emitter", "srdf")
+    options = replace(CATALOG.get("emitter", "srdf").options(), trials=100)
 
 
 class TestTable(EmitterContract):

@@ -218,8 +218,7 @@ def misfits(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("layout", ["files", "shards"])
-@pytest.mark.parametrize("stage", ["emitter", "loader"])
+@pytest.mark.parametrize(("stage", "layout"), [("emitter", "shards"), ("loader", "files")])
 def test_a_stage_that_misbehaves_costs_one_manipulator(
     misfits: Path, dh2urdf: Callable[..., CompletedProcess[str]], stage: str, layout: str
 ) -> None:

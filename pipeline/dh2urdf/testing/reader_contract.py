@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow
     from dh2urdf.provenance import Said
 
-LARGE = 2**22
-"""Bytes of a file that nobody would hold at once for its own sake [B]."""
+LARGE = 2**20
+"""Bytes of a file of which a reader may look half ahead [B]."""
 _CELLS, _PLACE, _ABC = "cells of a test", "A3", (1, 2, 3)
 MANY = 500
 """Manipulators of a file that is read as one document."""

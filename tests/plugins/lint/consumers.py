@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
-SECONDS = 60
+SECONDS = 20
 """How long a consumer may take for one file; one that is not ready then counts as crashed."""
 _OTHERS = [folder for folder in os.get_exec_path() if not (Path(folder).parent / "pyvenv.cfg").is_file()]
 CHECK_URDF = shutil.which("check_urdf", path=os.pathsep.join(_OTHERS))

@@ -145,15 +145,16 @@ def _description(
 def _with_base(robot: Robot) -> Robot:
     """A robot with the frame `base` of REP 199, where the base of its table is somewhere else than base_link.
 
-    Of a cell, each arm has it. A robot that has a link of this name keeps that.
+    Of a cell, each arm has it. A robot that has the name already keeps what it has.
     """
     kinds = {id(arm.kind): _with_base(arm.kind) for arm in robot.arms}
     links, joints = list(robot.links), list(robot.joints)
     for prefix, kind in arms_of(robot):
-        table, names = kind.manipulator, {link.name for link in kind.links}
-        if table is not None and table.base != IDENTITY and BASE not in names:
+        table = kind.manipulator
+        joint, child, parent = (prefix + name for name in (f"{kind.root}-{BASE}", BASE, kind.root))
+        taken = {each.name for each in links} | {each.name for each in joints}
+        if table is not None and table.base != IDENTITY and taken.isdisjoint((joint, child)):
             origin = Origin(xyz=table.base.translation, rpy=table.base.rpy)
-            joint, child, parent = (prefix + name for name in (f"{kind.root}-{BASE}", BASE, kind.root))
             joints.append(Joint(name=joint, type=JointType.FIXED, parent=parent, child=child, origin=origin))
             links.append(Link(name=child))
     arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)
@@ -198,6 +199,13 @@ def notices(robot: Robot, options: Ros2Options) -> list[Problem]:
                 suggestion="set the options " + ", ".join(f"`{name}`" for name in missing),
             )
         )
+    for prefix, kind in arms_of(robot):
+        table = kind.manipulator
+        if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
+            message = (
+                f"{prefix}{BASE} is the name of a link of the table: no frame of the controller is written (REP 199)"
+            )
+            found.append(Problem(message=message, severity="notice", suggestion="give the link another name"))
     if options.moveit:
         found += moveit_notices(robot, options)
     return found

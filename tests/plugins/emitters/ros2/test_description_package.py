@@ -146,7 +146,8 @@ def test_each_arm_of_a_cell_has_the_frame_of_its_controller(cli: Any, tmp_path: 
         "      - {name: rider, of: ur5, parent: left/tool0}\n      - {name: own, of: named, xyz: [2, 0, 0]}\n"
         "emitters: [{stage: ros2, options: {license: MIT, maintainer: A, email: a@b.org}}]\n"
     )
-    cli("run", tmp_path / "run.yaml", "-o", tmp_path / "out")
+    answer = cli("run", tmp_path / "run.yaml", "-o", tmp_path / "out")
+    assert "own_base is the name of a link of the table: no frame of the controller is written" in answer.stderr
     found = read_foreign_xacro(tmp_path / "out" / "lab_description" / "urdf" / "lab.urdf.xacro")
     frames = {joint.child: joint.name for joint in found.joints if joint.child.endswith("_base")}
     assert frames == {"left_base": "left_base_link-base", "right_base": "right_base_link-base", "own_base": "own_turn"}

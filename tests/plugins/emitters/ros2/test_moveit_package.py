@@ -218,7 +218,7 @@ def test_a_cell_has_a_group_and_a_controller_for_each_arm(workshop: Path) -> Non
 
 
 def test_each_arm_of_a_cell_starts_where_its_file_says(workshop: Path) -> None:
-    """Two arms of one kind have a file each: what one of them says moves that arm, and no other."""
+    """Two arms of one kind have a file each: the positions in one of them move that arm, and no other."""
     path = workshop / "config" / "r_initial_positions.yaml"
     assert (workshop / "config" / "f_initial_positions.yaml").read_bytes() == path.read_bytes()
     path.write_text(path.read_text().replace("elbow_joint: 0.0", "elbow_joint: 1.25"))

@@ -301,6 +301,15 @@ def test_what_is_no_arm(given: dict[str, object], message: str) -> None:
     assert any(problem.accepted for problem in caught.value.problems)
 
 
+def test_notices_are_no_errors() -> None:
+    """A matrix that is rounded is a notice beside the error of another key."""
+    M = [[0.7071, -0.7071, 0, 0], [0.7071, 0.7071, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    assert any("a rotation only to" in notice.message for notice in dh2urdf.from_screws(SLIST, M).notices)
+    with pytest.raises(TableError) as caught:
+        dh2urdf.from_screws(SLIST, M, joints=["a", "b"])
+    assert [problem.severity for problem in caught.value.problems] == ["error"]
+
+
 def test_six_joints_by_row_are_seen() -> None:
     """Six rows of six are read as columns; where only the rows are screws, that is what the error says."""
     arm = random_arm(3)._replace(Slist=np.tile(np.array(SLIST), 6) + np.outer([0, 0, 0, 1, 0, 0], np.arange(6)))

@@ -260,7 +260,7 @@ class _File:
     def _is_unit(self, form: str, number: int, node: Node, direction: Vec3) -> bool:
         """Whether a direction has the length 1, to four digits."""
         length = norm(direction)
-        if abs(length**2 - 1.0) <= NEARLY_ORTHONORMAL:
+        if abs(length * length - 1.0) <= NEARLY_ORTHONORMAL:
             return True
         self._error(
             node,

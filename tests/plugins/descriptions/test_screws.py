@@ -289,6 +289,7 @@ THREE = np.zeros((3, 4)).tolist()
         ({"Slist": SLIST, "M": UNIT, "joints": [{"type": "prismatic"}]}, "its axis is that of a joint that turns"),
         ({"H": np.eye(3), "P": np.eye(3)}, "P has 3 columns, and H has 3"),
         ({"H": 2 * np.eye(3), "P": THREE}, "column 1 of H has an axis of the length 2"),
+        ({"H": 1e300 * np.eye(3), "P": THREE}, "column 1 of H has an axis of the length 1e+300"),
         ({"H": np.eye(3), "P": THREE, "R": [1, 2, 3]}, "R is a list of 3"),
         ({"H": np.eye(3), "P": THREE, "joints": ["a", "b", {"type": "fixed"}]}, "'joint_3' is fixed"),
     ],

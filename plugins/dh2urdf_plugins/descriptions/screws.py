@@ -120,13 +120,13 @@ class _File:
         """The description, if nothing is wrong with the file."""
         form = self._form()
         if form is None:
-            raise TableError(self.problems)
+            raise self._refused()
         axes = self._by_points(form) if "M" in FORMS[form] else self._by_steps()
         name, rows = (
             ("", ()) if axes is None else read_joints(self.root, self.path.stem, axes.slides, self.problems.append)
         )
         if axes is None or self._has_errors():
-            raise TableError(self.problems)
+            raise self._refused()
         links = [BASE, *(row.link for row in rows), TIP]
         origins = [axes.first, *(RigidTransform(IDENTITY.rotation, shift) for shift in axes.shifts)]
         joints = [
@@ -153,6 +153,12 @@ class _File:
             folder=self.path.absolute().parent,
             notices=tuple(problem.about(mark=self.root.mark) for problem in self.problems),
         )
+
+    def _refused(self) -> TableError:
+        errors, notices = (
+            [problem for problem in self.problems if problem.severity == severity] for severity in ("error", "notice")
+        )
+        return TableError(errors, notices)
 
     def _has_errors(self) -> bool:
         return any(problem.severity == "error" for problem in self.problems)
@@ -254,7 +260,7 @@ class _File:
     def _is_unit(self, form: str, number: int, node: Node, direction: Vec3) -> bool:
         """Whether a direction has the length 1, to four digits."""
         length = norm(direction)
-        if abs(length**2 - 1.0) <= NEARLY_ORTHONORMAL:
+        if abs(length * length - 1.0) <= NEARLY_ORTHONORMAL:
             return True
         self._error(
             node,

@@ -289,6 +289,7 @@ THREE = np.zeros((3, 4)).tolist()
         ({"Slist": SLIST, "M": UNIT, "joints": [{"type": "prismatic"}]}, "its axis is that of a joint that turns"),
         ({"H": np.eye(3), "P": np.eye(3)}, "P has 3 columns, and H has 3"),
         ({"H": 2 * np.eye(3), "P": THREE}, "column 1 of H has an axis of the length 2"),
+        ({"H": 1e300 * np.eye(3), "P": THREE}, "column 1 of H has an axis of the length 1e+300"),
         ({"H": np.eye(3), "P": THREE, "R": [1, 2, 3]}, "R is a list of 3"),
         ({"H": np.eye(3), "P": THREE, "joints": ["a", "b", {"type": "fixed"}]}, "'joint_3' is fixed"),
     ],
@@ -299,6 +300,15 @@ def test_what_is_no_arm(given: dict[str, object], message: str) -> None:
         dh2urdf.from_screws(**given)  # type: ignore[arg-type]  # what is wrong
     assert message in str(caught.value)
     assert any(problem.accepted for problem in caught.value.problems)
+
+
+def test_notices_are_no_errors() -> None:
+    """A matrix that is rounded is a notice beside the error of another key."""
+    M = [[0.7071, -0.7071, 0, 0], [0.7071, 0.7071, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    assert any("a rotation only to" in notice.message for notice in dh2urdf.from_screws(SLIST, M).notices)
+    with pytest.raises(TableError) as caught:
+        dh2urdf.from_screws(SLIST, M, joints=["a", "b"])
+    assert [problem.severity for problem in caught.value.problems] == ["error"]
 
 
 def test_six_joints_by_row_are_seen() -> None:

@@ -116,7 +116,7 @@ class _Table:
         self._behind: DHRow | None = None  # the fixed row that is the last one so far, of a β
 
     def take(self, given: DHRow) -> None:
-        """Adds a row, with what stands before and behind it."""
+        """Adds a row, with what is before and behind it."""
         extra = self.extras.get(given.joint, NOTHING)
         if extra.before:
             self._put_before(given, extra)

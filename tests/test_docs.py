@@ -55,6 +55,7 @@ OUTPUT = "Output"
 BASH = "/bin/bash"
 
 NEEDED_MODULES = {
+    "coming-from.md": "roboticstoolbox",
     "first-conversion.md": "pybullet",
     "index.md": "pybullet",
     "simulators/pybullet.md": "pybullet",

@@ -1,4 +1,4 @@
-"""The words of tables, as `docs/tables.md` lists them: what a user is promised is what the generator writes."""
+"""The words of tables, as `docs/tables.md` and `docs/tables` list them: the generator writes what users are promised."""
 
 from __future__ import annotations
 
@@ -11,13 +11,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import random
 
-DOCS = Path(__file__).parents[1] / "docs" / "tables.md"
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+@cache
+def text_of_tables() -> str:
+    """The pages of the documentation about tables."""
+    return "\n".join(page.read_text("utf-8") for page in (DOCS / "tables.md", *sorted((DOCS / "tables").glob("*.md"))))
 
 
 @cache
 def documented(table: str) -> tuple[tuple[str, ...], ...]:
     """The rows of a table of the documentation."""
-    lines = DOCS.read_text(encoding="utf-8").partition(f"<!-- table {table} -->\n")[2].splitlines()[2:]
+    lines = text_of_tables().partition(f"<!-- table {table} -->\n")[2].splitlines()[2:]
     rows = []
     for line in lines:
         if not line.startswith("|"):
@@ -107,7 +113,7 @@ def convention_words(convention: str) -> tuple[str, ...]:
 @cache
 def flip_words(*, turned: bool) -> tuple[str, ...]:
     """The words for a flip, or for none."""
-    text = DOCS.read_text(encoding="utf-8")
+    text = text_of_tables()
     (found,) = re.findall(r"`flip` turns with\s(.*?), and does not with\s(.*?)\.\s", text, re.DOTALL)
     return tuple(_quoted(found[not turned]))
 

@@ -1,4 +1,4 @@
-"""The words of tables, as `docs/tables.md` and `docs/tables` list them: the generator writes what users are promised."""
+"""The words of tables, as `docs/tables.md` and `docs/tables` list them: the generator writes what is promised there."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ def test_a_killed_run_goes_on_where_it_was(
 
 
 def test_what_is_finished_is_not_made_again(many: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
-    """A second run touches no file, and says so; without --resume everything is made anew."""
+    """A second run touches no file, with a message; without --resume everything is made anew."""
     out = many / "out"
     dh2urdf("run", "run.yaml", "--quiet")
     first = {path.name: path.stat().st_mtime_ns for path in out.glob("*.urdf")}

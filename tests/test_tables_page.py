@@ -758,7 +758,7 @@ def test_every_way_to_write_a_unit_in_a_header_is_read() -> None:
 CONSTANTS = {
     "characters in a line of a CSV file": (text, "MAX_LINE"),
     "characters in the header of a CSV file": (csv_header, "MAX_HEADER"),
-    "characters in a comment line that says something": (csv_comments, "MAX_STATEMENT"),
+    "characters in a comment line with a statement": (csv_comments, "MAX_STATEMENT"),
     "rows above the header that are no comments": (top, "MAX_TITLES"),
     "characters in a number or an expression": (expressions, "MAX_CHARACTERS"),
     "brackets inside each other in an expression": (expressions, "MAX_NESTING"),

@@ -90,7 +90,7 @@ class EmitterContract(StageContract):
                 )
 
     def test_files_are_well_formed(self, tmp_path: Path) -> None:
-        """Files can be read by whoever knows their format, whatever links and joints are called."""
+        """Files can be read by programs that know their format, whatever links and joints are called."""
         for robot in (*self._robots(), *self._awkward()):
             try:
                 files = self._emit(robot)

@@ -75,7 +75,7 @@ class LoaderContract(StageContract):
         self._no_faults(clause, faults)
 
     def test_finds_another_arm(self, tmp_path: Path) -> None:
-        """It measures: of an arm that is not where the request says, it says so."""
+        """It measures: an arm that is not where the request has it is reported."""
         clause, request = self.test_finds_another_arm, self._request(tmp_path)
         aside = {
             link: tuple((*frame[:3], frame[3] + ASIDE, *frame[4:]) for frame in frames)

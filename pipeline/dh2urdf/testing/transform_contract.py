@@ -61,7 +61,7 @@ class TransformContract(StageContract):
                 )
 
     def test_keeps_the_kinematics(self) -> None:
-        """Where the record says so, T(base_link → tool0) of the robot is the DH product, computed in two ways."""
+        """Where the record claims it, T(base_link → tool0) of the robot is the DH product, computed in two ways."""
         if not self.stage.keeps_kinematics(self.given()):
             return  # The proof reports the difference, and fails nothing.
         clause = self.test_keeps_the_kinematics

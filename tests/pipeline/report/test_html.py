@@ -323,7 +323,7 @@ class TestManyManipulators:
         assert report(tmp_path / "out")["manipulators"][3]["errors"][0]["message"] in text(errors)
 
     def test_a_hundred_thousand_take_no_more_memory_than_thirty_thousand(self, tmp_path: Path) -> None:
-        """The table of all is cut, failures first, and says so; the page is no longer than that of thirty thousand."""
+        """The table of all is cut, failures first, with a message; the page is no longer than that of thirty thousand."""
         proof = Proof(position_error=1e-16, angle_error=0.0, q=(0.0,), tolerance=1e-9, poses=3)
         facts: dict[str, Any] = {"source": "arm.csv", "key": "00", "files": [], "proofs": {"urdf": proof}}
         facts |= {"drawn": {"a_1": 0.125}, "keeps_kinematics": True}

@@ -344,7 +344,7 @@ class TestProblems:
         assert caught.value.problems[0].joint == "joint_1"
 
     def test_the_paper_has_no_place_for_a_mesh(self, ur5: Manipulator, saved: Callable[..., MeshFile]) -> None:
-        """It draws its boxes, and says so."""
+        """It draws its boxes, with a message."""
         shape = MeshShape(file=saved(wedge()))
         table = replace(ur5, rows=(replace(ur5.rows[0], visual=shape), *ur5.rows[1:]), base_visual=shape)
         robot = alpha_swap(table, AlphaSwapOptions(variant="paper"))

@@ -894,14 +894,9 @@ def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path:
 
 
 @pytest.mark.parametrize("command", ["run", "view", "studio"])
-def test_a_dash_where_no_standard_input_is_read_is_refused(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dash_where_no_standard_input_is_read_is_refused(command: str, cli: Callable[..., Any]) -> None:
     """With what to do, and not as a file that is missing."""
-    from dh2urdf.cli import main
-
-    with pytest.raises(SystemExit) as ended:
-        main([command, "-"])
-    assert ended.value.code == 2
-    said = capsys.readouterr().err
+    said = cli(command, "-", status=2).stderr
     assert f"`dh2urdf {command}` reads no standard input" in said
     assert "save it as a file first" in said
 

@@ -41,8 +41,8 @@ class StageCommand(click.Command):
     """A command that has flags for options of the stages of some kinds.
 
     An option becomes a flag where its metadata have ``flag``, the word for its value in the help, and ``commands``, if
-    they have that, name the command. Flags of the built-in stages are known at once; the plugins are imported for
-    theirs where the command line has another flag, and for the help.
+    they have that, name the command. The help has those of the built-in stages, since it imports no plugin; the
+    plugins are asked for theirs where the command line has another flag.
 
     Args:
         kinds: the kinds of stages. Of an option that several have, the flag is that of the first.
@@ -78,11 +78,6 @@ class StageCommand(click.Command):
                 raise
             ctx.meta[_ASKS_ALL] = True
             return super().parse_args(ctx, args)
-
-    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options of the help, with the flags of all plugins."""
-        ctx.meta[_ASKS_ALL] = True
-        super().format_options(ctx, formatter)
 
     def _flags(self, ctx: click.Context) -> list[_Flag]:
         """The flags, each once."""

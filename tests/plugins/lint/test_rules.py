@@ -158,7 +158,7 @@ def test_the_table_says_what_happens(measured: tuple[str, dict[str, Behaviour]],
         if end != "loads" or behaviour.end != "loads":
             continue
         printed = _printed(behaviour, sound)
-        speaks = Outcome.WARNS in outcomes or any(re.search("says so|print", sentence) for sentence in sentences)
+        speaks = Outcome.WARNS in outcomes or any(re.search("with a message|print", sentence) for sentence in sentences)
         if bool(printed) != speaks:
             wrong.append(f"{rule}: it printed {printed}, and the table says {sentences}")
         changes = set(outcomes) & {Outcome.ALTERS, Outcome.LOSES}

@@ -124,7 +124,9 @@ def test_the_table_says_what_happens(measured: tuple[str, str, dict[str, dict[st
             continue
         printed = [line for line in behaviour["printed"].splitlines() if line not in sound["printed"]]
         text = next((effect.text for effect in model_rules(name)[rule].effects if effect.consumer == consumer), "")
-        if ("with a message" in text or "says" in text) != bool([line for line in printed if "expected a world" not in line]):
+        if ("with a message" in text or "says" in text) != bool(
+            [line for line in printed if "expected a world" not in line]
+        ):
             wrong.append(f"{rule}: it printed {printed}, and the table says {text!r}")
         differs = any(behaviour.get(key) != sound.get(key) for key in ("masses", "joints"))
         if of[rule] in {Outcome.ALTERS, Outcome.LOSES} and not differs and not printed and rule not in IGNORED:

@@ -1,0 +1,221 @@
+"""Inverse kinematics: a joint vector inside the limits that brings tool0 to a pose, or as near as it comes.
+
+Levenberg-Marquardt on the geometric Jacobian (Sugihara, Solvability-Unconcerned Inverse Kinematics by the
+Levenberg-Marquardt Method, IEEE T-RO 27, 2011), with joints that are held at a limit while the step leads out of it.
+Lengths are divided by the reach of the arm, or by the distance of a pose beyond it: a small robot and a crane converge
+alike, and where a pose cannot be reached, a length counts as a turn of that part of the reach.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.errors import RecordValueError
+from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error, reach
+from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
+from dh2urdf.kinematics.pose_arrays import table_jacobian
+from dh2urdf.manipulator import JointType
+from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.validation.coercion import take_fields
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from dh2urdf.manipulator import JointVectors, Manipulator
+
+    Vector = NDArray[np.float64]
+
+ATTEMPTS = 24
+"""Joint vectors from which a solution is looked for: the one that is given, and random ones, always the same."""
+TOLERANCE = 1e-9
+"""How far tool0 may be from the pose [m for an arm that reaches 1 m, and rad]."""
+STEPS = 200
+_LONGEST = 0.5  # of a step [rad, or part of the reach]: nothing jumps at a singularity
+_STIFFEST = 1e9  # damping from which no step is long enough to change a double
+_NEAR_HALF_TURN = -0.9  # cosine of an angle below which its sine is no good measure of the axis
+_TINY = 1e-300
+_FUNCTION = "inverse_kinematics()"
+
+
+class InverseSolution(NamedTuple):
+    """The joint vector that brings tool0 nearest to a pose.
+
+    Attributes:
+        q: one value per moving joint, inside its limits [rad or m].
+        position_error: how far tool0 is from the pose [m].
+        angle_error: the angle between them [rad].
+        reached: whether both are rounding only.
+    """
+
+    q: tuple[float, ...]
+    position_error: float
+    angle_error: float
+    reached: bool
+
+
+@dataclass(frozen=True)
+class _Target:
+    pose: RigidTransform
+
+    def __post_init__(self) -> None:
+        take_fields(self)
+
+
+def inverse_kinematics(
+    manipulator: Manipulator,
+    pose: RigidTransform | ArrayLike,
+    start: JointVectors | None = None,
+    *,
+    attempts: int = ATTEMPTS,
+) -> InverseSolution:
+    """A joint vector that brings tool0 to a pose.
+
+    Args:
+        manipulator: the arm.
+        pose: T(base_link → tool0), as a transform or as a 4x4 matrix.
+        start: the joint vector to begin at, as `Manipulator.fk` takes it; by default the middle of the limits, or 0.
+            The solution is usually the one nearest to it.
+        attempts: how many joint vectors to begin at. 1 follows a target without a change of branch.
+
+    Returns:
+        The first solution that reaches the pose; else the nearest that was found.
+
+    Raises:
+        RecordError: the pose is none, or the start is no joint vector of the arm.
+    """
+    import numpy as np
+
+    target = _Target(pose).pose  # type: ignore[arg-type]  # `take_fields` takes matrices
+    if attempts < 1:
+        message = f"{attempts} attempts find nothing"
+        raise RecordValueError(
+            Problem(message=message, mark=Mark(file=_FUNCTION), field="attempts", accepted="1 or more")
+        )
+    search = _Search(manipulator, target)
+    if start is None:
+        first = search.middle
+    else:
+        values, _ = joint_values(start, search.names)
+        first = np.clip(np.array([float(value) for value in values]), search.lower, search.upper)
+    random = np.random.default_rng(0)
+    best = search.descend(first)
+    for _ in range(attempts - 1):
+        if best.reached:
+            break
+        other = search.descend(search.drawn(random.random(len(first))))
+        if search.cost(other) < search.cost(best):
+            best = other
+    return best
+
+
+class _Search:
+    """The way down from a joint vector to one that is nearer to a pose."""
+
+    def __init__(self, manipulator: Manipulator, target: RigidTransform) -> None:
+        import numpy as np
+
+        self._arm, self._target = manipulator, target
+        rows = manipulator.moving_rows
+        joints = tuple(row.joint for row in rows)
+        self.names = JointNames(
+            wanted=joints, moving=joints, whose=f"manipulator {shown(manipulator.name)}", function=_FUNCTION
+        )
+        self.lower = np.array([-np.inf if row.limits.lower is None else row.limits.lower for row in rows])
+        self.upper = np.array([np.inf if row.limits.upper is None else row.limits.upper for row in rows])
+        with np.errstate(invalid="ignore"):
+            span = self.upper - self.lower
+            middle = 0.5 * self.lower + 0.5 * self.upper
+        is_bounded = np.isfinite(span)
+        self._begin = np.where(is_bounded, self.lower, -np.pi)
+        self._range = np.where(is_bounded, span, 2.0 * np.pi)
+        self.middle = np.clip(np.where(np.isfinite(middle), middle, 0.0), self.lower, self.upper)
+        travel = [
+            abs(value)
+            for row in rows
+            if row.type is JointType.PRISMATIC
+            for value in (row.limits.lower, row.limits.upper)
+            if value is not None
+        ]
+        self._length = max(reach(manipulator) + sum(travel), norm(target.translation), 1e-6)
+        # A prismatic joint counts in reaches, as a revolute one in radians.
+        self._scale = np.array([self._length if row.type is JointType.PRISMATIC else 1.0 for row in rows])
+
+    def drawn(self, part: Vector) -> Vector:
+        """A joint vector inside the limits, of parts from 0 to 1; a joint without limits is within ±π."""
+        import numpy as np
+
+        return np.clip(self._begin + part * self._range, self.lower, self.upper)
+
+    def cost(self, solution: InverseSolution) -> float:
+        """What is left, lengths as parts of the reach."""
+        return (solution.position_error / self._length) ** 2 + solution.angle_error**2
+
+    def descend(self, q: Vector) -> InverseSolution:
+        """The nearest pose that is found on the way down from a joint vector inside the limits."""
+        import numpy as np
+
+        damping, error = 1e-3, self._error(q)
+        for _ in range(STEPS):
+            cost = float(error @ error)
+            if cost <= (1e-3 * TOLERANCE) ** 2 or not len(q):
+                break
+            jacobian = np.asarray(table_jacobian(self._arm, q, full=False)) * self._scale
+            jacobian[:3] /= self._length
+            downhill = jacobian.T @ error
+            free = ~(((q <= self.lower) & (downhill < 0.0)) | ((q >= self.upper) & (downhill > 0.0)))
+            if not free.any():
+                break
+            part, slope = jacobian[:, free], downhill[free]
+            normal = part.T @ part
+            while damping < _STIFFEST:
+                step = np.linalg.solve(normal + damping * np.eye(len(slope)), slope)
+                step *= min(1.0, _LONGEST / max(float(np.abs(step).max()), _TINY))
+                moved = q.copy()
+                moved[free] += step * self._scale[free]
+                moved = np.clip(moved, self.lower, self.upper)
+                left = self._error(moved)
+                if float(left @ left) < cost:
+                    break
+                damping *= 4.0
+            else:
+                break  # No step leads down any more.
+            gained = cost - float(left @ left)
+            q, error, damping = moved, left, max(damping / 8.0, 1e-15)
+            if gained <= 1e-14 * cost:
+                break
+        return self._solution(q)
+
+    def _error(self, q: Vector) -> Vector:
+        """What leads from tool0 to the target: a shift as a part of the reach, and a turn [rad], of shape (6,)."""
+        import numpy as np
+
+        found = forward_kinematics(self._arm, q.tolist())
+        shift = (np.array(self._target.translation) - found.translation) / self._length
+        return np.concatenate([shift, _turn(multiply(self._target.rotation, transpose(found.rotation)))])
+
+    def _solution(self, q: Vector) -> InverseSolution:
+        found = forward_kinematics(self._arm, q.tolist())
+        position, angle = position_error(self._target, found), angle_error(self._target, found)
+        is_there = position <= TOLERANCE * max(self._length, 1e-3) and angle <= TOLERANCE
+        return InverseSolution(tuple(q.tolist()), position, angle, is_there)
+
+
+def _turn(rotation: Any) -> Vector:  # noqa: ANN401 - nine numbers
+    """The axis of a rotation times its angle [rad]; at a half turn one of the two axes."""
+    import numpy as np
+
+    r = np.reshape(rotation, (3, 3))
+    sine = 0.5 * np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    size, cosine = float(np.linalg.norm(sine)), 0.5 * float(np.trace(r) - 1.0)
+    angle = np.arctan2(size, cosine)
+    if cosine > _NEAR_HALF_TURN:
+        vector: Vector = sine * (angle / size if size > _TINY else 1.0)
+        return vector
+    outer = r + r.T + (1.0 - float(np.trace(r))) * np.eye(3)  # 2 (1 − cos) a aᵀ
+    axis = outer[:, int(np.argmax(np.diag(outer)))]
+    axis = axis / np.linalg.norm(axis)
+    turned: Vector = axis * (angle if float(axis @ sine) >= 0.0 else -angle)
+    return turned

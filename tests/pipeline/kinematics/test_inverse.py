@@ -1,0 +1,147 @@
+"""Inverse kinematics: what it reaches, how near it comes where it cannot, and that limits are kept."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+import dh2urdf
+from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, RigidTransform
+from dh2urdf.errors import RecordError
+from dh2urdf.kinematics.inverse import ATTEMPTS
+
+if TYPE_CHECKING:
+    from conftest import ReferenceRobot
+
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
+
+
+def bounds(arm: Manipulator) -> tuple[Any, Any]:
+    limits = [row.limits for row in arm.moving_rows]
+    lower = np.array([-np.inf if each.lower is None else each.lower for each in limits])
+    upper = np.array([np.inf if each.upper is None else each.upper for each in limits])
+    return lower, upper
+
+
+def joint_vectors(arm: Manipulator, count: int) -> Any:
+    """Random ones inside the limits; a turn where there are none."""
+    lower, upper = bounds(arm)
+    lower, upper = np.maximum(lower, -np.pi), np.minimum(upper, np.pi)
+    return np.random.default_rng(5).uniform(lower, upper, (count, len(lower)))
+
+
+def check(arm: Manipulator, found: dh2urdf.InverseSolution, pose: Any) -> None:
+    """What a solution claims is what forward kinematics has, and it is inside the limits."""
+    lower, upper = bounds(arm)
+    assert np.all((lower <= found.q) & (found.q <= upper))
+    there = arm.fk(found.q)
+    assert np.linalg.norm(there[:3, 3] - pose[:3, 3]) == pytest.approx(found.position_error, abs=1e-12)
+
+
+def test_every_published_arm_reaches_what_it_can(reference_robot: ReferenceRobot) -> None:
+    """From a joint vector nearby and from nowhere: within a rounding, inside the limits."""
+    arm = reference_robot.manipulator
+    lower, upper = bounds(arm)
+    for q in joint_vectors(arm, 4):
+        pose = arm.fk(q)
+        near = np.clip(q + np.random.default_rng(1).normal(0.0, 0.1, len(q)), lower, upper)
+        found = dh2urdf.inverse_kinematics(arm, pose, near)
+        check(arm, found, pose)
+        assert found.reached
+        assert found.position_error <= 1e-9 * max(1.0, float(np.abs(pose[:3, 3]).max()) * 10.0)
+        assert found.angle_error <= 1e-9
+
+
+def test_the_table_knows_the_pose_without_a_start() -> None:
+    """The middle of the limits, and random joint vectors, always the same: the same solution each time."""
+    arm = dh2urdf.read(TABLES / "ur5.csv")
+    for q in joint_vectors(arm, 20):
+        found = dh2urdf.inverse_kinematics(arm, arm.fk(q))
+        assert found.reached
+        assert found == dh2urdf.inverse_kinematics(arm, arm.fk(q))
+
+
+@pytest.mark.parametrize("table", ["ur5.csv", "stanford.csv", "scara.csv"])
+def test_what_cannot_be_reached_is_approached(table: str) -> None:
+    """As near as an optimiser of scipy comes from ten starts: lengths as parts of the distance, and turns."""
+    arm = dh2urdf.read(TABLES / table)
+    lower, upper = bounds(arm)
+    pose = np.eye(4)
+    pose[:3, 3] = 10.0, 4.0, 3.0
+    far = float(np.linalg.norm(pose[:3, 3]))
+    found = dh2urdf.inverse_kinematics(arm, pose)
+    check(arm, found, pose)
+    assert not found.reached
+
+    def left(q: Any) -> Any:
+        there = arm.fk(q)
+        turn = Rotation.from_matrix(pose[:3, :3] @ there[:3, :3].T).as_rotvec()
+        return np.concatenate([(pose[:3, 3] - there[:3, 3]) / far, turn])
+
+    starts = np.clip(joint_vectors(arm, 10), lower + 1e-6, upper - 1e-6)
+    best = min(2.0 * least_squares(left, start, bounds=(lower, upper)).cost for start in starts)
+    assert (found.position_error / far) ** 2 + found.angle_error**2 <= best * (1.0 + 1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6))
+def test_a_stretched_arm_gives_numbers(start: list[float]) -> None:
+    """At a singularity, straight up and 5 cm out of reach: finite numbers inside the limits, from wherever it begins."""
+    arm = dh2urdf.read(TABLES / "ur5.csv")
+    pose = np.array(arm.fk([0.0, -np.pi / 2, 0.0, 0.0, 0.0, 0.0]))
+    pose[2, 3] += 0.05
+    found = dh2urdf.inverse_kinematics(arm, pose, start, attempts=1)
+    assert np.isfinite([*found.q, found.position_error, found.angle_error]).all()
+    check(arm, found, pose)
+
+
+def test_a_target_is_followed() -> None:
+    """One attempt from the solution before: small steps of the tool are small steps of the joints."""
+    arm = dh2urdf.read(TABLES / "ur5.csv")
+    q = [0.3, -1.2, 1.4, -1.0, -1.5, 0.2]
+    pose = np.array(arm.fk(q))
+    for _ in range(30):
+        pose[0, 3] += 0.002
+        found = dh2urdf.inverse_kinematics(arm, pose, q, attempts=1)
+        assert found.reached
+        assert np.abs(np.subtract(found.q, q)).max() < 0.05
+        q = list(found.q)
+
+
+def test_limits_hold() -> None:
+    """A slide that would have to leave its range stays at the end of it, and the answer says how much is missing."""
+    row = DHRow(
+        joint="slide", link="carriage", type=JointType.PRISMATIC, a=0, alpha=0, d=0, limits=Limits(lower=0, upper=0.5)
+    )
+    arm = Manipulator(name="slide", convention=Convention.STANDARD, rows=(row,))
+    found = dh2urdf.inverse_kinematics(arm, RigidTransform.from_xyz_rpy((0.0, 0.0, 0.8)))
+    assert found.q == (0.5,)
+    assert found.position_error == pytest.approx(0.3)
+    assert not found.reached
+    free = replace(arm, rows=(replace(row, limits=Limits()),))
+    assert dh2urdf.inverse_kinematics(free, RigidTransform.from_xyz_rpy((0.0, 0.0, 0.8))).reached
+
+
+@pytest.mark.parametrize(
+    ("pose", "start", "attempts", "message"),
+    [
+        (np.zeros((4, 4)), None, 1, "the last row of the matrix"),
+        (np.diag([1.0, 1.0, -1.0, 1.0]), None, 1, "the matrix is no rotation"),
+        (np.eye(4), [0.0], 1, "has 6 moving joints, the joint vector has 1 entries"),
+        (np.eye(4), [np.nan] * 6, 1, "nan"),
+        (np.eye(4), None, 0, "0 attempts find nothing"),
+    ],
+)
+def test_what_is_no_pose_or_start_is_refused(pose: Any, start: Any, attempts: int, message: str) -> None:
+    """With what was found."""
+    arm = dh2urdf.read(TABLES / "ur5.csv")
+    with pytest.raises(RecordError, match=message):
+        dh2urdf.inverse_kinematics(arm, pose, start, attempts=attempts)
+    assert ATTEMPTS > 1

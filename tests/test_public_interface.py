@@ -41,7 +41,7 @@ PUBLIC = {
     "dh2urdf.hookspecs": "the hooks, and the version of this interface",
     "dh2urdf.isolation": "a function in a child process, which may crash, and may be shut off from the machine",
     "dh2urdf.kinematics": "the DH product and forward kinematics",
-    "dh2urdf.manipulator": "what a table says: readers make it, transforms take it",
+    "dh2urdf.manipulator": "the contents of a table: readers make it, transforms accept it",
     "dh2urdf.mass_properties": "mass, centre and inertia of shapes and of compounds",
     "dh2urdf.meshes": "mesh files: where descriptions name them, their triangles, and the body that they enclose",
     "dh2urdf.output": "files that are written whole or not at all, and which names of many have been seen",

@@ -65,7 +65,7 @@ class Profile:
     )
     held: bool = _decision(
         default=False,
-        portable="the arm's own root, which whoever loads the file has to hold",
+        portable="the arm's own root, which has to be held by the program that loads the file",
         otherwise="a root `world`, and a fixed joint `base_joint` between it and the arm",
         why="in Gazebo nothing but a joint with the world holds a model, and without one it falls over; for other "
         "readers people hold the root themselves, and expect it to be base_link",
@@ -122,7 +122,7 @@ class Profile:
     )
     joint_friction: bool = _decision(
         default=True,
-        portable="the friction of a joint, where the table says one",
+        portable="the friction of a joint, where the table has one",
         otherwise="none",
         why="Drake has no dry friction in joints, and warns of it",
     )

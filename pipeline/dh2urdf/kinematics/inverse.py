@@ -94,7 +94,7 @@ def inverse_kinematics(
         raise RecordValueError(
             Problem(message=message, mark=Mark(file=_FUNCTION), field="attempts", accepted="1 or more")
         )
-    search = _Search(manipulator, target)
+    search = _PoseSearch(manipulator, target)
     if start is None:
         first = search.middle
     else:
@@ -111,7 +111,7 @@ def inverse_kinematics(
     return best
 
 
-class _Search:
+class _PoseSearch:
     """The way down from a joint vector to one that is nearer to a pose."""
 
     def __init__(self, manipulator: Manipulator, target: RigidTransform) -> None:

@@ -11,9 +11,12 @@ Rotations are row-major 9-tuples (r00, r01, r02, r10, …), vectors are 3-tuples
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.elementwise import Condition, Number, atan2, hypot, is_column, mapped
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 Vec3: TypeAlias = tuple[float, float, float]
 Rotation: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
@@ -193,6 +196,42 @@ def rpy_from_rotation(rotation: Rotation) -> Vec3:
     pitch = atan2(0.0 - r20, c * r00 + s * r10)
     roll = atan2(s * r02 - c * r12 + 0.0, c * r11 - s * r01 + 0.0)
     return (roll + 0.0, pitch + 0.0, yaw + 0.0)
+
+
+def rotation_from_quaternion(quaternion: Sequence[float]) -> Rotation:
+    """The rotation of a quaternion (x, y, z, w) of any length but 0.
+
+    Raises:
+        ZeroDivisionError: its length is 0.
+    """
+    x, y, z, w = quaternion
+    s = 2.0 / (w * w + x * x + y * y + z * z)
+    return (
+        *(1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)),
+        *(s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)),
+        *(s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)),
+    )
+
+
+def quaternion_from_rotation(rotation: Rotation) -> tuple[float, float, float, float]:
+    """The unit quaternion (x, y, z, w) of a rotation; of the two that whose w, or else first number but 0, is positive.
+
+    Source: Shepperd, Quaternion from Rotation Matrix, Journal of Guidance and Control 1(3), 1978: the square root is
+    taken of the largest of the four squares, so that no digit is lost at a half turn.
+    """
+    r00, r01, r02, r10, r11, r12, r20, r21, r22 = rotation
+    squares = (1.0 + r00 - r11 - r22, 1.0 - r00 + r11 - r22, 1.0 - r00 - r11 + r22, 1.0 + r00 + r11 + r22)
+    products = (
+        (squares[0], r01 + r10, r02 + r20, r21 - r12),
+        (r01 + r10, squares[1], r12 + r21, r02 - r20),
+        (r02 + r20, r12 + r21, squares[2], r10 - r01),
+        (r21 - r12, r02 - r20, r10 - r01, squares[3]),
+    )
+    x, y, z, w = max(zip(squares, products, strict=True))[1]
+    length = math.hypot(x, y, z, w)
+    sign = math.copysign(1.0, next(part for part in (w, x, y, z) if part))
+    x, y, z, w = (sign * part / length + 0.0 for part in (x, y, z, w))
+    return (x, y, z, w)
 
 
 class RigidTransform(NamedTuple):

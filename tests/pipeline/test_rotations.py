@@ -19,7 +19,9 @@ from dh2urdf.rotations import (
     multiply,
     norm,
     quarter_turns,
+    quaternion_from_rotation,
     rotate,
+    rotation_from_quaternion,
     rotation_from_rpy,
     rounded_quarter_turn,
     rpy_from_rotation,
@@ -224,3 +226,22 @@ def test_the_lengths_of_a_column_are_those_of_its_vectors(vectors: list[Vec3]) -
 def test_an_angle_that_was_rounded_from_a_quarter_turn(angle: float, turns: int | None) -> None:
     """By its own last decimal, in radians or in degrees; what has more decimals was measured."""
     assert rounded_quarter_turn(angle) == turns
+
+
+# --- Quaternions ---
+
+
+@given(st.tuples(*[st.floats(-7.0, 7.0)] * 3))
+def test_a_quaternion_is_that_of_scipy(rpy: Vec3) -> None:
+    """Both ways, also at half turns, where w is 0; of the two quaternions always the same."""
+    from scipy.spatial.transform import Rotation as Oracle
+
+    for angles in (rpy, tuple(round(angle / HALF_PI) * HALF_PI for angle in rpy)):
+        rotation = rotation_from_rpy(angles)
+        quaternion = quaternion_from_rotation(rotation)
+        expected = Oracle.from_matrix(np.reshape(rotation, (3, 3))).as_quat()
+        assert np.abs(np.outer(quaternion, quaternion) - np.outer(expected, expected)).max() < EXACT
+        first = next(part for part in (quaternion[3], *quaternion[:3]) if part)
+        assert first > 0.0
+        back = rotation_from_quaternion([3.0 * part for part in quaternion])
+        assert np.abs(np.subtract(back, rotation)).max() < 4.0 * EXACT

@@ -61,6 +61,17 @@ def lesson(tab: Any) -> None:
     tab.wait_for_lesson(3.0)
 
 
+def target(tab: Any) -> None:
+    tab.open_exhibit("ur5")
+    set_sliders(tab, UR5_POSE)
+    tab.page.get_by_role("button", name="set the pose of tool0").click()
+    box = tab.page.get_by_label("z of tool0", exact=True)
+    box.fill("0.3")
+    box.press("Enter")
+    tab.page.get_by_text("tool0 is there").wait_for()
+    box.blur()
+
+
 def set_sliders(tab: Any, values: list[float]) -> None:
     for box, value in zip(tab.page.locator(".joint-slider-number").all(), values, strict=True):
         box.fill(str(value))
@@ -78,6 +89,7 @@ STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
     "panda": (panda, LAPTOP),
     "paper": (paper, LAPTOP),
     "lesson": (lesson, LAPTOP),
+    "target": (target, LAPTOP),
     "tablet": (ur5, TABLET),
 }
 ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP, "meshes": LAPTOP}

@@ -81,6 +81,10 @@ class Unit:
         """Whether its numbers are those of the SI unit."""
         return self.power == 0 and self.factor == 1 and self.parts is None
 
+    def number(self, value: float) -> float:
+        """How many of this unit a value in SI units is, to within rounding."""
+        return math.degrees(value) if self.degrees else value / self.si(1.0)
+
     def si(self, number: float, decimal: Decimal | None = None) -> float:
         """A number of this unit in SI units [m, rad, kg, s].
 

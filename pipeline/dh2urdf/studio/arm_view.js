@@ -139,6 +139,15 @@ export default {
     this.controls.addEventListener("change", () => this.draw());
     this.controls.addEventListener("end", () => (this.own = !this.seen()));
     canvas.addEventListener("dblclick", (event) => this.pick(event));
+    const ball = new THREE.MeshBasicMaterial({ color: 0xf08c00, transparent: true, opacity: 0.45, depthTest: false });
+    this.handle = new THREE.Mesh(this.geometries.sphere, ball);
+    this.handle.name = "handle";
+    this.handle.renderOrder = 4;
+    this.handle.visible = false;
+    this.scene.add(this.handle);
+    canvas.addEventListener("pointerdown", (event) => this.take(event), true); // before it turns the camera
+    canvas.addEventListener("pointermove", (event) => this.drag(event));
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => this.release());
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.$el);
     this.resize();
@@ -173,6 +182,10 @@ export default {
       });
       this.worn.push(...emptied(this.strokes));
       for (const stroke of strokes) this.strokes.add(this.stroke(stroke));
+      const tool0 = this.nodes.find((node) => node.name === "tool0");
+      if (tool0) this.handle.position.setFromMatrixPosition(tool0.matrix);
+      this.handle.scale.setScalar(0.03 * this.reach);
+      if (this.handle.visible && !this.plane && !this.within([this.handle.position.clone()])) this.fit(true);
       this.draw();
     },
 
@@ -318,11 +331,16 @@ export default {
 
     // Whether the picture holds all of the arm, and is not much larger.
     seen() {
-      this.camera.updateMatrixWorld();
-      const points = this.points().map((point) => point.project(this.camera));
-      const inside = points.every(({ x, y, z }) => Math.abs(x) <= 1 && Math.abs(y) <= 1 && Math.abs(z) <= 1);
+      const points = this.points();
+      const inside = this.within(points);
       const span = (axis) => Math.max(...points.map((p) => p[axis])) - Math.min(...points.map((p) => p[axis]));
       return inside && Math.max(span("x"), span("y")) > 0.5;
+    },
+
+    // Whether points are in the picture; afterwards they are where they are in it.
+    within(points) {
+      this.camera.updateMatrixWorld();
+      return points.every((point) => point.project(this.camera).toArray().every((part) => Math.abs(part) <= 1));
     },
 
     // The camera where it sees all of the arm, and is no farther away than that needs; from where it looks now, if it is
@@ -417,13 +435,64 @@ export default {
       return index === undefined ? null : places[index];
     },
 
-    pick(event) {
+    // The ray from the camera through the pointer.
+    ray(event) {
       const canvas = event.currentTarget.getBoundingClientRect();
       const caster = new THREE.Raycaster();
       const x = (2 * (event.clientX - canvas.left)) / canvas.width - 1;
       const y = 1 - (2 * (event.clientY - canvas.top)) / canvas.height;
       caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
-      const hit = caster.intersectObjects(this.nodes, true).find(({ object }) => object.visible && object.isMesh);
+      return caster;
+    },
+
+    // --- The handle: dragged in the plane that faces the camera, it says where tool0 is wanted. One place at a time is
+    // on its way; the newest follows when that one has been answered. ---
+
+    showHandle(shown) {
+      this.handle.visible = shown;
+      this.draw();
+    },
+
+    take(event) {
+      if (!this.handle.visible || event.button !== 0) return;
+      const caster = this.ray(event);
+      if (!caster.intersectObject(this.handle).length) return;
+      const facing = this.camera.getWorldDirection(new THREE.Vector3());
+      this.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, this.handle.position);
+      this.grip = caster.ray.intersectPlane(this.plane, new THREE.Vector3()).sub(this.handle.position);
+      this.begins = true;
+      this.controls.enabled = false;
+      event.currentTarget.setPointerCapture(event.pointerId);
+    },
+
+    drag(event) {
+      if (!this.plane) return;
+      const place = this.ray(event).ray.intersectPlane(this.plane, new THREE.Vector3());
+      if (!place) return;
+      this.wanted = place.sub(this.grip).toArray();
+      this.aim();
+    },
+
+    aim() {
+      if (this.asked || !this.wanted) return;
+      this.asked = true;
+      this.$emit("aim", { place: this.wanted, begins: this.begins });
+      this.wanted = null;
+      this.begins = false;
+    },
+
+    aimed() {
+      this.asked = false;
+      this.aim();
+    },
+
+    release() {
+      this.plane = null;
+      this.controls.enabled = true;
+    },
+
+    pick(event) {
+      const hit = this.ray(event).intersectObjects(this.nodes, true).find(({ object }) => object.visible && object.isMesh);
       let node = hit?.object;
       while (node && node.userData.row === undefined) node = node.parent;
       this.$emit("pick", { row: node?.userData.row ?? null });
@@ -463,10 +532,10 @@ export default {
     },
 
     draw() {
-      if (this.waiting) return;
-      this.waiting = true;
+      if (this.pending) return;
+      this.pending = true;
       requestAnimationFrame(() => {
-        this.waiting = false;
+        this.pending = false;
         this.scene.updateMatrixWorld();
         this.renderer?.render(this.scene, this.camera);
         for (const held of this.worn.splice(0)) held.dispose();

@@ -38,7 +38,7 @@ class Slider:
 
     def shown(self, value: float) -> float:
         """A joint value [rad or m] in the unit of the slider."""
-        return math.degrees(value) if self.unit.degrees else value * 10.0**-self.unit.power
+        return self.unit.number(value)
 
     def value(self, shown: float) -> float:
         """The joint value [rad or m] that a slider shows, inside the limits."""

@@ -14,7 +14,8 @@ from dh2urdf.studio.editing import edits, pasting
 from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
 from dh2urdf.studio.editing.session import BOTH
-from dh2urdf.studio.lesson import LessonPanel
+from dh2urdf.studio.panels.lesson import LessonPanel
+from dh2urdf.studio.panels.target import TargetPanel
 from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
 from dh2urdf.studio.widgets import ArmView, JointSliders
@@ -110,6 +111,7 @@ class StudioPage:
             on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
         )
         self._lesson = LessonPanel(self.session, self._show_pose)
+        self._target = TargetPanel(self.session, self._show_pose, self._show_handle)
         self._problems = ProblemList(on_click=self._go_to)
         with ui.element("div").classes("studio-ends"):
             self._ends: dict[str, ui.input] = {}
@@ -137,11 +139,14 @@ class StudioPage:
             self._variant.props('dense unelevated no-caps aria-label="variant"').set_visibility(bool(both))
             fit = ui.button(icon="center_focus_strong", on_click=self._see_all)
             fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
+            aim = ui.button(icon="ads_click", on_click=self._target.switch)
+            aim.props('flat dense round size=sm aria-label="set the pose of tool0"')
+            aim.tooltip("set the pose of tool0: type it, or drag the handle")
             explain = ui.button(icon="school", on_click=self._lesson.switch)
             explain.props('flat dense round size=sm aria-label="explain the picked row"')
             explain.tooltip("explain the picked row")
         self._remark = ui.label().classes("studio-bar studio-remark")
-        self._view = ArmView(on_pick=self._picked_in_scene)
+        self._view = ArmView(on_pick=self._picked_in_scene, on_aim=self._target.drag)
         with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
             ui.html(
                 "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
@@ -226,6 +231,7 @@ class StudioPage:
         self._remark.set_text(remark)
         self._remark.set_visibility(bool(remark))
         self._lesson.show()
+        self._target.show()
 
     # --- What is done -------------------------------------------------------------------------------------------------
 
@@ -387,6 +393,9 @@ class StudioPage:
             self.session.show_variant(event.value)
             self._show_arm()
             self._see_all()
+
+    def _show_handle(self, *, shown: bool) -> None:
+        self._view.show_handle(shown=shown)
 
     def _see_all(self) -> None:
         self._view.fit()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from nicegui.element import Element
@@ -27,9 +28,16 @@ _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
 class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # Element is any type to mypy
     """The arm in 3D."""
 
-    def __init__(self, on_pick: Callable[[int | None], None], on_undrawn: Callable[[str], None] | None = None) -> None:
+    def __init__(
+        self,
+        on_pick: Callable[[int | None], None],
+        on_undrawn: Callable[[str], None] | None = None,
+        on_aim: Callable[..., None] | None = None,
+    ) -> None:
         super().__init__()
         self.on("pick", lambda event: on_pick(event.args["row"]))
+        if on_aim is not None:
+            self.on("aim", lambda event: self._aimed(on_aim, event.args))
         if on_undrawn is not None:
             self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
 
@@ -48,6 +56,16 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
     def highlight(self, row: int | None) -> None:
         """The link and the frame of a row stand out."""
         self.run_method("highlight", row)
+
+    def show_handle(self, *, shown: bool) -> None:
+        """The handle at tool0, which a person drags."""
+        self.run_method("showHandle", shown)
+
+    def _aimed(self, on_aim: Callable[..., None], args: Mapping[str, Any]) -> None:
+        x, y, z = (float(number) for number in args["place"])
+        if all(map(math.isfinite, (x, y, z))):
+            on_aim((x, y, z), begins=bool(args["begins"]))
+        self.run_method("aimed")
 
     def fit(self, *, keep: bool = False) -> None:
         """The camera where it sees all of the arm; from where it looks now, if it is to keep its direction."""

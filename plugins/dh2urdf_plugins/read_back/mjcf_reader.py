@@ -27,10 +27,10 @@ from dh2urdf.rotations import (
     Z_AXIS,
     ZERO,
     RigidTransform,
-    Rotation,
     Vec3,
     multiply,
     norm,
+    rotation_from_quaternion,
     scale,
     transpose,
 )
@@ -293,7 +293,7 @@ class _Reader:
         rotation = IDENTITY_ROTATION
         if "quat" in attributes:
             w, x, y, z = self._numbers(element, attributes, "quat", (1.0, 0.0, 0.0, 0.0))
-            rotation = _of_quaternion(w, x, y, z)
+            rotation = rotation_from_quaternion((x, y, z, w))
         elif "euler" in attributes:
             for word, angle in zip(self._eulerseq, self._numbers(element, attributes, "euler", ZERO), strict=True):
                 turn = axis_rotation(_AXES[word.lower()], angle * self._angle)
@@ -346,13 +346,3 @@ def _moved(kind: JointType, axis: Vec3, value: float) -> RigidTransform:
     if kind is JointType.PRISMATIC:
         return RigidTransform(IDENTITY_ROTATION, scale(value, axis))
     return RigidTransform(axis_rotation(axis, value), ZERO) if value else IDENTITY
-
-
-def _of_quaternion(w: float, x: float, y: float, z: float) -> Rotation:
-    """The rotation of a quaternion of any length but 0."""
-    s = 2.0 / (w * w + x * x + y * y + z * z)
-    return (
-        *(1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)),
-        *(s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)),
-        *(s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)),
-    )

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.robot import Box, Inertial, Sphere
-from dh2urdf.rotations import IDENTITY, RigidTransform, Rotation, multiply, rotate, transpose
+from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.loaders.comparison import Body, Comparison, Precision
 from dh2urdf_plugins.loaders.measures import (
@@ -122,7 +122,7 @@ class Arm:
         lower, upper = info[8], info[9]
         endless = info[2] == self.bullet.JOINT_REVOLUTE and lower > upper
         names = {self.bullet.JOINT_REVOLUTE: "revolute", self.bullet.JOINT_PRISMATIC: "prismatic"}
-        inertial_frame = _rotation(self.bullet.getDynamicsInfo(self.body, info[0])[4])
+        inertial_frame = rotation_from_quaternion(self.bullet.getDynamicsInfo(self.body, info[0])[4])
         return {
             "name": _text(info[1]),
             "type": "continuous" if endless else names.get(info[2], f"number {info[2]}"),
@@ -142,7 +142,7 @@ class Arm:
         bodies = {}
         for name, index in self.links.items():
             mass, _, moments, com, orientation = self.bullet.getDynamicsInfo(self.body, index)[:5]
-            axes = _rotation(orientation)
+            axes = rotation_from_quaternion(orientation)
             principal = (moments[0], 0, 0, 0, moments[1], 0, 0, 0, moments[2])
             bodies[name] = Body(mass, com, multiply(multiply(axes, principal), transpose(axes)))
         return bodies
@@ -179,7 +179,7 @@ class Arm:
         if link == _ROOT:
             return IDENTITY
         state = self.bullet.getLinkState(self.body, link, computeForwardKinematics=1)
-        return RigidTransform(_rotation(state[5]), state[4])
+        return RigidTransform(rotation_from_quaternion(state[5]), state[4])
 
     def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
         """The frames of some links in the world at a joint vector."""
@@ -232,14 +232,3 @@ def _margin(link: Link) -> float:
 
 def _text(name: bytes) -> str:
     return name.decode("utf-8", "replace")
-
-
-def _rotation(quaternion: Sequence[float]) -> Rotation:
-    """The rotation of a quaternion (x, y, z, w); it need not be normalised to the last digit."""
-    x, y, z, w = quaternion
-    s = 2.0 / (x * x + y * y + z * z + w * w)
-    return (
-        *(1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)),
-        *(s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)),
-        *(s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)),
-    )

@@ -12,7 +12,7 @@ from dh2urdf.kinematics.chain import as_matrices, dh_frames
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.session import Session
-from dh2urdf.studio.lesson_words import explained
+from dh2urdf.studio.panels.lesson_words import explained
 
 if TYPE_CHECKING:
     from collections.abc import Callable

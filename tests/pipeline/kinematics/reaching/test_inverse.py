@@ -15,12 +15,12 @@ from scipy.spatial.transform import Rotation
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, RigidTransform
 from dh2urdf.errors import RecordError
-from dh2urdf.kinematics.inverse import ATTEMPTS
+from dh2urdf.kinematics.reaching.inverse import ATTEMPTS
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
-TABLES = Path(__file__).parents[3] / "configs" / "tables"
+TABLES = Path(__file__).parents[4] / "configs" / "tables"
 
 
 def bounds(arm: Manipulator) -> tuple[Any, Any]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from dh2urdf.studio.drawing.motions import NAMES, order
-from dh2urdf.studio.lesson_words import explained
+from dh2urdf.studio.panels.lesson_words import explained
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,0 +1,1 @@
+"""The panels below the table: a row explained, and the pose of tool0."""

@@ -139,7 +139,7 @@ export default {
     this.controls.addEventListener("change", () => this.draw());
     this.controls.addEventListener("end", () => (this.own = !this.seen()));
     canvas.addEventListener("dblclick", (event) => this.pick(event));
-    const ball = new THREE.MeshBasicMaterial({ color: 0xf08c00, transparent: true, opacity: 0.45, depthTest: false });
+    const ball = new THREE.MeshBasicMaterial({ color: 0xae3ec9, transparent: true, opacity: 0.55, depthTest: false });
     this.handle = new THREE.Mesh(this.geometries.sphere, ball);
     this.handle.name = "handle";
     this.handle.renderOrder = 4;
@@ -184,7 +184,7 @@ export default {
       for (const stroke of strokes) this.strokes.add(this.stroke(stroke));
       const tool0 = this.nodes.find((node) => node.name === "tool0");
       if (tool0) this.handle.position.setFromMatrixPosition(tool0.matrix);
-      this.handle.scale.setScalar(0.03 * this.reach);
+      this.handle.scale.setScalar(0.035 * this.reach);
       if (this.handle.visible && !this.plane && !this.within([this.handle.position.clone()])) this.fit(true);
       this.draw();
     },

@@ -129,6 +129,11 @@ class _Guarded(ast.NodeTransformer):
         guard = _OPERATORS.get(type(node.op))
         return node if guard is None else _guard(guard, node.left, node.right)
 
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        self.generic_visit(node)
+        node.value = _guard(_ENTRIES, node.value)
+        return node
+
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         self.generic_visit(node)
         return _guard(_ATTRIBUTE, node.value, ast.Constant(node.attr))
@@ -139,8 +144,9 @@ class _Guarded(ast.NodeTransformer):
 
 
 # No name of a xacro can be one of these: it has no spaces, and does not know the number.
-_ATTRIBUTE, _CALL, _SUM, _PRODUCT, _POWER, _SHIFTED, _REMAINDER = (
-    f"{word} {secrets.token_hex(8)}" for word in ("attribute", "call", "sum", "product", "power", "shifted", "rest")
+_ATTRIBUTE, _CALL, _ENTRIES, _SUM, _PRODUCT, _POWER, _SHIFTED, _REMAINDER, _EITHER = (
+    f"{word} {secrets.token_hex(8)}"
+    for word in ("attribute", "call", "entries", "sum", "product", "power", "shifted", "rest", "either")
 )
 _OPERATORS: dict[type[ast.operator], str] = {
     ast.Add: _SUM,
@@ -148,6 +154,7 @@ _OPERATORS: dict[type[ast.operator], str] = {
     ast.Pow: _POWER,
     ast.LShift: _SHIFTED,
     ast.Mod: _REMAINDER,
+    ast.BitOr: _EITHER,
 }
 
 
@@ -206,6 +213,19 @@ def _remainder(left: Any, right: Any) -> Any:  # noqa: ANN401
                 if width == "*" or (width and int(width) > _WIDEST):
                     raise ExpressionError(f"the width {width!r} of a format is refused")
     return left % right
+
+
+def _entries(value: Any) -> Any:  # noqa: ANN401
+    """What is indexed: a type with an index is no value but another type."""
+    if isinstance(value, type):
+        raise ExpressionError(f"an index of the type {value.__name__!r} is refused")
+    return value
+
+
+def _either(left: Any, right: Any) -> Any:  # noqa: ANN401
+    if isinstance(left, type) or isinstance(right, type):
+        raise ExpressionError("a union of types is refused")
+    return left | right
 
 
 def _attribute(value: Any, name: str) -> Any:  # noqa: ANN401
@@ -275,6 +295,8 @@ _GUARDS: dict[str, Callable[..., Any]] = {
     _POWER: _power,
     _SHIFTED: _shifted,
     _REMAINDER: _remainder,
+    _EITHER: _either,
+    _ENTRIES: _entries,
     _ATTRIBUTE: _attribute,
 }
 

@@ -95,6 +95,10 @@ ATTACKS = {
     "list(map(type(type(1)), ['T'], [()], [{}]))": "the type of a type is refused",
     "sorted([1], key=type(type(1)))": "the type of a type is refused",
     "1()": "calling 'int' is refused",
+    "dict[0]": "an index of the type 'dict' is refused",
+    "list[dict[str]](1)": "an index of the type 'list' is refused",
+    "[type(1)][0] | str": "a union of types is refused",
+    "1 | type(1)": "a union of types is refused",
     # statements in disguise
     "(x := 1)": "NamedExpr is refused",
     "[await x for x in y]": "refused|outside",

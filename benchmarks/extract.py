@@ -58,7 +58,8 @@ def many(folder: Path, number: int) -> Path:
     inputs.mkdir()
     for index in range(number):
         changed = text.replace('xyz="0 0 0.36"', f'xyz="0 0 {0.36 + index / 1e4:.4f}"')
-        (inputs / f"arm_{index:04}.urdf").write_text(changed.replace('name="iiwa"', f'name="arm_{index:04}"'), "utf-8")
+        named = changed.replace('<robot name="robot"', f'<robot name="arm_{index:04}"')
+        (inputs / f"arm_{index:04}.urdf").write_text(named, "utf-8")
     return inputs
 
 

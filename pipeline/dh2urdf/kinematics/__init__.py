@@ -21,15 +21,20 @@ if TYPE_CHECKING:
         position_error as position_error,
         reach as reach,
         row_transform as row_transform,
+        table_chain as table_chain,
     )
     from dh2urdf.kinematics.pose_arrays import pose_matrices as pose_matrices
+    from dh2urdf.kinematics.proof import largest_errors as largest_errors
+    from dh2urdf.kinematics.walk.compiled_chain import CompiledChain as CompiledChain
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
             "chain": "KinematicChain angle_error axis_rotation dh_frames dh_transform "
             "dh_transform_of dh_transforms forward_kinematics joint_motion "
-            "joint_variables link_poses position_error reach row_transform",
+            "joint_variables link_poses position_error reach row_transform table_chain",
             "pose_arrays": "pose_matrices",
+            "proof": "largest_errors",
+            "walk.compiled_chain": "CompiledChain",
         },
     )

@@ -105,10 +105,15 @@ def forward_kinematics(manipulator: Manipulator, q: JointVector) -> RigidTransfo
         ValueError: q has another number of entries than the table has moving joints.
     """
     values = _values(q, len(manipulator.moving_rows), manipulator.name)
+    return table_chain(manipulator).walk(values)[0].transform
+
+
+def table_chain(manipulator: Manipulator) -> CompiledChain:
+    """The way base · A_1 · … · A_N · tool of a table, compiled for many joint vectors; takes columns."""
     chain = CompiledChain()
     compile_table(chain, manipulator)
     chain.stop()
-    return chain.walk(values)[0].transform
+    return chain
 
 
 def compile_table(

@@ -29,7 +29,7 @@ from dh2urdf.source import Problem
 from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.kinematics.expected_poses import Tip
@@ -87,7 +87,7 @@ def prove(truth: Truth, written: Robot, poses: Sequence[Sequence[float]], *, at_
         ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
     """
     ways = {tip.link: (tip.compiled(), _written_way(joints_to(truth, tip, written), tip.columns)) for tip in truth.tips}
-    largest = _largest_at_once if at_once and poses else _largest
+    largest = _largest_at_once if at_once and poses else largest_errors
     found = {link: largest(said, way, poses) for link, (said, way) in ways.items()}
     worst = max(found, key=lambda link: found[link][:2])
     return Proof(
@@ -133,8 +133,8 @@ def joints_to(truth: Truth, tip: Tip, written: Robot) -> tuple[Joint, ...]:
 # --- Errors
 
 
-class _LargestErrors(NamedTuple):
-    """The largest errors of a tip.
+class LargestErrors(NamedTuple):
+    """How far two chains of the same joints are from each other at most.
 
     Attributes:
         position: largest distance [m].
@@ -147,9 +147,9 @@ class _LargestErrors(NamedTuple):
     q: tuple[float, ...]
 
 
-def _largest(said: CompiledChain, found: CompiledChain, poses: Sequence[Sequence[float]]) -> _LargestErrors:
-    """The largest errors of floats."""
-    worst, largest = _LargestErrors(0.0, 0.0, ()), 0.0
+def largest_errors(said: CompiledChain, found: CompiledChain, poses: Iterable[Sequence[float]]) -> LargestErrors:
+    """How far two chains of floats are from each other at most, at some joint vectors [rad or m]."""
+    worst, largest = LargestErrors(0.0, 0.0, ()), 0.0
     for q in poses:
         values = values_of(q)
         [one], [other] = said.walk(values), found.walk(values)
@@ -160,23 +160,23 @@ def _largest(said: CompiledChain, found: CompiledChain, poses: Sequence[Sequence
             position = math.inf
         largest = max(largest, angle)
         if not worst.q or (position, angle) > worst[:2]:
-            worst = _LargestErrors(position, angle, tuple(q))
+            worst = LargestErrors(position, angle, tuple(q))
     return worst._replace(angle=largest)
 
 
-def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[Sequence[float]]) -> _LargestErrors:
+def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[Sequence[float]]) -> LargestErrors:
     """The largest errors of floats, all joint vectors walked together."""
     import numpy as np
 
     q = np.array(poses).reshape(len(poses), len(poses[0]), 1).swapaxes(0, 1)
     [largest] = _largest_of_arms(said, found, list(zip(q, np.cos(q), np.sin(q), strict=True)), (len(poses), 1))
-    return _LargestErrors(*largest)
+    return LargestErrors(*largest)
 
 
 def _largest_of_arms(
     said: CompiledChain, found: CompiledChain, values: Sequence[JointValue], shape: tuple[int, int]
 ) -> Iterator[tuple[float, float, tuple[float, ...]]]:
-    """What `_LargestErrors` has, of each of N arms at P joint vectors, whose values have the shape (P, N) or (P, 1)."""
+    """What `LargestErrors` has, of each of N arms at P joint vectors, whose values have the shape (P, N) or (P, 1)."""
     import numpy as np
 
     with np.errstate(all="ignore"):  # What is not a number is an infinite error.

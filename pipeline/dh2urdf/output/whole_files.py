@@ -57,6 +57,7 @@ class Stems:
     def __init__(self, stem_of: Callable[[str], str] = safe_stem) -> None:
         self._stem_of = stem_of
         self._taken = SeenNames()
+        self._numbers: dict[str, int] = {}  # how often a stem was wanted, of those that were wanted again
 
     def claim_all(self, names: Sequence[str]) -> list[tuple[str, Problem | None]]:
         """The stems of manipulators, each with a notice where another one already has the stem of its name."""
@@ -70,13 +71,14 @@ class Stems:
     def claim(self, name: str) -> tuple[str, Problem | None]:
         """The stem of a manipulator, and a notice where another one already has the stem of its name."""
         wanted = stem = self._stem_of(name)
-        number = 1
+        number = self._numbers.get(self._key(wanted), 1)
         while self._taken.known([self._key(stem)]):
             number += 1
             stem = f"{wanted}-{number}"
         self._taken.add([self._key(stem)])
         if number == 1:
             return stem, None
+        self._numbers[self._key(wanted)] = number
         message = f"its files are named {stem!r}: {wanted!r} belongs to another manipulator of this run"
         return stem, Problem(message=message, severity="notice", robot=name)
 

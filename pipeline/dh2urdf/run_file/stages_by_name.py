@@ -74,15 +74,17 @@ class AskedStages:
         first: dict[tuple[int, int], tuple[Path, Call[Reader[Any]], Mark | None]] = {}
         for given in inputs:
             self.notices.update((path, notice) for path, notice in zip(given.paths, given.notices, strict=False))
+            calls: dict[str, Call[Reader[Any]] | None] = {}
             for path in given.paths:
                 with self._at(given.mark):
                     name = given.stage or self._catalog.reader_for(path).name
-                    call = self.call("reader", given.read_by(name))
-                    if call is None:
+                    if name not in calls:
+                        calls[name] = self.call("reader", given.read_by(name))
+                    if (call := calls[name]) is None:
                         break  # What is wrong with it is wrong with all files of this input.
                     status = path.stat()
                     earlier = first.setdefault((status.st_dev, status.st_ino), (path, call, given.mark))
-                    if earlier[1] is call and earlier[0] is path:
+                    if earlier[0] is path:
                         found.append((path, call))
                     else:
                         self._note_again(path, call, given.mark, *earlier)

@@ -16,7 +16,6 @@ from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.isolation.watchdog import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
-from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
 from dh2urdf.plugin_system.calls import blaming
 from dh2urdf.plugin_system.column_calls import emit_columns, read_columns, transform_columns
@@ -92,7 +91,7 @@ class Work(BatchContent):
     # --- Many at once
 
     def _side_by_side(self, missing: set[int]) -> dict[int, Outcome]:
-        """The outcomes of those that can be made so, and about which there is nothing to say."""
+        """The outcomes of those that can be made so."""
         recipe = self.recipe
         emitters = all(call.stage.emit_columns for call in recipe.emitters)
         if self.maker.effect is Depth.LOOK or recipe.transform.stage.transform_columns is None or not emitters:
@@ -107,10 +106,9 @@ class Work(BatchContent):
         return ready
 
     def _is_plain(self, place: int, missing: set[int]) -> bool:
-        """Whether there is nothing to do or to say but to write files and to prove them."""
+        """Whether there is nothing to do but to write files and to prove them."""
         is_loaded = self.recipe.loaders and self.batch.first + place in self.recipe.sample
-        others = self.batch.notices.keys() | self.singles.keys()
-        return place in missing and not is_loaded and place not in others
+        return place in missing and not is_loaded and place not in self.singles
 
     def _group(self, places: list[int], columns: ManipulatorColumns) -> dict[int, Outcome]:
         """The outcomes of manipulators that differ in numbers only; what fails here is made one by one, to say why.
@@ -155,7 +153,7 @@ class Work(BatchContent):
                 source=self.batch.sources[place],
                 drawn=self.drawn.get(place, {}),
                 keeps_kinematics=keeps_kinematics,
-                notices=tuple(replace(notice, robot=name) for notice in notices),
+                notices=(*self.batch.notices.get(place, ()), *(replace(notice, robot=name) for notice in notices)),
                 written=tuple(own),
                 meshes=meshes,
             )
@@ -198,8 +196,7 @@ class Work(BatchContent):
         what, batch = self.what(place), self.batch
         index = batch.first + place
         seconds: dict[str, float] = defaultdict(float)
-        # What its table was read with is told with the nominal manipulator, not with each of its variants.
-        own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
+        own = what.notices if isinstance(what, Rejected) else ()
         outcome = Outcome(
             name=what.name,
             status="skipped" if self.maker.effect is Depth.LOOK else "ok",

@@ -81,7 +81,7 @@ class Batch:
         columns: those that differ in numbers only, with their places in the batch.
         variants: variations whose variants they are, with the place of the first one and the variants' numbers.
         singles: all others, by their places.
-        notices: what is known of them before the work begins, by their places.
+        notices: what is known of them before the work begins, by their places: a reader's notices, and more.
         tracebacks: where a reader failed, by place.
         rows: what earlier runs tell of manipulators of the same name, by place.
     """
@@ -249,8 +249,9 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
     for place, (what, _, _) in enumerate(some):
         stem, clash = ("", None) if isinstance(what, Rejected) else next(claimed)
         own_stems.append(stem)
-        if clash:
-            notices[place] = (clash,)
+        own = what.notices if isinstance(what, Manipulator) else ()
+        if said := (*own, *([clash] if clash else ())):
+            notices[place] = said
         match what:
             case Variant(variation=variation, number=number):
                 # The variants of a variation come one after the other, by their numbers.
@@ -259,8 +260,8 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
                     variants[-1] = (start, variation, range(numbers.start, number + 1))
                 else:
                     variants.append((place, variation, range(number, number + 1)))
-            case Manipulator(notices=()):
-                plain[place] = what
+            case Manipulator():  # Tables that differ in numbers only have notices of their own all the same.
+                plain[place] = replace(what, notices=()) if own else what
             case _:
                 singles[place] = what
     places = list(plain)

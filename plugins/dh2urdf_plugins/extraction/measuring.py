@@ -10,12 +10,13 @@ import math
 import random
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics import KinematicChain, angle_error, forward_kinematics, position_error
+from dh2urdf.kinematics import KinematicChain, largest_errors, table_chain
 from dh2urdf.manipulator import JointType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from dh2urdf.kinematics import CompiledChain
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint
 
@@ -44,24 +45,18 @@ class Difference(NamedTuple):
 
 def difference(table: Manipulator, joints: Sequence[Joint]) -> Difference:
     """How far the table of a chain is from its joints, at q = 0 and at random q within the limits."""
-    chain = KinematicChain.of(joints)
-    position = angle = 0.0
-    for q in _joint_vectors([joint for joint in joints if joint.type is not JointType.FIXED]):
-        one, other = forward_kinematics(table, q), chain.forward_kinematics(q)
-        position = max(position, position_error(one, other))
-        angle = max(angle, angle_error(one, other))
-    return Difference(position, angle)
+    return _difference(table_chain(table), KinematicChain.of(joints).compiled, joints)
 
 
 def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> Difference:
     """How far two chains of the same joints are from each other, at the same joint vectors."""
-    left, right = KinematicChain.of(one), KinematicChain.of(other)
-    position = angle = 0.0
-    for q in _joint_vectors([joint for joint in one if joint.type is not JointType.FIXED]):
-        here, there = left.forward_kinematics(q), right.forward_kinematics(q)
-        position = max(position, position_error(here, there))
-        angle = max(angle, angle_error(here, there))
-    return Difference(position, angle)
+    return _difference(KinematicChain.of(one).compiled, KinematicChain.of(other).compiled, one)
+
+
+def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> Difference:
+    moving = [joint for joint in joints if joint.type is not JointType.FIXED]
+    errors = largest_errors(one, other, _joint_vectors(moving))
+    return Difference(errors.position, errors.angle)
 
 
 def _joint_vectors(moving: Sequence[Joint]) -> Iterator[tuple[float, ...]]:

@@ -1,0 +1,77 @@
+"""Tables with something to say of each are made side by side as others are, and their notices are kept."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import dh2urdf
+from dh2urdf.output.whole_files import Stems
+from dh2urdf.running.batch_work import Work
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ARMS = 12
+TABLE = "# convention: standard\n# name: {name}\njoint, a, alpha, d\none, 0.4, 0, {d}\ntwo, 0.3, pi/2, 0\n"
+
+
+@pytest.fixture(name="inputs")
+def _inputs(tmp_path: Path) -> Path:
+    """Descriptions that differ in a length, whose reader has notices of each."""
+    for number in range(ARMS):
+        path = tmp_path / "inputs" / f"arm_{number:02}.urdf"
+        dh2urdf.convert(TABLE.format(name=path.stem, d=0.1 + number / 97), path, reader="csv")
+    return tmp_path
+
+
+def made(folder: Path, emitters: str) -> tuple[dict[str, bytes], dict[str, list[str]]]:
+    """The URDFs of a run, and the notices of each manipulator."""
+    run_file = folder / "run.yaml"
+    run_file.write_text(
+        f"inputs: ['inputs/*.urdf']\nemitters: {emitters}\noutput: out\nreport: {{html: false}}\n"
+        "execution: {options: {workers: 1}}\nsample: {first: 0}\n"
+    )
+    report = dh2urdf.run(run_file)
+    files = {path.name: path.read_bytes() for path in (folder / "out").glob("arm_??.urdf")}
+    return files, {row["name"]: [str(notice) for notice in row["notices"]] for row in report["manipulators"]}
+
+
+def test_they_are_what_they_are_by_themselves(inputs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same bytes and the same notices, each with its own file; none is made by itself."""
+    by_themselves: list[int] = []
+    one = Work._one
+
+    def noted(self: Work, place: int) -> Any:
+        by_themselves.append(place)
+        return one(self, place)
+
+    monkeypatch.setattr(Work, "_one", noted)
+    together, notices = made(inputs, "[urdf]")
+    assert by_themselves == []
+    alone, others = made(inputs, "[urdf, xacro]")  # xacro is made one by one
+    assert len(by_themselves) == ARMS
+    assert together == alone
+    assert len(together) == ARMS
+    assert notices == others
+    for name, told in notices.items():
+        [of_the_reader] = [notice for notice in told if "tip is within" in notice]
+        assert f"{name}.urdf" in of_the_reader
+
+
+def test_names_that_many_have_are_numbered_at_once() -> None:
+    """A hundred thousand manipulators of one name do not take a hundred thousand squared steps."""
+
+    class Counted(Stems):
+        asked = 0
+
+        @staticmethod
+        def _key(stem: str) -> str:
+            Counted.asked += 1
+            return Stems._key(stem)
+
+    stems = Counted()
+    found = [stems.claim("robot")[0] for _ in range(2000)]
+    assert found == ["robot", *(f"robot-{number}" for number in range(2, 2001))]
+    assert Counted.asked < 20_000

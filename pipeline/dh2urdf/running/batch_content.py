@@ -125,14 +125,14 @@ class BatchContent:
     def _context(self, place: int) -> tuple[Any, ...]:
         index, recipe = self.batch.first + place, self.recipe
         where = self.maker.layout.folder(index)
-        clash = self.batch.notices.get(place)
         return (
             where,
             self.batch.stems[place],
             self.batch.sources[place],
             index in recipe.proved,
             index in recipe.sample,
-            clash,
+            self.batch.notices.get(place),
+            self.batch.of_readers.get(place),
         )
 
     def key(self, place: int, *, noticed: bool, mark: Mark | None) -> str:
@@ -173,7 +173,7 @@ class BatchContent:
             return self.singles[place]
         for places, columns in self.groups:
             if place in places:
-                return columns.pick(places.index(place))
+                return self.batch.with_notices(place, columns.pick(places.index(place)))
         raise LookupError(place)
 
 

@@ -16,6 +16,7 @@ from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.isolation.watchdog import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
 from dh2urdf.plugin_system.calls import blaming
 from dh2urdf.plugin_system.column_calls import emit_columns, read_columns, transform_columns
@@ -108,7 +109,8 @@ class Work(BatchContent):
     def _is_plain(self, place: int, missing: set[int]) -> bool:
         """Whether there is nothing to do but to write files and to prove them."""
         is_loaded = self.recipe.loaders and self.batch.first + place in self.recipe.sample
-        return place in missing and not is_loaded and place not in self.singles
+        others = self.batch.notices.keys() | self.singles.keys()
+        return place in missing and not is_loaded and place not in others
 
     def _group(self, places: list[int], columns: ManipulatorColumns) -> dict[int, Outcome]:
         """The outcomes of manipulators that differ in numbers only; what fails here is made one by one, to say why.
@@ -153,7 +155,7 @@ class Work(BatchContent):
                 source=self.batch.sources[place],
                 drawn=self.drawn.get(place, {}),
                 keeps_kinematics=keeps_kinematics,
-                notices=(*self.batch.notices.get(place, ()), *(replace(notice, robot=name) for notice in notices)),
+                notices=(*self.batch.of_readers.get(place, ()), *(replace(notice, robot=name) for notice in notices)),
                 written=tuple(own),
                 meshes=meshes,
             )
@@ -196,7 +198,8 @@ class Work(BatchContent):
         what, batch = self.what(place), self.batch
         index = batch.first + place
         seconds: dict[str, float] = defaultdict(float)
-        own = what.notices if isinstance(what, Rejected) else ()
+        # What its table was read with is told with the nominal manipulator, not with each of its variants.
+        own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
         outcome = Outcome(
             name=what.name,
             status="skipped" if self.maker.effect is Depth.LOOK else "ok",

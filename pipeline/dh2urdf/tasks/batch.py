@@ -81,7 +81,8 @@ class Batch:
         columns: those that differ in numbers only, with their places in the batch.
         variants: variations whose variants they are, with the place of the first one and the variants' numbers.
         singles: all others, by their places.
-        notices: what is known of them before the work begins, by their places: a reader's notices, and more.
+        notices: what is known of them before the work begins, by their places.
+        of_readers: the notices of their tables, which those in columns are without, by their places.
         tracebacks: where a reader failed, by place.
         rows: what earlier runs tell of manipulators of the same name, by place.
     """
@@ -94,6 +95,7 @@ class Batch:
     variants: tuple[tuple[int, Variation, range], ...] = ()
     singles: Mapping[int, Single] = field(default_factory=dict)
     notices: Mapping[int, tuple[Problem, ...]] = field(default_factory=dict)
+    of_readers: Mapping[int, tuple[Problem, ...]] = field(default_factory=dict)
     tracebacks: Mapping[int, str] = field(default_factory=dict)
     rows: Mapping[int, tuple[bytes, ...]] = field(default_factory=dict)
 
@@ -111,7 +113,12 @@ class Batch:
                     return variant.manipulator(variant.drawn())
                 except ManipulatorError as error:
                     return Doomed(variant.name, error, variant.mark)
-        return next(some.pick(places.index(place)) for places, some in self.columns if place in places)
+        table = next(some.pick(places.index(place)) for places, some in self.columns if place in places)
+        return self.with_notices(place, table)
+
+    def with_notices(self, place: int, table: Manipulator) -> Manipulator:
+        """A table of the columns with the notices of its reader."""
+        return replace(table, notices=self.of_readers[place]) if place in self.of_readers else table
 
     def part(self, start: int, stop: int) -> Batch:
         """Those from one place to before another one."""
@@ -135,6 +142,7 @@ class Batch:
             variants=tuple(variants),
             singles={place - start: what for place, what in self.singles.items() if place in wanted},
             notices={place - start: notices for place, notices in self.notices.items() if place in wanted},
+            of_readers={place - start: notices for place, notices in self.of_readers.items() if place in wanted},
             tracebacks={place - start: text for place, text in self.tracebacks.items() if place in wanted},
             rows={place - start: rows for place, rows in self.rows.items() if place in wanted},
         )
@@ -245,13 +253,13 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
     notices: dict[int, tuple[Problem, ...]] = {}
     singles: dict[int, Single] = {}
     plain: dict[int, Manipulator] = {}
+    of_readers: dict[int, tuple[Problem, ...]] = {}
     variants: list[tuple[int, Variation, range]] = []
     for place, (what, _, _) in enumerate(some):
         stem, clash = ("", None) if isinstance(what, Rejected) else next(claimed)
         own_stems.append(stem)
-        own = what.notices if isinstance(what, Manipulator) else ()
-        if said := (*own, *([clash] if clash else ())):
-            notices[place] = said
+        if clash:
+            notices[place] = (clash,)
         match what:
             case Variant(variation=variation, number=number):
                 # The variants of a variation come one after the other, by their numbers.
@@ -260,8 +268,10 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
                     variants[-1] = (start, variation, range(numbers.start, number + 1))
                 else:
                     variants.append((place, variation, range(number, number + 1)))
+            case Manipulator(notices=()):
+                plain[place] = what
             case Manipulator():  # Tables that differ in numbers only have notices of their own all the same.
-                plain[place] = replace(what, notices=()) if own else what
+                plain[place], of_readers[place] = replace(what, notices=()), what.notices
             case _:
                 singles[place] = what
     places = list(plain)
@@ -279,6 +289,7 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
         variants=tuple(variants),
         singles=singles,
         notices=notices,
+        of_readers=of_readers,
         tracebacks={place: traceback for place, (_, _, traceback) in enumerate(some) if traceback},
     )
 

@@ -445,6 +445,43 @@ export default {
       return caster;
     },
 
+    // The scene as it is on the screen, twice as fine, as a file: with its labels; without the ground, if that is to be
+    // transparent.
+    savePicture(name, transparent) {
+      const { clientWidth: width, clientHeight: height } = this.$el, fine = 2;
+      const sheet = document.createElement("canvas");
+      [sheet.width, sheet.height] = [fine * width, fine * height];
+      const pen = sheet.getContext("2d");
+      this.ground.visible = !transparent;
+      this.renderer.setPixelRatio(fine);
+      this.renderer.render(this.scene, this.camera);
+      if (!transparent) {
+        pen.fillStyle = "#fff";
+        pen.fillRect(0, 0, sheet.width, sheet.height);
+      }
+      pen.drawImage(this.renderer.domElement, 0, 0, sheet.width, sheet.height);
+      this.ground.visible = true;
+      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      this.draw();
+      pen.scale(fine, fine);
+      pen.textBaseline = "middle";
+      const origin = this.$el.getBoundingClientRect();
+      for (const label of this.sheet.children) {
+        const style = getComputedStyle(label), box = label.getBoundingClientRect();
+        if (style.visibility === "hidden") continue;
+        const [x, y] = [box.left - origin.left, box.top - origin.top];
+        pen.fillStyle = style.backgroundColor;
+        pen.fillRect(x, y, box.width, box.height);
+        pen.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
+        pen.fillStyle = style.color;
+        pen.fillText(label.textContent, x + parseFloat(style.paddingLeft), y + box.height / 2);
+      }
+      const link = document.createElement("a");
+      link.download = `${name}.png`;
+      link.href = sheet.toDataURL("image/png");
+      link.click();
+    },
+
     // --- The handle: dragged in the plane that faces the camera, it says where tool0 is wanted. One place at a time is
     // on its way; the newest follows when that one has been answered. ---
 

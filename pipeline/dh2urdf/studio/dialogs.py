@@ -34,7 +34,7 @@ _MEANINGS = {
 
 
 @contextmanager
-def _card(title: str, *, persistent: bool = False) -> Iterator[ui.dialog]:
+def card(title: str, *, persistent: bool = False) -> Iterator[ui.dialog]:
     """A dialog with a title, which is its name for those who do not see it."""
     with ui.dialog() as dialog, ui.card().classes("studio-card"):
         dialog.props["aria-label"] = title
@@ -74,7 +74,7 @@ async def ask_units(length: str, angle: str, *, possible: bool) -> bool | None:
 
 
 async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) -> bool | None:
-    with _card(title) as dialog:
+    with card(title) as dialog:
         button = ui.button(convert, on_click=lambda: dialog.submit("convert")).props("unelevated align=left autofocus")
         button.classes("studio-choice").set_enabled(possible)
         if not possible:
@@ -93,7 +93,7 @@ async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) ->
 async def ask_table(catalog: Catalog) -> TableText | None:
     """A table of the gallery or of a file; None where none was chosen."""
     suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
-    with _card("Open a table") as dialog:
+    with card("Open a table") as dialog:
 
         def refuse(told: str) -> None:
             problem.set_text(told)
@@ -156,7 +156,7 @@ async def choose(tables: tuple[Opened, ...] | None) -> TableText | None:
 
 async def ask_back(table: TableText) -> bool:
     """Whether a table that the browser has kept is to be opened again."""
-    with _card("The studio was started anew", persistent=True) as dialog:
+    with card("The studio was started anew", persistent=True) as dialog:
         rows = words.count(len(table.rows), "row", "rows")
         ui.label(f"This tab has kept a table of {rows}, {table.name or 'without a name'}.").classes("studio-status")
         with ui.element("div").classes("studio-row"):
@@ -179,7 +179,7 @@ async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:
         found: its tables, or why it cannot be read as one.
     """
     bad = "This looks like a whole table, and cannot be read as one"
-    with _card(bad if isinstance(found, str) else "The clipboard holds a whole table") as dialog:
+    with card(bad if isinstance(found, str) else "The clipboard holds a whole table") as dialog:
         if isinstance(found, str):
             ui.label(found).classes("studio-problem error")
         else:
@@ -199,7 +199,7 @@ async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:
 
 async def _ask_which(tables: tuple[Opened, ...]) -> Opened | None:
     more = len(tables) > MOST_CHOICES
-    with _card(f"The file holds {f'more than {MOST_CHOICES}' if more else len(tables)} manipulators") as dialog:
+    with card(f"The file holds {f'more than {MOST_CHOICES}' if more else len(tables)} manipulators") as dialog:
         names = {number: opened.table.name for number, opened in enumerate(tables[:MOST_CHOICES])}
         if more:
             told = f"the first {MOST_CHOICES} can be chosen; `dh2urdf studio FILE --robot NAME` opens any of them"
@@ -296,7 +296,7 @@ def _hand_over(file: Saved) -> None:
 async def show_error(title: str, error: Dh2UrdfError) -> None:
     """Says what keeps something from being made."""
     problems = getattr(error, "problems", ())
-    with _card(title) as dialog:
+    with card(title) as dialog:
         for problem in problems[:20]:
             where = f"{problem.joint}, {problem.field}: " if problem.joint and problem.field else ""
             parts = [where + problem.message, problem.accepted and f"accepted: {problem.accepted}", problem.suggestion]

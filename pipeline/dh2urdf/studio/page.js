@@ -49,7 +49,42 @@
   };
   window.addEventListener("load", watch);
 
+  // A link holds the table in its fragment, which no browser sends: deflated, in the letters of base64url.
+  const LINK = "#table=";
+  const LONGEST = 4_000_000; // of the text in a link [B]
+  const through = (bytes, stream) => new Blob([bytes]).stream().pipeThrough(stream);
+  const link = async (text) => {
+    const deflated = await new Response(through(text, new CompressionStream("deflate-raw"))).arrayBuffer();
+    const letters = Array.from(new Uint8Array(deflated), (byte) => String.fromCharCode(byte)).join("");
+    const word = btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+    return location.origin + location.pathname + LINK + word;
+  };
+  // The text of the link by which the page was opened: null without one, empty where it is none. It is taken out of the
+  // address, so that loading the page anew does not undo what was done since.
+  const linked = async () => {
+    if (!location.hash.startsWith(LINK)) return null;
+    const word = location.hash.slice(LINK.length);
+    history.replaceState(null, "", location.pathname + location.search);
+    try {
+      const bytes = Uint8Array.from(atob(word.replaceAll("-", "+").replaceAll("_", "/")), (letter) => letter.charCodeAt(0));
+      const reader = through(bytes, new DecompressionStream("deflate-raw")).getReader();
+      const parts = [];
+      let length = 0;
+      for (let step = await reader.read(); !step.done; step = await reader.read()) {
+        length += step.value.length;
+        if (length > LONGEST) return "";
+        parts.push(step.value);
+      }
+      return await new Blob(parts).text();
+    } catch {
+      return "";
+    }
+  };
+  window.addEventListener("hashchange", () => location.hash.startsWith(LINK) && location.reload());
+
   window.dhPage = {
+    link,
+    linked,
     keep: (table) => sessionStorage.setItem(KEPT, table),
     kept: () => sessionStorage.getItem(KEPT) ?? "",
   };

@@ -14,6 +14,7 @@ from dh2urdf.studio.editing import edits, pasting
 from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
 from dh2urdf.studio.editing.session import BOTH
+from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.panels.lesson import LessonPanel
 from dh2urdf.studio.panels.target import TargetPanel
 from dh2urdf.studio.problem_list import ProblemList
@@ -72,6 +73,7 @@ class StudioPage:
         with ui.button("Save", icon="save").props(f"{_QUIET} color=white"), ui.menu():
             for kind, name, told in dialogs.savings(self.session.catalog):
                 ui.menu_item(told, on_click=lambda kind=kind, name=name: dialogs.save(self.session, kind, name))
+            self._menu = ui.element("div")
         generate = ui.button("Generate", icon="precision_manufacturing", on_click=self._generate)
         generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
 
@@ -147,6 +149,8 @@ class StudioPage:
             explain.tooltip("explain the picked row")
         self._remark = ui.label().classes("studio-bar studio-remark")
         self._view = ArmView(on_pick=self._picked_in_scene, on_aim=self._target.drag)
+        with self._menu:
+            sharing.lay_items(self.session, self._view)
         with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
             ui.html(
                 "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
@@ -431,6 +435,9 @@ class StudioPage:
         self.show()
         self._view.highlight(self.session.row)
         self._view.fit()
+        if (linked := await sharing.linked_table()) is not None:
+            await self._show_opened(linked)
+            return
         is_new = not self.session.history.can_undo
         if is_new and kept is not None and kept != self.session.table and await dialogs.ask_back(kept):
             await self._show_opened(kept)

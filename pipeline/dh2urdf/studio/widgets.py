@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui.element import Element
 from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
 
+from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities.units import QuantityError
 from dh2urdf.studio.drawing.scene import poses_as_json
 
@@ -56,6 +57,10 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
     def highlight(self, row: int | None) -> None:
         """The link and the frame of a row stand out."""
         self.run_method("highlight", row)
+
+    def save_picture(self, name: str, *, transparent: bool) -> None:
+        """Hands the scene over as the browser draws it, as a PNG of twice the size; with or without the ground."""
+        self.run_method("savePicture", safe_stem(name or "arm"), transparent)
 
     def show_handle(self, *, shown: bool) -> None:
         """The handle at tool0, which a person drags."""

@@ -20,7 +20,9 @@ def test_a_table_comes_back(name: str, catalog: Catalog) -> None:
     assert kept_table(kept_text(table)) == table
 
 
-@pytest.mark.parametrize("text", ["", "no", "[]", "{}", '{"rows": 3}', '{"rows": []}', kept_text(TableText(name="x"))])
+@pytest.mark.parametrize(
+    "text", ["", "no", "[]", "{}", '{"rows": 3}', '{"rows": []}', kept_text(TableText(name="x")), "[" * 90_000]
+)
 def test_what_is_no_table(text: str) -> None:
     """A text that somebody else has put there, or a table without rows, is nothing to offer."""
     assert kept_table(text) is None
@@ -29,3 +31,9 @@ def test_what_is_no_table(text: str) -> None:
 def test_foreign_fields_and_types_are_left_out() -> None:
     table = kept_table('{"name": 3, "evil": "x", "rows": [{"a": "1\\u0000", "b?": "2", "d": 4}, "no"]}')
     assert table == TableText(rows=({"a": "1"},))
+
+
+def test_words_that_the_page_does_not_know_are_left_out() -> None:
+    """A link may hold anything."""
+    table = kept_table('{"convention": "mine", "length_unit": "parsec", "angle_unit": "deg", "rows": [{"a": "1"}]}')
+    assert table == TableText(angle_unit="deg", rows=({"a": "1"},))

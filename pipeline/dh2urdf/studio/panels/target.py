@@ -102,7 +102,9 @@ class TargetPanel:
 
     @property
     def _units(self) -> tuple[Unit, Unit]:
-        return UNITS[self._session.table.length_unit], UNITS[self._session.table.angle_unit]
+        arm = self._session.arm
+        table = arm.table if arm else self._session.table
+        return UNITS[table.length_unit], UNITS[table.angle_unit]
 
     def _number(self, name: str, unit: Unit) -> float:
         """The number in a box in SI units; where nothing was typed, all digits of it.

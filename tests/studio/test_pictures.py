@@ -72,6 +72,14 @@ def target(tab: Any) -> None:
     box.blur()
 
 
+def workspace(tab: Any) -> None:
+    tab.open_exhibit("ur5")
+    set_sliders(tab, UR5_POSE)
+    tab.page.get_by_role("button", name="measure between frames, and show the workspace").click()
+    tab.page.get_by_text("workspace", exact=True).click()
+    tab.page.get_by_text("in 4000 random poses").wait_for()
+
+
 def set_sliders(tab: Any, values: list[float]) -> None:
     for box, value in zip(tab.page.locator(".joint-slider-number").all(), values, strict=True):
         box.fill(str(value))
@@ -90,6 +98,7 @@ STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
     "paper": (paper, LAPTOP),
     "lesson": (lesson, LAPTOP),
     "target": (target, LAPTOP),
+    "workspace": (workspace, LAPTOP),
     "tablet": (ur5, TABLET),
 }
 ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP, "meshes": LAPTOP}

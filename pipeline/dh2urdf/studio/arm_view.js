@@ -2,7 +2,7 @@
 // rests when nothing has. `this.$el.scene` is the three.js scene, whose nodes have the names that Python gave them.
 import { OrbitControls, THREE } from "nicegui-scene";
 
-const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44, x: 0xe03131, y: 0x2f9e44, z: 0x1971c2 };
+const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44, x: 0xe03131, y: 0x2f9e44, z: 0x1971c2, distance: 0x495057 };
 const HIGHLIGHT = new THREE.Color(0x4dabf7);
 const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
@@ -119,7 +119,8 @@ export default {
     this.arm = new THREE.Group();
     this.strokes = new THREE.Group();
     this.ground = new THREE.Group();
-    this.scene.add(this.arm, this.strokes, this.ground);
+    this.cloud = new THREE.Group();
+    this.scene.add(this.arm, this.strokes, this.ground, this.cloud);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a94a6, 2.2));
     const sun = new THREE.DirectionalLight(0xffffff, 1.6);
     sun.position.set(3, -4, 8);
@@ -285,8 +286,8 @@ export default {
       head.position.copy(end);
       tube.renderOrder = head.renderOrder = 2;
       tube.userData.row = row;
-      tube.name = `${field} ${row + 1}`;
-      const text = this.label(label, "parameters", `arm-view-stroke arm-view-${field}`);
+      tube.name = row === null ? field : `${field} ${row + 1}`;
+      const text = label ? this.label(label, "parameters", `arm-view-stroke arm-view-${field}`) : new THREE.Object3D();
       text.position.copy(vectors.length > 2 ? vectors[Math.floor(vectors.length / 2)] : vectors[0].clone().lerp(vectors[1], 0.5));
       tube.add(text, head);
       this.emphasise(tube);
@@ -295,7 +296,7 @@ export default {
 
     // Where a row is picked, only its own parameters are told.
     emphasise(tube) {
-      const on = this.row === null || tube.userData.row === this.row;
+      const on = [null, this.row].includes(tube.userData.row) || this.row === null;
       tube.material.opacity = on ? 1 : 0.3;
       tube.children[0].visible = on;
     },
@@ -379,13 +380,13 @@ export default {
     points() {
       this.scene.updateMatrixWorld();
       const points = this.nodes.map((node) => new THREE.Vector3().setFromMatrixPosition(node.matrixWorld));
+      const corners = ({ min, max }) => [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
+      for (const { geometry } of this.cloud.children) points.push(...corners(geometry.boundingBox));
       this.arm.traverse((object) => {
         if (object.isMesh && object.visible && object.userData.layer === "frames")
           for (const [, tip] of AXES) points.push(tip.clone().multiplyScalar(1.1).applyMatrix4(object.matrixWorld));
         if (!object.isMesh || !["links", "axes"].includes(object.userData.layer)) return;
-        const { min, max } = object.geometry.boundingBox;
-        for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z])
-          points.push(new THREE.Vector3(x, y, z).applyMatrix4(object.matrixWorld));
+        points.push(...corners(object.geometry.boundingBox).map((corner) => corner.applyMatrix4(object.matrixWorld)));
       });
       return points.length ? points : [[-0.8, -0.8, 0], [0.8, -0.8, 0], [0.8, 0.8, 0], [0, 0, 0.9]].map((p) => new THREE.Vector3(...p));
     },
@@ -480,6 +481,22 @@ export default {
       link.download = `${name}.png`;
       link.href = sheet.toDataURL("image/png");
       link.click();
+    },
+
+    // Points of tool0, three numbers each, in place of those before.
+    showCloud(numbers) {
+      this.worn.push(...emptied(this.cloud));
+      if (numbers.length) {
+        const geometry = new THREE.BufferGeometry();
+        geometry.setAttribute("position", new THREE.Float32BufferAttribute(numbers, 3));
+        const material = new THREE.PointsMaterial({ color: 0x1c7ed6, size: 2.5, sizeAttenuation: false, transparent: true, opacity: 0.55 });
+        const points = new THREE.Points(geometry, material);
+        geometry.computeBoundingBox();
+        points.name = "workspace";
+        this.cloud.add(points);
+        if (!this.own) this.fit(true);
+      }
+      this.draw();
     },
 
     // --- The handle: dragged in the plane that faces the camera, it says where tool0 is wanted. One place at a time is

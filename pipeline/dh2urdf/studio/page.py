@@ -16,6 +16,8 @@ from dh2urdf.studio.editing.keeping import kept_table, kept_text
 from dh2urdf.studio.editing.session import BOTH
 from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.panels.lesson import LessonPanel
+from dh2urdf.studio.panels.measuring import MeasuringPanel
+from dh2urdf.studio.panels.poses import PosesPanel
 from dh2urdf.studio.panels.target import TargetPanel
 from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
@@ -112,8 +114,13 @@ class StudioPage:
             on_act=self._act,
             on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
         )
-        self._lesson = LessonPanel(self.session, self._show_pose)
         self._target = TargetPanel(self.session, self._show_pose, self._show_handle)
+        self._panels = (
+            self._target,
+            PosesPanel(self.session, self._show_pose),
+            MeasuringPanel(self.session, self._show_pose, self._show_cloud),
+            LessonPanel(self.session, self._show_pose),
+        )
         self._problems = ProblemList(on_click=self._go_to)
         with ui.element("div").classes("studio-ends"):
             self._ends: dict[str, ui.input] = {}
@@ -141,12 +148,9 @@ class StudioPage:
             self._variant.props('dense unelevated no-caps aria-label="variant"').set_visibility(bool(both))
             fit = ui.button(icon="center_focus_strong", on_click=self._see_all)
             fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
-            aim = ui.button(icon="ads_click", on_click=self._target.switch)
-            aim.props('flat dense round size=sm aria-label="set the pose of tool0"')
-            aim.tooltip("set the pose of tool0: type it, or drag the handle")
-            explain = ui.button(icon="school", on_click=self._lesson.switch)
-            explain.props('flat dense round size=sm aria-label="explain the picked row"')
-            explain.tooltip("explain the picked row")
+            for panel in self._panels:
+                switch = ui.button(icon=panel.ICON, on_click=panel.switch)
+                switch.props(f'flat dense round size=sm aria-label="{panel.TITLE}"').tooltip(panel.TITLE)
         self._remark = ui.label().classes("studio-bar studio-remark")
         self._view = ArmView(on_pick=self._picked_in_scene, on_aim=self._target.drag)
         with self._menu:
@@ -234,8 +238,8 @@ class StudioPage:
         remark = words.remark(session)
         self._remark.set_text(remark)
         self._remark.set_visibility(bool(remark))
-        self._lesson.show()
-        self._target.show()
+        for panel in self._panels:
+            panel.show()
 
     # --- What is done -------------------------------------------------------------------------------------------------
 
@@ -400,6 +404,9 @@ class StudioPage:
 
     def _show_handle(self, *, shown: bool) -> None:
         self._view.show_handle(shown=shown)
+
+    def _show_cloud(self, points: Any) -> None:  # noqa: ANN401 - an array of shape (n, 3)
+        self._view.show_cloud(points)
 
     def _see_all(self) -> None:
         self._view.fit()

@@ -15,6 +15,9 @@ from dh2urdf.studio.drawing.scene import poses_as_json
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.studio.drawing.scene import Drawing
     from dh2urdf.studio.drawing.strokes import Stroke
@@ -61,6 +64,10 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
     def save_picture(self, name: str, *, transparent: bool) -> None:
         """Hands the scene over as the browser draws it, as a PNG of twice the size; with or without the ground."""
         self.run_method("savePicture", safe_stem(name or "arm"), transparent)
+
+    def show_cloud(self, points: NDArray[np.float64]) -> None:
+        """Points of shape (n, 3) [m] in place of those before, to a micrometre."""
+        self.run_method("showCloud", points.round(6).ravel().tolist())
 
     def show_handle(self, *, shown: bool) -> None:
         """The handle at tool0, which a person drags."""

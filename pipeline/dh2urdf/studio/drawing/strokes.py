@@ -21,16 +21,16 @@ _BARE_NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stroke:
-    """A DH parameter as the segment or the arc that it is, at some q.
+    """A DH parameter as the segment or the arc that it is, at some q; or another line to draw.
 
     Attributes:
-        row: number of its row, counted from 0.
-        field: a, alpha, d or theta.
+        row: number of its row, counted from 0; None of what belongs to no row.
+        field: a, alpha, d or theta; x, y or z of a frame; distance.
         points: from its beginning to its end [m].
         label: its symbol and its value.
     """
 
-    row: int
+    row: int | None
     field: str
     points: tuple[Vec3, ...]
     label: str

@@ -5,12 +5,16 @@ It knows no browser. Whatever a person does is a method; the page shows what the
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import (
+    ROOT,
+    TOOL,
     KinematicChain,
     angle_error,
+    dh_frames,
     forward_kinematics,
     joint_variables,
     position_error,
@@ -22,22 +26,26 @@ from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio import joints
 from dh2urdf.studio.drawing.motions import moving_frame
 from dh2urdf.studio.drawing.scene import FRAME_SIZE, PAPER, Drawing, Figure, extent
+from dh2urdf.studio.drawing.strokes import Stroke
 from dh2urdf.studio.editing import conversions, edits
 from dh2urdf.studio.editing.history import History
 from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read, variants
 from dh2urdf.table_text import FIELDS, TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.studio.drawing.strokes import Stroke
     from dh2urdf.studio.joints import Slider
 
 BOTH = "both"
 """The choice of both variants, side by side."""
 COLUMNS = ("joint", "type", "a", "alpha", "d", "theta", "lower", "upper")
 """The columns of the paper's form, and limits; others are shown where the table uses them, or on request."""
+
+
+LEAST_LENGTH = 1e-6
+"""What is drawn of a distance at least, in reaches."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +84,8 @@ class Session:
         row: number of the row that is picked, counted from 0; None where none is.
         all_columns: whether columns are shown that are empty.
         lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
+        poses: joint values that a person has stored, by name [rad or m].
+        measured: the names of the two frames between which is measured; None where nothing is.
         problems_of_making: why no arm can be made of a table that can be read.
     """
 
@@ -92,6 +102,8 @@ class Session:
         self.row: int | None = None
         self.all_columns = False
         self.lesson: float | None = None
+        self.poses: list[dict[str, float]] = []
+        self.measured: tuple[str, str] | None = None
         self.reading = Reading(table=self.table)
         self.problems_of_making: tuple[CellProblem, ...] = ()
         self._before_preview: tuple[OpenArm | None] | None = None
@@ -100,8 +112,9 @@ class Session:
     def copy(self) -> Session:
         """Another session that goes on from here: a tab that was duplicated."""
         other = Session.__new__(Session)
-        other.__dict__.update(self.__dict__)  # All of it is immutable but q.
+        other.__dict__.update(self.__dict__)  # All of it is immutable but q and poses.
         other.q = dict(self.q)
+        other.poses = list(self.poses)
         return other
 
     @property
@@ -125,6 +138,7 @@ class Session:
     def open(self, table: TableText) -> None:
         """A table that was opened takes the place of this one, and of its arm, with every joint at 0."""
         self.q = {}
+        self.poses = []
         self.arm = None
         self._draw()
         self.put(table)
@@ -204,10 +218,28 @@ class Session:
         """The DH parameters that are shown, at the pose on the screen; of an explained row its own, and a frame."""
         row = self.explained_row
         if self.lesson is None or row is None or self.arm is None:
-            return self.drawing.strokes(self.q) if "parameters" in self.layers else ()
+            shown = self.drawing.strokes(self.q) if "parameters" in self.layers else ()
+            return (*shown, *self._measured_line())
         own = [stroke for stroke in self.drawing.strokes(self.q) if stroke.row == row]
         size = 1.6 * FRAME_SIZE * self.drawing.reach
         return (*own, *moving_frame(self.arm.manipulator, row, self.q, self.lesson, size))
+
+    def _measured_line(self) -> Iterator[Stroke]:
+        frames = self.frames
+        if self.measured is not None and frames.keys() >= set(self.measured):
+            one, other = (frames[name].translation for name in self.measured)
+            if math.dist(one, other) > LEAST_LENGTH * self.drawing.reach:
+                yield Stroke(row=None, field="distance", points=(one, other), label="")
+
+    @property
+    def frames(self) -> dict[str, RigidTransform]:
+        """The frames of the table in base_link at the pose on the screen, by the names that they have there."""
+        if self.arm is None:
+            return {}
+        table = self.arm.manipulator
+        frames = dh_frames(table, self._vector(table))
+        numbered = {f"{{{number}}}": frame for number, frame in enumerate(frames)}
+        return {ROOT: IDENTITY, **numbered, TOOL: frames[-1] @ table.tool}
 
     @property
     def shown_layers(self) -> frozenset[str]:

@@ -22,6 +22,8 @@ _ALL = 4.0
 class LessonPanel:
     """Explains the picked row beside the arm, and moves a frame through it."""
 
+    ICON, TITLE = "school", "explain the picked row"
+
     def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
         """Lay the panel out, hidden.
 

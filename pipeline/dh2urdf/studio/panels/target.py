@@ -38,6 +38,8 @@ _NO_LENGTH = 1e-9  # of a quaternion
 class TargetPanel:
     """Shows the pose of tool0 in boxes, and moves the arm to the pose that is typed there, or dragged to."""
 
+    ICON, TITLE = "ads_click", "set the pose of tool0"
+
     def __init__(self, session: Session, on_move: Callable[[], None], on_switch: Callable[..., None]) -> None:
         """Lay the panel out, hidden.
 

@@ -9,6 +9,8 @@ const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
 const STEP = Math.PI / 36; // of an arrow key [rad]
 const MARGIN = 34; // of the picture, for labels [px]
 const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
+const VIEWS = { front: [1, 0, 0], side: [0, -1, 0], top: [-1e-4, 0, 1], corner: FROM.toArray() }; // from where they look
+const KEYS = { 1: "front", 3: "side", 7: "top", 9: "corner" }; // where modellers have them on the number pad
 const ROWS = [-1, 0, -2, 1, -3, 2, -4, 3]; // of a label above and below its point, in its own heights
 const UP = new THREE.Vector3(0, 1, 0); // along which three.js lays cylinders and cones
 const AXES = [
@@ -85,7 +87,7 @@ function matrixOf(numbers, at = 0) {
 export default {
   template: `
     <div class="arm-view" role="application" tabindex="0" @keydown="key"
-         aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all">
+         aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all; 1 is the view from the front, 3 from the side, 7 from above, 9 from a corner">
       <canvas></canvas>
       <div class="arm-view-labels"></div>
       <div v-if="waiting" class="arm-view-progress">
@@ -376,6 +378,12 @@ export default {
       this.draw();
     },
 
+    // The camera where it sees all of the arm from one of the standard sides.
+    look(view) {
+      this.camera.position.copy(this.controls.target).add(new THREE.Vector3(...VIEWS[view]));
+      this.fit(true);
+    },
+
     // What has to be seen: the corners of links and joint axes, the tips of frames, and the origins of all nodes.
     points() {
       this.scene.updateMatrixWorld();
@@ -557,8 +565,9 @@ export default {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
       const nearer = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
-      if (!turns && !nearer && event.key !== "0") return;
+      if (!turns && !nearer && event.key !== "0" && !KEYS[event.key]) return;
       event.preventDefault();
+      if (KEYS[event.key]) return this.look(KEYS[event.key]);
       if (event.key === "0") return this.fit(true);
       const { target } = this.controls, away = this.camera.position.clone().sub(target);
       const z = new THREE.Vector3(0, 0, 1);

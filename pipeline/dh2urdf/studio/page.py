@@ -21,7 +21,7 @@ from dh2urdf.studio.panels.poses import PosesPanel
 from dh2urdf.studio.panels.target import TargetPanel
 from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
-from dh2urdf.studio.widgets import ArmView, JointSliders
+from dh2urdf.studio.widgets import ArmView, JointSliders, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -148,6 +148,7 @@ class StudioPage:
             self._variant.props('dense unelevated no-caps aria-label="variant"').set_visibility(bool(both))
             fit = ui.button(icon="center_focus_strong", on_click=self._see_all)
             fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
+            lay_views(lambda: self._view)
             for panel in self._panels:
                 switch = ui.button(icon=panel.ICON, on_click=panel.switch)
                 switch.props(f'flat dense round size=sm aria-label="{panel.TITLE}"').tooltip(panel.TITLE)

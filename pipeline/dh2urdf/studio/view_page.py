@@ -10,7 +10,7 @@ from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing, words
 from dh2urdf.studio.drawing.scene import LAYERS
-from dh2urdf.studio.widgets import ArmView, JointSliders
+from dh2urdf.studio.widgets import ArmView, JointSliders, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -58,6 +58,7 @@ class ViewPage:
                 up.tooltip("COLLADA files name the axis that points up. RViz and MoveIt take z, whatever they name.")
             button = ui.button(icon="center_focus_strong", on_click=self._see_all)
             button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
+            lay_views(lambda: self._scene)
         if unseen := self.view.drawing.unseen:
             told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
             remark = ui.label(f"{told}: {words.some_of(unseen)}").classes("studio-bar studio-remark")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from nicegui import ui
 from nicegui.element import Element
 from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
 
@@ -27,6 +28,10 @@ _STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
 """What an arrow key moves a slider by, in its unit."""
 _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
 """Digits behind the point of what a slider shows."""
+
+
+VIEWS = {"front": "front (1)", "side": "side (3)", "top": "top (7)", "corner": "corner (9)"}
+"""The standard views, with the keys that choose them where the scene has the focus."""
 
 
 class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # Element is any type to mypy
@@ -79,9 +84,22 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
             on_aim((x, y, z), begins=bool(args["begins"]))
         self.run_method("aimed")
 
+    def look(self, view: str) -> None:
+        """The camera where it sees all of the arm from one of the standard sides."""
+        self.run_method("look", view)
+
     def fit(self, *, keep: bool = False) -> None:
         """The camera where it sees all of the arm; from where it looks now, if it is to keep its direction."""
         self.run_method("fit", keep)
+
+
+def lay_views(scene: Callable[[], ArmView]) -> None:
+    """Lay out the menu of standard views, where the page is being laid out."""
+    with ui.button(icon="view_in_ar").props('flat dense round size=sm aria-label="standard views"') as button:
+        button.tooltip("standard views")
+        with ui.menu():
+            for view, told in VIEWS.items():
+                ui.menu_item(told, on_click=lambda view=view: scene().look(view))
 
 
 class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]

@@ -95,8 +95,8 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
 
 def lay_views(scene: Callable[[], ArmView]) -> None:
     """Lay out the menu of standard views, where the page is being laid out."""
-    with ui.button(icon="view_in_ar").props('flat dense round size=sm aria-label="standard views"') as button:
-        button.tooltip("standard views")
+    with ui.button(icon="view_in_ar").props('flat dense round size=sm aria-label="look from a side"') as button:
+        button.tooltip("look from a side")
         with ui.menu():
             for view, told in VIEWS.items():
                 ui.menu_item(told, on_click=lambda view=view: scene().look(view))

@@ -56,7 +56,7 @@ def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[...,
     tab, arm = new_tab(studio_address), arm_of("ur5.csv", catalog)
     page = tab.open()
     tab.open_exhibit("ur5")
-    page.get_by_role("button", name="store poses, and play them").click()
+    page.get_by_role("button", name="stored poses").click()
     play = page.get_by_role("button", name="play", exact=True)
     assert play.is_disabled()
     stored = []

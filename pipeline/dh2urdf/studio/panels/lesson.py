@@ -32,7 +32,11 @@ class LessonPanel:
             on_move: draws the pose anew.
         """
         self._session, self._on_move, self._until = session, on_move, _ALL
-        with ui.element("aside").classes("studio-lesson").props('aria-label="the picked row"') as self._panel:
+        with (
+            ui.element("aside")
+            .classes("studio-panel studio-lesson")
+            .props('aria-label="the picked row"') as self._panel
+        ):
             with ui.element("div").classes("studio-row"):
                 self._title = ui.label().classes("studio-caption")
                 ui.button("play", icon="play_arrow", on_click=self._play).props("outline dense no-caps size=sm")

@@ -37,7 +37,7 @@ class MeasuringPanel:
         self._session, self._on_move, self._show_cloud = session, on_move, show_cloud
         self._is_open = False
         self._arm: OpenArm | None = None  # whose workspace is shown
-        with ui.element("aside").classes("studio-lesson").props('aria-label="measuring"') as self._panel:
+        with ui.element("aside").classes("studio-panel").props('aria-label="measuring"') as self._panel:
             with ui.element("div").classes("studio-row"):
                 self._from, self._to = (
                     ui.select([], on_change=self._choose).props(f'dense outlined prefix="{word}" aria-label="{word}"')

@@ -18,7 +18,7 @@ _STRETCH = 1.5  # from one pose to the next [s]
 class PosesPanel:
     """Stores poses, brings the arm back to each, and plays all of them."""
 
-    ICON, TITLE = "animation", "store poses, and play them"
+    ICON, TITLE = "animation", "stored poses"
 
     def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
         """Lay the panel out, hidden.
@@ -32,7 +32,7 @@ class PosesPanel:
         self._progress = 0.0  # along the way, in poses
         self._arm: OpenArm | None = None  # whose way it is
         self._laid: list[dict[str, float]] | None = None  # the poses that have buttons
-        with ui.element("aside").classes("studio-lesson").props('aria-label="stored poses"') as self._panel:
+        with ui.element("aside").classes("studio-panel").props('aria-label="stored poses"') as self._panel:
             with ui.element("div").classes("studio-row"):
                 ui.button("store this pose", icon="add", on_click=self._store).props("outline dense no-caps size=sm")
                 self._play = ui.button("play", icon="play_arrow", on_click=self._play_or_stop)

@@ -55,7 +55,7 @@ class TargetPanel:
         self._focused = ""  # the box that a person types in
         self._searches = 0
         self._dragged = IDENTITY_ROTATION  # how tool0 was turned when the handle was taken
-        with ui.element("aside").classes("studio-lesson").props('aria-label="the pose of tool0"') as self._panel:
+        with ui.element("aside").classes("studio-panel").props('aria-label="the pose of tool0"') as self._panel:
             with ui.element("div").classes("studio-row"):
                 ui.label("T(base_link → tool0)").classes("studio-caption")
                 self._turn = ui.toggle(list(TURNS), value=next(iter(TURNS)), on_change=self.show)

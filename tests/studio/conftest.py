@@ -150,6 +150,14 @@ class Tab:
     def sliders(self) -> list[float]:
         return [float(slider.input_value()) for slider in self.page.locator(".joint-slider input[type=range]").all()]
 
+    def set_sliders(self, values: list[float]) -> None:
+        """Types joint values, in the units of the page, and waits until they are those of the arm that is drawn."""
+        for box, value in zip(self.page.locator(".joint-slider-number").all(), values, strict=True):
+            box.fill(str(value))
+            box.press("Enter")
+            box.blur()
+        self.page.locator(".joint-sliders[aria-busy=false]").wait_for()
+
     def pose(self, name: str) -> list[list[float]]:
         """The matrix that three.js draws a node with, row by row."""
         script = """name => {

@@ -81,12 +81,7 @@ def workspace(tab: Any) -> None:
 
 
 def set_sliders(tab: Any, values: list[float]) -> None:
-    for box, value in zip(tab.page.locator(".joint-slider-number").all(), values, strict=True):
-        box.fill(str(value))
-        box.press("Enter")
-        box.blur()
-    # The values are those of the arm that is drawn, and the camera sees it.
-    tab.page.locator(".joint-sliders[aria-busy=false]").wait_for()
+    tab.set_sliders(values)
     tab.page.get_by_role("button", name="see all").click()
 
 

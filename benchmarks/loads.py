@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from arms import LONG, write_table
 from measuring import in_turn, machine, seconds, table
 
-from dh2urdf.conversion.one_manipulator import make_robot
+from dh2urdf.conversion.making import make_robot
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof_vectors import joint_vectors

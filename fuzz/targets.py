@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from unittest.mock import patch
 
-from dh2urdf.conversion.one_manipulator import make_robot
+from dh2urdf.conversion.making import make_robot
 from dh2urdf.errors import (
     ConfigError,
     EmitterError,

@@ -29,7 +29,7 @@ from dh2urdf.errors import *
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.source import Problem
-from dh2urdf.stages import EmittedFile, Executor, Loader, LoadReport, NoOptions, Reader, Rejected
+from dh2urdf.stages import Edit, EmittedFile, Executor, Loader, LoadReport, NoOptions, Reader, Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -92,6 +92,7 @@ PLAIN = {"emit_columns": None, "read_columns": None}
 GOOD = {
     "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",)),
     "transform": replace(TRANSFORM, name="bad", transform_columns=None),
+    "edit": Edit(name="bad", summary="s", options=NoOptions, edit_table=lambda table, _: table),
     "emitter": replace(EMITTER, name="bad", suffixes=(".bad",), **PLAIN),
     "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("bad",),
                      poses=lambda _: 2, picture=lambda _: False),
@@ -119,6 +120,10 @@ def dh2urdf_transforms():
     return ({value}) if "{field}" == "transform.hook" else given("transform")
 
 @hookimpl
+def dh2urdf_edits():
+    return ({value}) if "{field}" == "edit.hook" else given("edit")
+
+@hookimpl
 def dh2urdf_emitters():
     return ({value}) if "{field}" == "emitter.hook" else given("emitter")
 
@@ -131,7 +136,7 @@ def dh2urdf_executors():
     return ({value}) if "{field}" == "executor.hook" else given("executor")
 """
 RUN = (
-    "inputs: arm.bad\ntransform: bad\nemitters: [bad]\nloaders: [bad]\nexecution: {stage: bad, time_limit: 8}\n"
+    "inputs: arm.bad\ntransform: bad\nedits: bad\nemitters: [bad]\nloaders: [bad]\nexecution: {stage: bad, time_limit: 8}\n"
     "output: {directory: out}\nreport: {html: false}\n"
 )
 
@@ -172,7 +177,7 @@ class Broken(NamedTuple):
 
 BOTH, ALL = ("left", "right"), None
 EMIT, LOAD, SWAP, READ, MAP = "emitter.emit", "loader.load", "transform.transform", "reader.read", "executor.map"
-E, L, T, R = (f"{kind} 'bad' of lab 1.0 failed: " for kind in ("emitter", "loader", "transform", "reader"))
+E, L, T, R, D = (f"{kind} 'bad' of lab 1.0 failed: " for kind in ("emitter", "loader", "transform", "reader", "edit"))
 X = "executor 'bad' of lab 1.0 failed: "
 BROKEN = "plugin 'lab = lab_lab' of lab 1.0 is broken: "
 NO_RESULT = f"{X}ValueError: it gave no result of the batch that this manipulator is in"
@@ -218,6 +223,19 @@ CASES = [
     Broken(SWAP, "of_right(lambda *_: os._exit(0))", "transform 'bad' of lab 1.0 left the process (exit status 0)", workers=2),
     Broken("transform.keeps_kinematics", "giving(None)", f"{BROKEN}`keeps_kinematics` of the transform 'bad' failed: "
            "TypeError: it gave None, not bool", ALL),
+    # --- Edits
+    Broken("edit.edit_table", "giving(None)", f"{D}TypeError: it gave None, not dh2urdf.manipulator.Manipulator", BOTH),
+    Broken("edit.edit_table", "lambda table, _: replace(table, name='other')", f"{D}ValueError: it changed the name 'left' to", BOTH),
+    Broken("edit.edit_table", "lambda table, _: replace(table, rows=())", f"{D}RecordValueError: Manipulator(name='left'", BOTH),
+    Broken("edit.edit_table", "raising(EditError(()))", f"{D}EditError, without a message", BOTH),
+    Broken("edit.edit_robot", "giving(None)", f"{D}TypeError: it gave None, not dh2urdf.robot.Robot", BOTH),
+    Broken("edit.edit_robot", "lambda robot, _: with_link(robot, name=3)",
+           f"{D}TypeError: it gave a Robot whose links[0].name is 3 (int), not str", BOTH),
+    Broken("edit.edit_robot", "lambda robot, _: replace(robot, links=(*robot.links, robot.links[1]))", "after the edit 'bad' of lab 1.0: ",
+           BOTH),
+    Broken("edit.edit_robot", "lambda robot, _: os._exit(4)",
+           "edit 'bad' of lab 1.0 left the process (exit status 4) and gave no result", BOTH, workers=2),
+    Broken("edit.edit_table", "None", f"{BROKEN}ValueError: the edit 'bad' has to give edit_table, edit_robot, or both", ALL),
     # --- Readers
     Broken(READ, "lambda *_: iter([arm('left', row(a='1'))])", f"{R}RecordTypeError: DHRow(): error: ", ALL),
     Broken(READ, "lambda *_: (each for each in (arm('left'), Rejected(name='right', problems=[Problem(message='no')])))",

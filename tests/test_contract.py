@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.plugin_system.catalog import KINDS, load
-from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract
+from dh2urdf.testing import (
+    EditContract,
+    EmitterContract,
+    ExecutorContract,
+    LoaderContract,
+    ReaderContract,
+    TransformContract,
+)
+from dh2urdf_plugins.edits.payload import PayloadOptions
+from dh2urdf_plugins.edits.rename import RenameOptions
 from dh2urdf_plugins.emitters.urdf import UrdfOptions
 from dh2urdf_plugins.emitters.xacro import XacroOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
@@ -193,6 +202,16 @@ class TestAlphaSwap(TransformContract):
 class TestAlphaSwapWithFramesOfTheTable(TransformContract):
     stage = CATALOG.get("transform", "alpha-swap")
     options = AlphaSwapOptions(frames="dh", shape="box")
+
+
+class TestPayload(EditContract):
+    stage = CATALOG.get("edit", "payload")
+    options = PayloadOptions(mass=2.5, com=(0.0, 0.01, 0.1), size=(0.1, 0.2, 0.3))
+
+
+class TestRename(EditContract):
+    stage = CATALOG.get("edit", "rename")
+    options = RenameOptions(prefix="left_", pattern="_joint$")
 
 
 class TestUrdf(EmitterContract):

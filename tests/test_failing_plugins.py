@@ -35,7 +35,7 @@ PLUGIN = """
 from dataclasses import dataclass, replace
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.stages import Executor, Loader, LoadReport, NoOptions, Reader
+from dh2urdf.stages import Edit, Executor, Loader, LoadReport, NoOptions, Reader
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -81,12 +81,16 @@ def read(path, options):
         row = DHRow(joint="turn", link="one", a=0.5, alpha=0.0, d=0.1)
         yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,))
 
+def same(record, options):
+    return record
+
 def load(request, options):
     return LoadReport(simulator="paper", version="1", poses=len(request.poses), position_error=0.0)
 
 GOOD = {
     "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",), schema=dict),
     "transform": replace(TRANSFORM, name="bad", compared=None),
+    "edit": Edit(name="bad", summary="s", options=NoOptions, edit_table=same, edit_robot=same),
     "emitter": replace(EMITTER, name="bad", suffixes=(".bad", ".robot")),
     "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("urdf", "bad"),
                      poses=lambda _: 2, picture=lambda _: False),
@@ -107,6 +111,10 @@ def dh2urdf_transforms():
     return given("transform")
 
 @hookimpl
+def dh2urdf_edits():
+    return given("edit")
+
+@hookimpl
 def dh2urdf_emitters():
     return given("emitter")
 
@@ -119,7 +127,7 @@ def dh2urdf_executors():
     return given("executor")
 """
 RUN = (
-    "inputs: arm.bad\ntransform: bad\nemitters: [bad]\nloaders: bad\nexecution: bad\n"
+    "inputs: arm.bad\ntransform: bad\nedits: bad\nemitters: [bad]\nloaders: bad\nexecution: bad\n"
     "output: {directory: out}\nreport: {html: false}\n"
 )
 PLUGIN_NAME = "plugin 'lab = lab_lab' of lab 1.0 is broken: "
@@ -160,6 +168,10 @@ def said(answer: Answer) -> str:
             "transform.transform.give_nothing",
             "transform 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf",
         ),
+        ("edit.edit_table.fail", "edit 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("edit.edit_table.give_nothing", "edit 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf.manip"),
+        ("edit.edit_robot.fail", "edit 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("edit.edit_robot.give_nothing", "edit 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf.robot"),
         ("emitter.emit.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         (
             "emitter.emit.give_numbers",
@@ -195,6 +207,11 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
     ("what", "words", "message"),
     [
         ("transform.keeps_kinematics.fail", "run run.yaml", "`keeps_kinematics` of the transform 'bad' failed: Zero"),
+        (
+            "edit.keeps_kinematics.fail",
+            "run run.yaml",
+            "`keeps_kinematics` of the edit 'bad' failed: ZeroDivisionError",
+        ),
         ("loader.require.fail", "run run.yaml", "`require` of the loader 'bad' failed: ZeroDivisionError: at work"),
         ("executor.require.fail", "run run.yaml", "`require` of the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.map.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
@@ -278,7 +295,7 @@ def test_what_the_whole_command_needs(
 def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what: str, reason: str) -> None:
     """Each is made by itself, proved like any, and a notice says why, and whose fault it is."""
     folder = lab(what)
-    cli("run", "run.yaml", "--set", "loaders=[]")
+    cli("run", "run.yaml", "--set", "loaders=[]", "--set", "edits=[]")
     rows = json.loads((folder / "out" / "report.json").read_bytes())["manipulators"]
     assert [row["status"] for row in rows] == ["ok", "ok"]
     for row in rows:

@@ -49,6 +49,7 @@ class Trial(NamedTuple):
 TRIALS: dict[Kind, Trial] = {
     "reader": Trial(LINES, ".trial.jsonl", "emitters: urdf", 1, ("one.urdf",)),
     "transform": Trial(CSV, ".csv", "transform: {stage: trial, options: {radius: 0.02}}", 0, ("one.urdf", "two.urdf")),
+    "edit": Trial(CSV, ".csv", "edits: {stage: trial, options: {mass: 2.5}}", 0, ("one.urdf", "two.urdf")),
     "emitter": Trial(CSV, ".csv", "emitters: {stage: trial, options: {digits: 3}}", 0, ("one.trial.csv",)),
     "loader": Trial(CSV, ".csv", "loaders: {stage: trial, options: {poses: 5}}", 0, ("one.urdf",)),
     "executor": Trial(CSV, ".csv", "execution: {stage: trial, options: {workers: 2}}", 0, ("one.urdf", "two.urdf")),

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 import inspect
+import os
 import re
+import subprocess
+import sys
 import zipfile
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from lxml import etree
 
 import dh2urdf.testing
+import dh2urdf_plugins
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Reader, Rejected
-from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract, plugin
+from dh2urdf.testing import (
+    EditContract,
+    EmitterContract,
+    ExecutorContract,
+    LoaderContract,
+    ReaderContract,
+    TransformContract,
+    catalog_of,
+    do_run,
+    plugin,
+)
 from dh2urdf.testing.stage_contract import StageContract
 
 if TYPE_CHECKING:
@@ -28,6 +44,7 @@ CONTRACTS = {
     "Every stage": StageContract,
     "Readers": ReaderContract,
     "Transforms": TransformContract,
+    "Edits": EditContract,
     "Emitters": EmitterContract,
     "Loaders": LoaderContract,
     "Executors": ExecutorContract,
@@ -176,6 +193,35 @@ def test_the_reader_of_another_container_refuses_other_files(ods: Reader[Any], t
     (tmp_path / "arm.ods").write_bytes(b"a,alpha,d")
     with pytest.raises(TableError, match="this is no OpenDocument spreadsheet"):
         list(ods.read(tmp_path / "arm.ods", ods.options()))
+
+
+def test_the_gripper_keeps_the_contract_and_works_in_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Under sixty lines; every clause passes in a process of its own, and each arm of a run has the gripper at tool0."""
+    (block,) = re.findall(
+        r'^```python title="gripper.py"\n(.*?)^```$', PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE
+    )
+    assert len(block.splitlines()) < 60
+    (tmp_path / "gripper.py").write_text(block, "utf-8")
+    (tmp_path / "test_gripper.py").write_text(
+        "from dh2urdf.testing import EditContract\nfrom gripper import EDIT\n\n\n"
+        "class TestContract(EditContract):\n    stage = EDIT\n    plugin = 'gripper'\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_gripper.py"]
+    tested = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    clauses = sum(name.startswith("test_") for name in dir(EditContract))
+    assert f"{clauses} passed" in tested.stdout, tested.stdout
+    monkeypatch.syspath_prepend(tmp_path)
+    catalog = catalog_of(import_module("gripper").EDIT, plugins=(dh2urdf_plugins,))
+    run_file = "inputs: arm.csv\nedits: {stage: gripper, options: {length: 0.15}}\nemitters: [urdf, sdf]"
+    arm = "# convention: standard\na, alpha, d\n0.4, 0, 0.1\n0.3, 0, 0\n"
+    run = do_run(tmp_path, run_file, {"arm.csv": arm}, catalog)
+    (row,) = run.report["manipulators"]
+    assert row["proof"]["urdf"]["position_error"] < 1e-12
+    robot = etree.parse(run.folder / "arm.urdf")
+    assert robot.find("joint[@name='gripper_mount']/parent").get("link") == "tool0"
+    mass = float(robot.find("link[@name='gripper']/inertial/mass").get("value"))
+    assert mass == pytest.approx(0.08 * 0.03 * 0.15 * 1200.0)
 
 
 def test_the_readme_leads_here() -> None:

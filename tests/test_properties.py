@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from hypothesis import given, settings, strategies as st
 
-from dh2urdf.conversion.one_manipulator import Call, Recipe, make_robot, read_items, write_robot
+from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.one_manipulator import Call, Recipe, read_items, write_robot
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system.catalog import load

@@ -11,7 +11,7 @@ from pieces import code, prose, table
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-SECTIONS = {"reader": "inputs", "transform": "transform", "emitter": "emitters", "loader": "loaders"}
+SECTIONS = {"reader": "inputs", "transform": "transform", "edit": "edits", "emitter": "emitters", "loader": "loaders"}
 """The section of a run file that names stages of a kind; that of executors is `execution`."""
 
 

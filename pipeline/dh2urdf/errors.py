@@ -14,6 +14,7 @@
     │   └── UnknownStageError        no installed stage has the name
     ├── ManipulatorError .......... exit 1: this manipulator failed, others go on
     │   ├── TransformError           the transform refuses the manipulator
+    │   ├── EditError                an edit refuses the table or the robot
     │   ├── RobotError               the finished robot breaks a rule
     │   ├── EmitterError             no file could be made of the robot
     │   ├── ProofError               what was written is not the arm of the table
@@ -166,6 +167,10 @@ class ManipulatorError(_ProblemsError):
 
 class TransformError(ManipulatorError):
     """The transform refuses the manipulator."""
+
+
+class EditError(ManipulatorError):
+    """An edit refuses the table or the robot."""
 
 
 class RobotError(ManipulatorError):

@@ -14,7 +14,7 @@ import pluggy
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
+    from dh2urdf.stages import Edit, Emitter, Executor, Loader, Reader, Transform
 
 PROJECT = "dh2urdf"
 INTERFACE_VERSION = "0.4"
@@ -37,6 +37,12 @@ def dh2urdf_readers() -> Iterable[Reader[Any]]:
 @hookspec
 def dh2urdf_transforms() -> Iterable[Transform[Any]]:
     """Stages that make a robot of a manipulator."""
+    return ()
+
+
+@hookspec
+def dh2urdf_edits() -> Iterable[Edit[Any]]:
+    """Stages that change a table before the transform, or a robot after it."""
     return ()
 
 

@@ -45,6 +45,7 @@ __all__ = [
     "PACKAGE_FILE",
     "SEVERITIES",
     "Annotation",
+    "Edit",
     "Effect",
     "EmittedFile",
     "Emitter",
@@ -161,6 +162,34 @@ class Transform(Generic[O]):
     )
     is_usual: bool = False
     compared: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edit(Generic[O]):
+    """Changes the table before the transform, or the robot after it; a run file lists any number of edits, in order.
+
+    At least one of the two functions is given. Both return a new record with the name that they were given.
+
+    Attributes:
+        name: the stage's name in a run file.
+        summary: what it changes, in one line.
+        options: its options dataclass.
+        edit_table: the changed manipulator. It is the truth from there on: every file is proved against it. What a
+            person should know of the change is added to its `notices`.
+        edit_robot: the changed robot. What a person should know of the change is added to its `notices`.
+        keeps_kinematics: whether `edit_robot` keeps T(base_link → tool0) with these options. Where it does not, the
+            proof reports the difference and fails nothing, and the robot has no table any more.
+
+    Both functions raise `dh2urdf.errors.EditError` where they refuse what they are given. A robot that breaks a rule
+    after `edit_robot` is refused with the name of the edit.
+    """
+
+    name: str
+    summary: str
+    options: type[O]
+    edit_table: Callable[[Manipulator, O], Manipulator] | None = None
+    edit_robot: Callable[[Robot, O], Robot] | None = None
+    keeps_kinematics: Callable[[O], bool] = always
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -389,5 +418,5 @@ class Executor(Generic[O]):
     is_usual: bool = False
 
 
-Kind: TypeAlias = Literal["reader", "transform", "emitter", "loader", "executor"]
-Stage: TypeAlias = Reader[Any] | Transform[Any] | Emitter[Any] | Loader[Any] | Executor[Any]
+Kind: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]
+Stage: TypeAlias = Reader[Any] | Transform[Any] | Edit[Any] | Emitter[Any] | Loader[Any] | Executor[Any]

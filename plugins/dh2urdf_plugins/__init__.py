@@ -12,7 +12,7 @@ from dh2urdf.hookspecs import hookimpl
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf.stages import Emitter, Executor, Loader, Reader, Transform
+    from dh2urdf.stages import Edit, Emitter, Executor, Loader, Reader, Transform
 
 
 @hookimpl
@@ -33,6 +33,14 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
     from dh2urdf_plugins.transforms import alpha_swap
 
     return (alpha_swap.TRANSFORM,)
+
+
+@hookimpl
+def dh2urdf_edits() -> Iterable[Edit[Any]]:
+    """Changes of a table: a payload, other names, other limits, a calibration; and mounted frames of a robot."""
+    from dh2urdf_plugins.edits import payload, rename
+
+    return (payload.EDIT, rename.EDIT)
 
 
 @hookimpl

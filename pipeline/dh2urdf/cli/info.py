@@ -15,7 +15,8 @@ from dh2urdf.cli.standard_input import given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
 from dh2urdf.commands.chosen_table import chosen_reader, refuse_run_file
 from dh2urdf.commands.options_of_stages import stage_calls
-from dh2urdf.conversion.one_manipulator import make_robot, read_items
+from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator

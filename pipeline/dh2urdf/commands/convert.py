@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
 from dh2urdf.commands.options_of_stages import Asker, stage_calls
-from dh2urdf.conversion.one_manipulator import Recipe, Written, make_robot, with_notices, write_robot
+from dh2urdf.conversion.making import make_item
+from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
 from dh2urdf.documents.text_files import check_file
-from dh2urdf.errors import ConfigError, InputError, PluginError, RobotError, TableError, TransformError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.errors import ConfigError, EditError, InputError, PluginError, RobotError, TableError, TransformError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.conversion import conversion_of, unsettled
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.commands.options_of_stages import Setting
+    from dh2urdf.kinematics.expected_poses import Truth
     from dh2urdf.kinematics.proof import Proof
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Emitter
@@ -126,13 +127,15 @@ class Planned:
         manipulator, files = self._read(trace)
         named = zip(manipulator.rows, trace.rows, strict=False)
         try:
-            made = with_notices(make_robot(manipulator, self.recipe.transform), self.recipe.emitters)
-        except (TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
+            robot, truth = make_item(manipulator, self.recipe.transform, self.recipe.edits)
+            made = with_notices(robot, self.recipe.emitters)
+        except (EditError, TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
             raise TableError(error.problems, manipulator.notices) from error
         notices = unsettled(made.notices, self.recipe.mesh_conversion)
         made = replace(made, notices=(*notices, *self.notices, *self._unused_meshes(made)))
         note((*manipulator.notices, *made.notices))
-        written = _write(manipulator, made, self.recipe, self.target, (*files, *self.inputs))
+        used = (path for call in self.recipe.calls for path in call.files)
+        written = _write(truth, made, self.recipe, self.target, (*files, *used, *self.inputs))
         return Conversion(
             manipulator=manipulator,
             robot=made,
@@ -297,10 +300,10 @@ def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
 
 
 def _write(
-    manipulator: Manipulator, robot: Robot, recipe: Recipe, target: Path | None, inputs: Sequence[Path]
+    truth: Truth, robot: Robot, recipe: Recipe, target: Path | None, inputs: Sequence[Path]
 ) -> tuple[Written, ...]:
     """The files of a robot, proved and put where they belong: at a file's name, into a folder, or nowhere."""
-    truth, stem = Truth.of(manipulator), safe_stem(manipulator.name)
+    stem = safe_stem(truth.name)
     if target is None:
         with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
             return write_robot(truth, robot, recipe, directory=Path(folder), stem=stem)

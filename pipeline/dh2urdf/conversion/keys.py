@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from enum import Enum
-from hashlib import sha256
+from hashlib import file_digest, sha256
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +18,10 @@ from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.conversion.one_manipulator import Recipe
-    from dh2urdf.plugin_system.calls import Call
 
 DIGITS = 32
 """Hexadecimal digits of a key: 128 bits, so that no two of a million manipulators share one by chance."""
@@ -29,14 +29,23 @@ DIGITS = 32
 
 def recipe_key(recipe: Recipe) -> str:
     """The key of all that is done with every manipulator."""
-    calls: list[Call[Any]] = [recipe.transform, *recipe.emitters, *recipe.loaders]
     stages = [
         (call.kind, call.stage.name, call.plugin.distribution if call.plugin else "", repr(call.options))
-        for call in calls
+        for call in recipe.calls
     ]
+    files = [(str(path), _hash_of(path)) for call in recipe.calls for path in call.files]
     python = sys.version_info[:2]
     told = (sorted(recipe.optional), sorted(recipe.missing.items()))
-    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told), __version__)
+    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told, files), __version__)
+
+
+def _hash_of(path: Path) -> str | None:
+    """The hash of a file that an option names; None where the stage will say that it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return None
 
 
 def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:

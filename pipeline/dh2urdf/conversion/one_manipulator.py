@@ -10,10 +10,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.cells.cell import Cell, cannot_be, compose, truth_of
+from dh2urdf.conversion.making import a_robot, keeps_kinematics
 from dh2urdf.conversion.own_folders import refuse_one_folder
-from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, TableError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.errors import EmitterError, ProofError, TableError
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Manipulator
@@ -21,18 +20,18 @@ from dh2urdf.meshes.conversion import converted
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.forms import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
-from dh2urdf.plugin_system.calls import Call, blaming, depending_on
+from dh2urdf.plugin_system.calls import Call, blaming
 from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, emitted_files, items_of, whole_records
-from dh2urdf.robot import Robot
-from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stages import EmittedFile, Emitter, Loader, Reader, Rejected, Transform
+from dh2urdf.stages import Edit, EmittedFile, Emitter, Loader, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from dh2urdf.kinematics.expected_poses import Truth
     from dh2urdf.kinematics.proof_vectors import Poses
     from dh2urdf.provenance import Trace
+    from dh2urdf.robot import Robot
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 
@@ -59,6 +58,7 @@ class Recipe:
 
     Attributes:
         transform: makes the robot.
+        edits: change the table before the transform, and the robot after it, in their order.
         emitters: make the files.
         loaders: load the files into simulators.
         optional: the names of the loaders whose failures are notices.
@@ -73,6 +73,7 @@ class Recipe:
 
     transform: Call[Transform[Any]]
     emitters: tuple[Call[Emitter[Any]], ...]
+    edits: tuple[Call[Edit[Any]], ...] = ()
     loaders: tuple[Call[Loader[Any]], ...] = ()
     optional: frozenset[str] = frozenset()
     missing: Mapping[str, str] = field(default_factory=dict)
@@ -89,10 +90,20 @@ class Recipe:
         return self.mesh_prefix is not None and not all(call.stage.in_folders for call in self.emitters)
 
     @property
+    def calls(self) -> tuple[Call[Any], ...]:
+        """The stages that make and look at files."""
+        return (self.transform, *self.edits, *self.emitters, *self.loaders)
+
+    @property
+    def makes_many_at_once(self) -> bool:
+        """Whether all stages that make files have a form for many manipulators at once; edits have none."""
+        has_form = self.transform.stage.transform_columns is not None
+        return has_form and not self.edits and all(call.stage.emit_columns for call in self.emitters)
+
+    @property
     def keeps_kinematics(self) -> bool:
         """Whether a difference from the DH product is a failure."""
-        with depending_on(self.transform, "keeps_kinematics"):
-            return a_record(self.transform.stage.keeps_kinematics(self.transform.options), bool)
+        return keeps_kinematics(self.transform) and all(map(keeps_kinematics, self.edits))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,67 +120,6 @@ class Written:
     stage: str
     files: tuple[EmittedFile, ...]
     proof: Proof | None
-
-
-def make_item(item: Manipulator | Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
-    """The robot of a manipulator or cell, checked, and what its tables say of it.
-
-    Raises:
-        ManipulatorError: as `make_robot` and `make_cell`.
-    """
-    if isinstance(item, Cell):
-        return make_cell(item, transform)
-    return make_robot(item, transform), Truth.of(item)
-
-
-def make_robot(manipulator: Manipulator, transform: Call[Transform[Any]]) -> Robot:
-    """The robot of a manipulator, checked, with the table that it was made of.
-
-    Raises:
-        ManipulatorError: the transform refuses the manipulator, or the robot breaks a rule.
-    """
-    with blaming(transform):
-        robot = _a_robot(transform.stage.transform(manipulator, transform.options), transform)
-    return replace(_checked(robot, manipulator.mark), manipulator=robot.manipulator or manipulator)
-
-
-def make_cell(cell: Cell, transform: Call[Transform[Any]]) -> tuple[Robot, Truth]:
-    """The robot of a cell, checked, and what its tables say of it.
-
-    What there is to notice of each arm is said with the manipulator that it is.
-
-    Raises:
-        ManipulatorError: the transform refuses an arm, the arms do not go together, or the robot breaks a rule.
-    """
-    robots: dict[str, Robot] = {}
-    problems: list[Problem] = []
-    for arm in {arm.of: arm for arm in reversed(cell.call.arms)}.values():
-        try:
-            robots[arm.of] = make_robot(cell.manipulators[arm.of], transform)
-        except ManipulatorError as error:
-            problems += cannot_be(arm, error.problems)
-    if problems:
-        raise RobotError(problems)
-    robot = _checked(compose(cell, robots), cell.mark)
-    return robot, truth_of(cell, robots)
-
-
-def _a_robot(value: Robot, call: Call[Any]) -> Robot:
-    """The robot that a stage gave.
-
-    It may hold records of `dh2urdf.unchecked_records`, which a third party's stage may have filled with anything. The
-    built-in stages have tests instead: to look at each robot would take a third of a run.
-    """
-    is_trusted = call.plugin is not None and call.plugin.is_builtin
-    return a_record(value, Robot) if is_trusted else a_whole_record(value, Robot)
-
-
-def _checked(robot: Robot, mark: Mark | None) -> Robot:
-    """A robot that breaks no rule, with the notices of the check."""
-    problems = [problem.about(robot=robot.name, mark=mark) for problem in check_robot(robot)]
-    if any(problem.severity == "error" for problem in problems):
-        raise RobotError(problems)
-    return replace(robot, notices=(*robot.notices, *problems))
 
 
 def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
@@ -302,7 +252,7 @@ def _prove_file(
     if emitter.read_back is None:
         return None
     with blaming(call, "read_back"):
-        described = _a_robot(emitter.read_back(path), call)
+        described = a_robot(emitter.read_back(path), call)
     proof = prove(truth, described, poses, at_once=at_once)
     accept(proof, emitter, truth.name, truth.mark, recipe=recipe)
     return proof

@@ -31,14 +31,14 @@ from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_p
 from dh2urdf.plugin_system.discovery import UNKNOWN
 from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of
 from dh2urdf.plugin_system.stage_answers import a_record
-from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Transform
+from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 __all__ = ["Call", "a_record", "blaming", "broken", "default_call", "depending_on", "fault", "own_work"]
 
-S = TypeVar("S", Reader[Any], Transform[Any], Emitter[Any], Loader[Any], Executor[Any])
+S = TypeVar("S", Reader[Any], Transform[Any], Edit[Any], Emitter[Any], Loader[Any], Executor[Any])
 
 _OWN = "raised by dh2urdf itself, not by a stage"
 

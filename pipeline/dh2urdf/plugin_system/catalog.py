@@ -10,7 +10,7 @@ from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, Un
 from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
 from dh2urdf.plugin_system.plugin_stages import KINDS, RECORDS, PluginStages, Provided, declared
 from dh2urdf.source import Problem, did_you_mean, shown
-from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
+from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -99,6 +99,8 @@ class Catalog:
     def get(self, kind: Literal["reader"], name: str) -> Reader[Any]: ...
     @overload
     def get(self, kind: Literal["transform"], name: str) -> Transform[Any]: ...
+    @overload
+    def get(self, kind: Literal["edit"], name: str) -> Edit[Any]: ...
     @overload
     def get(self, kind: Literal["emitter"], name: str) -> Emitter[Any]: ...
     @overload

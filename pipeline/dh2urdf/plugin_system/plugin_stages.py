@@ -15,7 +15,7 @@ from dh2urdf.errors import BrokenPluginError
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.discovery import Plugin
 from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of
-from dh2urdf.stages import Emitter, Executor, Kind, Loader, Reader, Stage, Transform
+from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 RECORDS: dict[Kind, type[Any]] = {
     "reader": Reader,
     "transform": Transform,
+    "edit": Edit,
     "emitter": Emitter,
     "loader": Loader,
     "executor": Executor,
@@ -157,6 +158,8 @@ def _check_choices(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - a record o
     """Raises a ValueError where fields of a record do not go together."""
     if isinstance(stage, Executor) and (stage.map is None) is (stage.pool is None):
         raise ValueError(f"the executor {stage.name!r} has to give either map or pool")
+    if isinstance(stage, Edit) and stage.edit_table is None and stage.edit_robot is None:
+        raise ValueError(f"the edit {stage.name!r} has to give edit_table, edit_robot, or both")
     compared = getattr(stage, "compared", None)
     if compared is not None and compared not in {each.name for each in fields(stage.options)}:
         raise ValueError(f"the {kind} {stage.name!r} compares {compared!r:.60}, which is none of its options")

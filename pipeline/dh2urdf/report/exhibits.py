@@ -7,10 +7,10 @@ was resumed, and made none of them itself, has the same page.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.cells.cell import Cell
-from dh2urdf.conversion.one_manipulator import make_item
+from dh2urdf.conversion.making import make_item
 from dh2urdf.conversion.outcome import ManifestRow
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.kinematics.expected_poses import Truth
@@ -20,9 +20,8 @@ from dh2urdf.robot import Joint, Link, Robot
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from dh2urdf.conversion.one_manipulator import Recipe
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.plugin_system.calls import Call
-    from dh2urdf.stages import Transform
     from dh2urdf.tasks.batch import Batch, Single
 
 FULL = 24
@@ -110,7 +109,7 @@ class Exhibit:
     truth: Truth | None = None
 
     @classmethod
-    def of(cls, number: int, row: ManifestRow, what: Single, transform: Call[Transform[Any]]) -> Exhibit:
+    def of(cls, number: int, row: ManifestRow, what: Single, recipe: Recipe) -> Exhibit:
         """What is shown of a manipulator whose row is known.
 
         Of one without files no robot is made again: what it did to a worker it would do to the run.
@@ -118,7 +117,7 @@ class Exhibit:
         if not isinstance(what, Manipulator | Cell):
             return cls(number=number, row=row, what=None)
         try:
-            robot, truth = make_item(what, transform) if row["files"] else (None, None)
+            robot, truth = make_item(what, recipe.transform, recipe.edits) if row["files"] else (None, None)
         except ManipulatorError:  # A transform that gives once this and once that has been told of already.
             robot = truth = None
         return cls(number=number, row=row, what=what, robot=robot, truth=truth)

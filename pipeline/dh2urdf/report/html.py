@@ -84,7 +84,7 @@ def page(ledger: Ledger, exhibits: Exhibits, recipe: Recipe, store: Store, layou
     environment, templates = _environment()
     style, script = (templates.get_source(environment, name)[0] for name in ("page.css", "page.js"))
     shown = [
-        Exhibit.of(number, overview.first[number - 1], what, recipe.transform)
+        Exhibit.of(number, overview.first[number - 1], what, recipe)
         for number, what in enumerate(exhibits.shown(overview.count), start=1)
     ]
     text = environment.get_template("page.html").render(
@@ -206,11 +206,10 @@ def _size(count: int) -> Any:  # noqa: ANN401 - Markup
 
 def _stages(recipe: Recipe) -> Iterator[tuple[str, str, str, str]]:
     """The stages of a run: kind, name, summary, options."""
-    for kind, calls in (("transform", (recipe.transform,)), ("emitter", recipe.emitters), ("loader", recipe.loaders)):
-        for call in calls:
-            options = {option.name: getattr(call.options, option.name) for option in fields(call.options)}
-            told = ", ".join(f"{name}: {_word(value)}" for name, value in options.items())
-            yield kind, call.stage.name, call.stage.summary, told
+    for call in recipe.calls:
+        options = {option.name: getattr(call.options, option.name) for option in fields(call.options)}
+        told = ", ".join(f"{name}: {_word(value)}" for name, value in options.items())
+        yield call.kind, call.stage.name, call.stage.summary, told
 
 
 def _word(value: object) -> str:

@@ -6,7 +6,7 @@ import platform
 import shlex
 from hashlib import file_digest
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dh2urdf._version import __version__
 
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.conversion.one_manipulator import Recipe
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import InputEntry, Reproduction
     from dh2urdf.variations.variation import VariationCall
 
@@ -51,8 +50,7 @@ def reproduction(
         variations: what is drawn.
     """
     paths = list(files)
-    calls: list[Call[Any]] = [recipe.transform, *recipe.emitters, *recipe.loaders]
-    distributions = {call.plugin.distribution for call in calls if call.plugin}
+    distributions = {call.plugin.distribution for call in recipe.calls if call.plugin}
     return {
         "command": command,
         "inputs": [_input(path) for path in paths[:MOST_INPUTS]],

@@ -6,7 +6,7 @@ from typing import Any, Literal, NotRequired, TypeAlias, TypedDict
 
 ConventionName: TypeAlias = Literal["standard", "modified"]
 JointTypeName: TypeAlias = Literal["revolute", "continuous", "prismatic", "fixed"]
-KindName: TypeAlias = Literal["reader", "transform", "emitter", "loader", "executor"]
+KindName: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]
 
 
 class ProblemEntry(TypedDict):

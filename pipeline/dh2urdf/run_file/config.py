@@ -36,6 +36,7 @@ SECTIONS = (
     "variations",
     "meshes",
     "transform",
+    "edits",
     "emitters",
     "loaders",
     "output",
@@ -119,6 +120,7 @@ def _written_out(root: Node) -> Node:
         "variations": _list_of(given.get("variations"), "of", root),
         "meshes": _list_of(given.get("meshes"), "of", root),
         "transform": _mapping_of(given.get("transform", _mapping({}, root)), "stage"),
+        "edits": _list_of(given.get("edits"), "stage", root),
         "emitters": _list_of(given.get("emitters", _mapping({}, root)), "stage", root),
         "loaders": _list_of(given.get("loaders"), "stage", root),
         "execution": _mapping_of(given.get("execution", _mapping({}, root)), "stage"),
@@ -186,8 +188,9 @@ class _Sections(SettingsReader):
         return RunConfig(
             inputs=tuple(self._inputs(sections["inputs"])),
             transform=self._call(sections["transform"], "transform") or StageCall(),
+            edits=tuple(self._calls(sections["edits"], "edits", is_named=True, repeats=True)),
             emitters=tuple(self._calls(sections["emitters"], "emitters", needed="something must be written")),
-            loaders=tuple(self._calls(sections["loaders"], "loaders", ("optional",))),
+            loaders=tuple(self._calls(sections["loaders"], "loaders", ("optional",), is_named=True)),
             execution=self._call(sections["execution"], "execution", ("time_limit",)) or StageCall(),
             output=self._place(output.get("directory"), "output.directory") or self._usual_output(),
             layout=layout,
@@ -245,17 +248,25 @@ class _Sections(SettingsReader):
         return _mapping({**others, "calibration": file}, options or node)
 
     def _calls(
-        self, section: Node, field: str, others: tuple[str, ...] = (), *, needed: str = ""
+        self,
+        section: Node,
+        field: str,
+        others: tuple[str, ...] = (),
+        *,
+        needed: str = "",
+        is_named: bool = False,
+        repeats: bool = False,
     ) -> Iterator[StageCall]:
+        """The stages of a list; `repeats` says that one may be in it several times, with other options."""
         entries = section.value if isinstance(section.value, list) else []
         if needed and not entries:
             self.say(f"the list is empty, and {needed}", section, field, accepted="at least one stage")
         seen: dict[str, Mark | None] = {}
         for index, node in enumerate(entries):
-            call = self._call(node, f"{field}.{index}", others, is_named=field == "loaders")
+            call = self._call(node, f"{field}.{index}", others, is_named=is_named)
             if call is None:
                 continue
-            if call.stage is None:
+            if call.stage is None or repeats:
                 yield call
                 continue
             if call.stage in seen:

@@ -83,6 +83,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     asked = AskedStages(catalog, config.problems)
     inputs = asked.readers(config.inputs)
     transform = asked.call("transform", config.transform)
+    edits = [asked.call("edit", each) for each in config.edits]  # one may be there twice, with other options
     emitters = asked.calls("emitter", config.emitters)
     loaders = asked.calls("loader", config.loaders)
     executor = asked.call("executor", config.execution)
@@ -92,6 +93,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     recipe = Recipe(
         transform=transform,
         emitters=tuple(call for call in emitters if call),
+        edits=tuple(call for call in edits if call),
         loaders=tuple(call for call in loaders if call),
         optional=frozenset(
             call.stage.name for call, each in zip(loaders, config.loaders, strict=True) if call and each.optional

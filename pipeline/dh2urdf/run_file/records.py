@@ -67,6 +67,7 @@ class RunConfig:
     Attributes:
         inputs: what is read.
         transform: what makes robots of manipulators.
+        edits: what changes manipulators before, and robots after, in this order.
         emitters: what writes files.
         loaders: what loads the files into simulators.
         execution: what does the work.
@@ -93,6 +94,7 @@ class RunConfig:
     execution: StageCall
     output: Path | str
     layout: Layout = Layout()
+    edits: tuple[StageCall, ...] = ()
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     meshes: tuple[MeshCall, ...] = ()

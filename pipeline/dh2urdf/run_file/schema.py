@@ -50,6 +50,11 @@ def run_schema(catalog: Catalog) -> dict[str, Any]:
         "meshes": _one_or_more(_meshes(), "mesh files that links are seen as and touch with; none by default", least=0),
         "transform": _stage(catalog, "transform", "what makes a robot of a table", transform)
         | {"description": f"what makes a robot of a table; {transform} by default"},
+        "edits": _one_or_more(
+            _stage(catalog, "edit", "what changes the tables before, or the robots after"),
+            "what changes the tables before the transform, or the robots after it, in order; none by default",
+            least=0,
+        ),
         "emitters": _one_or_more(
             _stage(catalog, "emitter", "what writes files", emitter), f"what writes files; {emitter} by default"
         ),

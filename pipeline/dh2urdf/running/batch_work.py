@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import orjson
 
-from dh2urdf.conversion.one_manipulator import Written, emit_robot, make_item, with_copies, with_notices
+from dh2urdf.conversion.making import make_item
+from dh2urdf.conversion.one_manipulator import Written, emit_robot, with_copies, with_notices
 from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
@@ -94,8 +95,7 @@ class Work(BatchContent):
     def _side_by_side(self, missing: set[int]) -> dict[int, Outcome]:
         """The outcomes of those that can be made so."""
         recipe = self.recipe
-        emitters = all(call.stage.emit_columns for call in recipe.emitters)
-        if self.maker.effect is Depth.LOOK or recipe.transform.stage.transform_columns is None or not emitters:
+        if self.maker.effect is Depth.LOOK or not recipe.makes_many_at_once:
             return {}
         ready: dict[int, Outcome] = {}
         for places, columns in self.groups:
@@ -218,7 +218,7 @@ class Work(BatchContent):
             loaders = self.recipe.loaders if loads else ()
             with watched(self.maker.home, self.recipe.time_limit, loaders):
                 with timed(seconds, "transform"):
-                    robot, truth = make_item(what, self.recipe.transform)
+                    robot, truth = make_item(what, self.recipe.transform, self.recipe.edits)
                     robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.maker.effect is Depth.LOOK:

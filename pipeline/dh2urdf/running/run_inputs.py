@@ -74,6 +74,8 @@ def _inputs(plan: Plan) -> Iterator[Path]:
     for path, reader in plan.inputs:
         yield path
         yield from reader.files
+    for stage in plan.recipe.calls:
+        yield from stage.files
     for call in plan.meshes:
         for shapes in (call.base, *(shapes for _, shapes in call.joints)):
             for shape in (shapes.visual, shapes.collision):

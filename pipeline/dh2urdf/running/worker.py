@@ -7,7 +7,7 @@ rest, and whatever there is something to say about, is made one by one. The byte
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dh2urdf.isolation.garbage import collected_at_the_end
 from dh2urdf.isolation.watchdog import this_process
@@ -17,7 +17,6 @@ from dh2urdf.running.batch_content import Assignment
 from dh2urdf.running.batch_work import Work
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.tasks.batch import Batch
     from dh2urdf.tasks.batch_report import BatchReport
 
@@ -32,8 +31,7 @@ class Maker(Assignment):
     @property
     def distributions(self) -> tuple[str, ...]:
         """The distributions whose stages are used: see `dh2urdf.stages.Executor`."""
-        calls: tuple[Call[Any], ...] = (self.recipe.transform, *self.recipe.emitters, *self.recipe.loaders)
-        return tuple(sorted({call.plugin.distribution_name for call in calls if call.plugin}))
+        return tuple(sorted({call.plugin.distribution_name for call in self.recipe.calls if call.plugin}))
 
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""

@@ -59,6 +59,10 @@ _KINDS: dict[Kind, _About] = {
         summary="a ball for each row, with the frames of the DH table",
         usage="inputs: arm.csv\ntransform: {stage: $stage, options: {radius: 0.02}}\nemitters: [urdf]",
     ),
+    "edit": _About(
+        summary="a ball that every arm carries at tool0",
+        usage="inputs: arm.csv\nedits:\n  - {stage: $stage, options: {mass: 2.5}}\nemitters: [urdf]",
+    ),
     "emitter": _About(
         summary="the joints of a robot as a table, for people and spreadsheets",
         usage="inputs: arm.csv\nemitters:\n  - urdf\n  - {stage: $stage, options: {delimiter: semicolon}}",

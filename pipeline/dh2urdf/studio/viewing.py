@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cells.cell import Cell
 from dh2urdf.commands.check import expanded_with
-from dh2urdf.conversion.one_manipulator import make_item, make_robot, read_items
+from dh2urdf.conversion.making import make_item, make_robot
+from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.kinematics.chain import link_poses
@@ -114,7 +115,7 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
     # Nothing is written, loaded or handed to workers.
     looking = replace(config, loaders=(), output=str(path.parent), execution=StageCall())
     plan = make_plan(looking, catalog)
-    transform = plan.recipe.transform
+    transform, edits = plan.recipe.transform, plan.recipe.edits
     every = (item.what for item in items(plan, Expected(plan)))
     shown_only = (what for what in every if isinstance(what, Cell | Rejected) or not plan.cells)
     for count, what in enumerate(shown_only):
@@ -123,7 +124,7 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
         if count == MOST_FIGURES:
             raise InputError(_too_many(f"more than {MOST_FIGURES}"))
         arm = what.manipulator(what.drawn()) if isinstance(what, Variant) else what
-        robot, _ = make_item(arm, transform)
+        robot, _ = make_item(arm, transform, edits)
         yield Figure(robot=robot, manipulator=None if isinstance(arm, Cell) else arm, title=robot.name)
 
 

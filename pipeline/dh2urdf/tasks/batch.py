@@ -232,9 +232,7 @@ def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
 def _sizes(plan: Plan) -> Iterator[int]:
     """How many manipulators a worker takes at once: few at first, so that a short run keeps every worker busy."""
     recipe, size, made = plan.recipe, 1, 0
-    quick = recipe.transform.stage.transform_columns is not None and all(
-        call.stage.emit_columns for call in recipe.emitters
-    )
+    quick = recipe.makes_many_at_once
     loads = bool(recipe.loaders)
     yield size
     while True:

@@ -16,44 +16,32 @@ held to the same contracts. What this package gives is imported when it is asked
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from dh2urdf._faces import face
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from dh2urdf.testing.catalogs import catalog_of, do_run
-    from dh2urdf.testing.emitter_contract import EmitterContract
-    from dh2urdf.testing.executor_contract import ExecutorContract
-    from dh2urdf.testing.loader_contract import LoaderContract
-    from dh2urdf.testing.reader_contract import ReaderContract
-    from dh2urdf.testing.reference import plain_robot, reference_manipulators
-    from dh2urdf.testing.transform_contract import TransformContract
-
-__all__ = [
-    "EmitterContract",
-    "ExecutorContract",
-    "LoaderContract",
-    "ReaderContract",
-    "TransformContract",
-    "catalog_of",
-    "do_run",
-    "plain_robot",
-    "reference_manipulators",
-]
-
-_HOMES = {
-    "EmitterContract": "emitter_contract",
-    "ExecutorContract": "executor_contract",
-    "LoaderContract": "loader_contract",
-    "ReaderContract": "reader_contract",
-    "TransformContract": "transform_contract",
-    "catalog_of": "catalogs",
-    "do_run": "catalogs",
-    "plain_robot": "reference",
-    "reference_manipulators": "reference",
-}
-
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever is asked for
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    from dh2urdf.testing.catalogs import catalog_of as catalog_of, do_run as do_run
+    from dh2urdf.testing.edits.contract import EditContract as EditContract
+    from dh2urdf.testing.emitter_contract import EmitterContract as EmitterContract
+    from dh2urdf.testing.executor_contract import ExecutorContract as ExecutorContract
+    from dh2urdf.testing.loader_contract import LoaderContract as LoaderContract
+    from dh2urdf.testing.reader_contract import ReaderContract as ReaderContract
+    from dh2urdf.testing.reference import (
+        plain_robot as plain_robot,
+        reference_manipulators as reference_manipulators,
+    )
+    from dh2urdf.testing.transform_contract import TransformContract as TransformContract
+else:
+    __all__, __getattr__, __dir__ = face(
+        __name__,
+        {
+            "catalogs": "catalog_of do_run",
+            "edits.contract": "EditContract",
+            "emitter_contract": "EmitterContract",
+            "executor_contract": "ExecutorContract",
+            "loader_contract": "LoaderContract",
+            "reader_contract": "ReaderContract",
+            "reference": "plain_robot reference_manipulators",
+            "transform_contract": "TransformContract",
+        },
+    )

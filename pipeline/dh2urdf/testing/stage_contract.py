@@ -30,14 +30,15 @@ if TYPE_CHECKING:
 
 LIGHT = frozenset({"click", "dh2urdf", "dh2urdf_plugins", "lxml", "orjson", "pluggy", "yaml"})
 """What registering a plugin may import besides the standard library and its own package: it is there anyway."""
-WORK: dict[Kind, str] = {
-    "reader": "read",
-    "transform": "transform",
-    "emitter": "emit",
-    "loader": "load",
-    "executor": "map",
+WORK: dict[Kind, tuple[str, ...]] = {
+    "reader": ("read",),
+    "transform": ("transform",),
+    "edit": ("edit_table", "edit_robot"),
+    "emitter": ("emit",),
+    "loader": ("load",),
+    "executor": ("map", "pool"),
 }
-"""The field of a record with the function that does the work, by kind."""
+"""The fields of a record one of which has the function that does the work, by kind."""
 _NAME = re.compile(r"[a-z0-9]+([-_.][a-z0-9]+)*")
 _FRAMES = 7
 """Lines of a traceback that are repeated: the last frames and the error."""
@@ -328,7 +329,7 @@ def outcome(function: Callable[..., Any], *args: Any) -> Any:  # noqa: ANN401 - 
 
 def _home(kind: Kind, stage: Any) -> str:  # noqa: ANN401 - a record of the kind
     """The module of the function that does a stage's work."""
-    return str((getattr(stage, WORK[kind]) or stage.pool).__module__)  # an executor may have a pool in place of a map
+    return str(next(filter(None, (getattr(stage, name) for name in WORK[kind]))).__module__)
 
 
 @cache

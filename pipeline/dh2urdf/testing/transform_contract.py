@@ -93,7 +93,7 @@ class TransformContract(StageContract):
 
     def test_is_deterministic(self) -> None:
         """The same arm gives the same robot, or the same refusal, in every process."""
-        arms = (*self._manipulators(), *_impossible())
+        arms = (*self._manipulators(), *impossible())
         self.same_in_every_process(self.test_is_deterministic, each_outcome, self.stage.transform, arms, self.given())
 
     def test_does_nothing_else(self) -> None:
@@ -117,7 +117,7 @@ class TransformContract(StageContract):
 
     def test_raises_documented_errors_only(self) -> None:
         """An arm that cannot be made is a TransformError."""
-        for manipulator in _impossible():
+        for manipulator in impossible():
             try:
                 self._transform(manipulator)
             except (TransformError, PluginError):
@@ -161,7 +161,7 @@ def _stretched(manipulator: Manipulator, factor: float) -> Manipulator:
     return replace(manipulator, name=f"{manipulator.name}_{factor:.3g}", rows=rows)
 
 
-def _impossible() -> Iterator[Manipulator]:
+def impossible() -> Iterator[Manipulator]:
     """Arms that readers may give and nobody can make, and some that are only strange; the name says which."""
     arm = reference_manipulators()[0]
     first, second, *others = arm.rows

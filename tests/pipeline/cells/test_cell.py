@@ -14,7 +14,8 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, truth_of, with_tables
 from dh2urdf.cells.wanted_tables import Gathering
-from dh2urdf.conversion.one_manipulator import Call, make_cell
+from dh2urdf.conversion.making import make_cell
+from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.kinematics.proof import prove

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import (
     Call,
     Recipe,
     Sample,
     Written,
     emit_robot,
-    make_robot,
     read_items,
     write_robot,
 )

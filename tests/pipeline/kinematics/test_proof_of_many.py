@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.columns import RobotColumns, column, in_columns
-from dh2urdf.conversion.one_manipulator import Call, make_robot
+from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error

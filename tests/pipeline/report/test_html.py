@@ -479,7 +479,8 @@ class TestDrawings:
 
     def test_the_workspace_is_inside_the_reach(self, reference_robot: ReferenceRobot) -> None:
         """No point is farther from the root than the table's lengths together, and some are not near."""
-        from dh2urdf.conversion.one_manipulator import Call, make_robot
+        from dh2urdf.conversion.making import make_robot
+        from dh2urdf.conversion.one_manipulator import Call
         from dh2urdf.kinematics.expected_poses import Truth
 
         stage = load().get("transform", "alpha-swap")

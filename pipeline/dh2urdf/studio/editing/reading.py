@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.written_tables import in_format
-from dh2urdf.conversion.one_manipulator import make_robot, read_items
+from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import Call, default_call

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.convert import as_named
 from dh2urdf.commands.written_tables import in_format
-from dh2urdf.conversion.one_manipulator import Recipe, make_robot, read_items, write_robot
+from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.one_manipulator import Recipe, read_items, write_robot
 from dh2urdf.errors import EmitterError, ManipulatorError, TableError
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof import Proof

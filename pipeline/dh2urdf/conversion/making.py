@@ -1,0 +1,153 @@
+"""The robot of a manipulator or of a cell: edits of the table, the transform, edits of the robot, and a check."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.cells.cell import Cell, cannot_be, compose, truth_of
+from dh2urdf.errors import ManipulatorError, RobotError
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import Call, blaming, depending_on
+from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record
+from dh2urdf.robot import Robot
+from dh2urdf.robot_check import check_robot
+from dh2urdf.stages import Edit
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.source import Mark, Problem
+    from dh2urdf.stages import Transform
+
+
+def make_item(
+    item: Manipulator | Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
+) -> tuple[Robot, Truth]:
+    """The robot of a manipulator or cell, checked, and what its tables say of it after the edits.
+
+    Raises:
+        ManipulatorError: as `make_robot` and `make_cell`.
+    """
+    if isinstance(item, Cell):
+        return make_cell(item, transform, edits)
+    table = edited_table(item, edits)
+    return _robot_of(table, item, transform, edits), Truth.of(table)
+
+
+def make_robot(
+    manipulator: Manipulator, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
+) -> Robot:
+    """The robot of a manipulator, checked, with the table that it was made of.
+
+    Raises:
+        ManipulatorError: an edit or the transform refuses the manipulator, or the robot breaks a rule.
+    """
+    return make_item(manipulator, transform, edits)[0]
+
+
+def make_cell(
+    cell: Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
+) -> tuple[Robot, Truth]:
+    """The robot of a cell, checked, and what its tables say of it.
+
+    What there is to notice of each arm is said with the manipulator that it is. Edits change each arm, not the cell.
+
+    Raises:
+        ManipulatorError: a stage refuses an arm, the arms do not go together, or the robot breaks a rule.
+    """
+    robots: dict[str, Robot] = {}
+    tables: dict[str, Manipulator] = {}
+    problems: list[Problem] = []
+    for arm in {arm.of: arm for arm in reversed(cell.call.arms)}.values():
+        table = cell.manipulators[arm.of]
+        try:
+            tables[arm.of] = edited_table(table, edits)
+            robots[arm.of] = _robot_of(tables[arm.of], table, transform, edits)
+        except ManipulatorError as error:
+            problems += cannot_be(arm, error.problems)
+    if problems:
+        raise RobotError(problems)
+    edited = replace(cell, manipulators=tables)
+    composed = compose(edited, robots)
+    robot = replace(composed, notices=(*composed.notices, *_found_wrong(composed, cell.mark)))
+    return robot, truth_of(edited, robots)
+
+
+def edited_table(manipulator: Manipulator, edits: Iterable[Call[Edit[Any]]]) -> Manipulator:
+    """A manipulator after the edits of tables.
+
+    Raises:
+        ManipulatorError: an edit refuses it, or is at fault.
+    """
+    table = manipulator
+    for call in edits:
+        if call.stage.edit_table is not None:
+            with blaming(call):
+                table = a_record(call.stage.edit_table(table, call.options), Manipulator)
+                _refuse_new_name(table.name, manipulator.name)
+    return table
+
+
+def keeps_kinematics(call: Call[Transform[Any]] | Call[Edit[Any]]) -> bool:
+    """Whether the robot that a stage makes has the T(base_link → tool0) of the table."""
+    if isinstance(call.stage, Edit) and call.stage.edit_robot is None:
+        return True
+    with depending_on(call, "keeps_kinematics"):
+        return a_record(call.stage.keeps_kinematics(call.options), bool)
+
+
+def a_robot(value: Robot, call: Call[Any]) -> Robot:
+    """The robot that a stage gave.
+
+    It may hold records of `dh2urdf.unchecked_records`, which a third party's stage may have filled with anything. The
+    built-in stages have tests instead: to look at each robot would take a third of a run.
+    """
+    is_trusted = call.plugin is not None and call.plugin.is_builtin
+    return a_record(value, Robot) if is_trusted else a_whole_record(value, Robot)
+
+
+def _robot_of(
+    table: Manipulator, original: Manipulator, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]]
+) -> Robot:
+    """The robot of an edited table, checked after every stage that has made or changed it."""
+    with blaming(transform):
+        robot = a_robot(transform.stage.transform(table, transform.options), transform)
+    found = _found_wrong(robot, table.mark)
+    known: Manipulator | None = robot.manipulator or table
+    for call in edits:
+        if call.stage.edit_robot is not None:
+            with blaming(call):
+                changed = a_robot(call.stage.edit_robot(robot, call.options), call)
+                _refuse_new_name(changed.name, robot.name)
+            robot, found = changed, _found_wrong(changed, table.mark, after=call)
+            known = known if keeps_kinematics(call) else None
+    new = [notice.about(robot=table.name) for notice in table.notices if notice not in original.notices]
+    comment = "; ".join(filter(None, (robot.comment, _told(edits))))
+    return replace(robot, notices=(*new, *robot.notices, *found), manipulator=known, comment=comment)
+
+
+def _told(edits: Sequence[Call[Edit[Any]]]) -> str:
+    """What a file says of edits, so that a reader sees that it is not the table's arm as it was."""
+    return f"edited by {', '.join(call.stage.name for call in edits)}" if edits else ""
+
+
+def _refuse_new_name(name: str, before: str) -> None:
+    if name != before:
+        raise ValueError(f"it changed the name {before!r:.60} to {name!r:.60}; files are named before edits are made")
+
+
+def _found_wrong(robot: Robot, mark: Mark | None, after: Call[Edit[Any]] | None = None) -> list[Problem]:
+    """The notices of the check of a robot.
+
+    Raises:
+        RobotError: it breaks a rule.
+    """
+    problems = [problem.about(robot=robot.name, mark=mark) for problem in check_robot(robot)]
+    if any(problem.severity == "error" for problem in problems):
+        if after is not None:
+            whose = f" of {after.plugin.distribution}" if after.plugin else ""
+            problems = [replace(each, message=f"after the {after}{whose}: {each.message}") for each in problems]
+        raise RobotError(problems)
+    return problems

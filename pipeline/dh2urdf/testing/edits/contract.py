@@ -1,0 +1,163 @@
+"""The contract of edits."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from dh2urdf.errors import EditError, PluginError
+from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.proof import TOLERANCE
+from dh2urdf.kinematics.proof_vectors import proof_vectors
+from dh2urdf.robot_check import check_robot
+from dh2urdf.testing.oracle import difference, robot_pose, table_pose
+from dh2urdf.testing.reference import plain_robot, reference_manipulators
+from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
+from dh2urdf.testing.transform_contract import POSES, impossible
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+    from dh2urdf.stages import Edit
+
+_ERRORS = "dh2urdf.errors.EditError, MissingDependencyError or MissingProgramError"
+
+
+class EditContract(StageContract):
+    """What holds for an edit of tables, of robots, or of both.
+
+    Attributes:
+        manipulators: the arms that it is tested with, none of which it refuses; by default the reference arms. An edit
+            of robots is tested with the plainest robot of each.
+    """
+
+    kind = "edit"
+    stage: ClassVar[Edit[Any]]
+    manipulators: ClassVar[Sequence[Manipulator] | None] = None
+
+    # --- The clauses
+
+    def test_returns_what_it_was_given(self) -> None:
+        """It makes a Manipulator of every Manipulator, and a Robot of every Robot, with the same name."""
+        for function, items in self._work():
+            for item in items:
+                found, kind = function(item, self.given()), type(item)
+                if not isinstance(found, kind) or found.name != item.name:
+                    name = getattr(found, "name", None)
+                    self.breach(
+                        self.test_returns_what_it_was_given,
+                        found=f"{type(found).__name__} with the name {name!r} for the {kind.__name__} {item.name!r}",
+                        accepted=f"a {kind.__name__} with the name {item.name!r}",
+                        remedy="return dataclasses.replace(given, …) without a new name: files are named before edits",
+                    )
+
+    def test_robots_stay_what_readers_take(self) -> None:
+        """A robot that breaks no rule breaks none after the edit."""
+        for robot in map(self._edited_robot, self._manipulators()):
+            if errors := [str(problem) for problem in check_robot(robot) if problem.severity == "error"]:
+                self.breach(
+                    self.test_robots_stay_what_readers_take,
+                    found=f"of the arm {robot.name!r}: {'; '.join(errors)}",
+                    accepted="a robot of which dh2urdf.robot_check.check_robot says no error",
+                    remedy="give new links a fixed joint that holds them, names of their own, and a sound inertia",
+                )
+
+    def test_keeps_the_kinematics(self) -> None:
+        """Where the record claims it, T(base_link → tool0) after the edit of the robot is the DH product of the table.
+
+        Of an edit that also changes the table, it is the table after that change.
+        """
+        if self.stage.edit_robot is None or not self.stage.keeps_kinematics(self.given()):
+            return  # The edited table is the truth; or the proof reports the difference, and fails nothing.
+        for manipulator in self._manipulators():
+            table, robot = self._edited_table(manipulator), self._edited_robot(manipulator)
+            truth = Truth.of(table)
+            for q in proof_vectors(truth, plain_robot(table), POSES):
+                distance, angle = self._distance(table, robot, q)
+                tolerance = TOLERANCE * max(1.0, truth.tips[0].reach([q]))
+                if not (distance <= tolerance and angle <= TOLERANCE):
+                    self.breach(
+                        self.test_keeps_the_kinematics,
+                        found=f"tool0 of {robot.name!r} is off by {distance:.3g} m and {angle:.3g} rad at q = {q}",
+                        accepted=f"{tolerance:.3g} m and {TOLERANCE:.3g} rad",
+                        remedy="change the table in `edit_table` where another arm is meant; or let keeps_kinematics "
+                        "return False with these options",
+                    )
+
+    def test_is_deterministic(self) -> None:
+        """The same input gives the same result, or the same refusal, in every process."""
+        for function, items in self._work(*impossible()):
+            self.same_in_every_process(self.test_is_deterministic, each_outcome, function, items, self.given())
+
+    def test_does_nothing_else(self) -> None:
+        """It writes no file, starts no process and leaves nothing running."""
+        for function, items in self._work():
+            seen = self.in_child(self.test_does_nothing_else, each, function, items, self.given())
+            if seen.traces:
+                self.breach(
+                    self.test_does_nothing_else,
+                    found="; ".join(seen.traces),
+                    accepted="an edit that only returns what it has changed",
+                    remedy="compute without files; say what a person should know in `notices` of what you return",
+                )
+
+    def test_keeps_its_input(self) -> None:
+        """The manipulator, or the robot, is after the call as it was before."""
+        for function, items in self._work():
+            for item in items:
+                before = deepcopy(item)
+                function(item, self.given())
+                self.unchanged(self.test_keeps_its_input, before, item)
+
+    def test_raises_documented_errors_only(self) -> None:
+        """What cannot be edited is an EditError."""
+        if self.stage.edit_table is None:
+            return  # What transforms refuse never comes to an edit of robots.
+        for manipulator in impossible():
+            try:
+                self.stage.edit_table(manipulator, self.given())
+            except (EditError, PluginError):
+                continue
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever an author's code raises
+                self.breach(
+                    self.test_raises_documented_errors_only,
+                    found=f"{type(error).__name__}: {error} at {manipulator.name}",
+                    accepted=_ERRORS,
+                    remedy="check the numbers and names first, and raise EditError with a Problem for each fault",
+                )
+
+    # --- What the clauses use
+
+    @classmethod
+    def _manipulators(cls) -> tuple[Manipulator, ...]:
+        # Copies: an edit that changes its input would be given what it has changed before.
+        return tuple(deepcopy(cls.manipulators) if cls.manipulators is not None else reference_manipulators())
+
+    def _work(self, *others: Manipulator) -> Iterator[tuple[Callable[[Any, Any], Any], list[Any]]]:
+        """The functions of the edit, each with what it is tested with; other tables go to that of tables."""
+        if self.stage.edit_table is not None:
+            yield self.stage.edit_table, [*self._manipulators(), *others]
+        if self.stage.edit_robot is not None:
+            yield self.stage.edit_robot, [plain_robot(self._edited_table(each)) for each in self._manipulators()]
+
+    def _edited_table(self, manipulator: Manipulator) -> Manipulator:
+        return self.stage.edit_table(manipulator, self.given()) if self.stage.edit_table else manipulator
+
+    def _edited_robot(self, manipulator: Manipulator) -> Robot:
+        robot = plain_robot(self._edited_table(manipulator))
+        return self.stage.edit_robot(robot, self.given()) if self.stage.edit_robot else robot
+
+    def _distance(self, table: Manipulator, robot: Robot, q: Sequence[float]) -> tuple[float, float]:
+        """How far tool0 of a robot is from where its table has it [m, rad]."""
+        try:
+            found = robot_pose(robot, q, "base_link", "tool0")
+        except (ValueError, StopIteration):
+            return self.breach(
+                self.test_keeps_the_kinematics,
+                found=f"no chain from base_link to tool0 with {len(q)} moving joints in {robot.name!r}",
+                accepted="the chain that the robot had before the edit",
+                remedy="keep the links base_link and tool0, and the moving joints between them",
+            )
+        return difference(table_pose(table, q), found)

@@ -1,0 +1,1 @@
+"""Edits: changes of a table before the transform, and of a robot after it."""

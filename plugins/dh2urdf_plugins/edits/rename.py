@@ -1,0 +1,97 @@
+"""The edit ``rename``: other names of joints and links."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
+
+from dh2urdf.errors import EditError
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import Edit
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from dh2urdf.manipulator import Manipulator
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RenameOptions:
+    """How names change: first by the pattern, then the prefix is put before them."""
+
+    prefix: str = field(default="", metadata={"help": "text before every name, such as left_"})
+    pattern: str = field(
+        default="", metadata={"help": "regular expression of Python: what it matches in a name is replaced"}
+    )
+    replacement: str = field(
+        default="", metadata={"help": r"text in place of each match; \1 is the pattern's first group"}
+    )
+    of: Literal["all", "joints", "links"] = field(
+        default="all", metadata={"help": "which names: those of joints, of links, or all"}
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse a pattern or a replacement that is none.
+
+        Raises:
+            ValueError: what is wrong with it.
+        """
+        if self.replacement and not self.pattern:
+            raise ValueError("replacement: there is no pattern whose matches it could replace")
+        try:
+            re.sub(self.pattern, self.replacement, "")
+        except (re.error, IndexError) as error:
+            raise ValueError(f"pattern or replacement is no regular expression: {error}") from None
+
+    def renamed(self, name: str) -> str:
+        """Another name for a joint or link."""
+        return self.prefix + (re.sub(self.pattern, self.replacement, name) if self.pattern else name)
+
+
+def edit_table(manipulator: Manipulator, options: RenameOptions) -> Manipulator:
+    """The manipulator with other names of its joints, of its links, or of both.
+
+    base_link, flange and tool0 are the same in every robot, and keep their names; the arm of a cell has a prefix for
+    these too.
+
+    Raises:
+        EditError: a name is empty afterwards, or two are the same.
+    """
+    joints = [row.joint if options.of == "links" else options.renamed(row.joint) for row in manipulator.rows]
+    links = [row.link if options.of == "joints" else options.renamed(row.link) for row in manipulator.rows]
+    problems = [
+        *_problems("joint", [row.joint for row in manipulator.rows], joints),
+        *_problems("link", [row.link for row in manipulator.rows], links),
+    ]
+    if problems:
+        raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
+    named = zip(manipulator.rows, joints, links, strict=True)
+    rows = tuple(replace(row, joint=joint, link=link) for row, joint, link in named)
+    notices = manipulator.notices
+    if rows == manipulator.rows:
+        message = "the edit `rename` changes no name of this arm"
+        notices = (*notices, Problem(message=message, severity="notice", field="edits"))
+    return replace(manipulator, rows=rows, notices=notices)
+
+
+def _problems(what: str, before: Sequence[str], after: Sequence[str]) -> Iterator[Problem]:
+    """What is wrong with the new names of joints or links, each fault once."""
+    first: dict[str, str] = {}
+    for old, new in zip(before, after, strict=True):
+        other = first.setdefault(new, old)
+        if not new.strip():
+            message = f"the {what} {shown(old)} has no name after the edit `rename`"
+        elif other != old:
+            message = f"the {what}s {shown(other)} and {shown(old)} are both {shown(new)} after the edit `rename`"
+        else:
+            continue
+        yield Problem(message=message, field="edits", found=new, accepted=f"a different {what} in each row")
+
+
+EDIT = Edit(
+    name="rename",
+    summary="other names of joints and links: a prefix, or a pattern and its replacement",
+    options=RenameOptions,
+    edit_table=edit_table,
+)

@@ -1,0 +1,68 @@
+"""The edit `rename`: other names of joints and links."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import EditError
+from dh2urdf.testing import reference_manipulators
+from dh2urdf_plugins.edits.rename import RenameOptions, edit_table
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import Manipulator
+
+UR5 = reference_manipulators()[0]  # joint_1 to joint_6, link_1 to link_6
+
+
+def names(table: Manipulator) -> list[str]:
+    return [name for row in table.rows[:2] for name in (row.joint, row.link)]
+
+
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        ({"prefix": "left_"}, ["left_joint_1", "left_link_1", "left_joint_2", "left_link_2"]),
+        ({"prefix": "l_", "of": "joints"}, ["l_joint_1", "link_1", "l_joint_2", "link_2"]),
+        ({"prefix": "l_", "of": "links"}, ["joint_1", "l_link_1", "joint_2", "l_link_2"]),
+        ({"pattern": r"(\w+)_(\d)", "replacement": r"\2_\1"}, ["1_joint", "1_link", "2_joint", "2_link"]),
+        ({"pattern": "^joint_", "replacement": "axis", "prefix": "a/"}, ["a/axis1", "a/link_1", "a/axis2", "a/link_2"]),
+        ({"pattern": "^joint_"}, ["1", "link_1", "2", "link_2"]),
+    ],
+)
+def test_names(options: dict[str, Any], found: list[str]) -> None:
+    """The pattern first, then the prefix; of joints, of links, or of all. Nothing else changes."""
+    edited = edit_table(UR5, RenameOptions(**options))
+    assert names(edited) == found
+    assert (edited.fk([0.3] * 6) == UR5.fk([0.3] * 6)).all()
+    assert edited.notices == UR5.notices
+
+
+def test_nothing_to_do_is_noticed() -> None:
+    """A pattern without a match is probably a mistake."""
+    (notice,) = edit_table(UR5, RenameOptions(pattern="elbow", replacement="knee")).notices
+    assert notice.message == "the edit `rename` changes no name of this arm"
+
+
+def test_names_that_cannot_be_are_refused() -> None:
+    """All of them at once: what they were, and what they would be."""
+    with pytest.raises(EditError, match="the joints 'joint_1' and 'joint_2' are both 'joint'") as refused:
+        edit_table(UR5, RenameOptions(pattern=r"_\d"))
+    assert len(refused.value.problems) == 10
+    with pytest.raises(EditError, match="the link 'link_1' has no name after the edit `rename`"):
+        edit_table(UR5, RenameOptions(pattern="^.*$", of="links"))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"pattern": "("}, "no regular expression: missing"),
+        ({"pattern": "a", "replacement": r"\1"}, "no regular expression: invalid group reference 1"),
+        ({"replacement": "x"}, "there is no pattern"),
+    ],
+)
+def test_what_is_no_pattern_is_refused(options: dict[str, Any], message: str) -> None:
+    """Before anything is read."""
+    with pytest.raises(ValueError, match=message):
+        RenameOptions(**options)

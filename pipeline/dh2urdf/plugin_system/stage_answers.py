@@ -12,6 +12,7 @@ from functools import cache
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from dh2urdf import stages
 from dh2urdf.source import shown
 from dh2urdf.stages import EmittedFile
 
@@ -27,11 +28,16 @@ def a_record(value: T, *kinds: type[Any]) -> T:
         TypeError: it is something else, which a third party's stage may well give.
     """
     if not isinstance(value, kinds):
-        wanted = " or ".join(
-            _name(kind) if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__name__}" for kind in kinds
-        )
+        wanted = " or ".join(_name(kind) if kind.__module__ == "builtins" else _public_name(kind) for kind in kinds)
         raise TypeError(f"it gave {_name(type(value))}, not {wanted}")
     return value
+
+
+def _public_name(kind: type[Any]) -> str:
+    """The name by which a plugin imports a record."""
+    is_of_stages = kind.__name__ in stages.__all__ and getattr(stages, kind.__name__) is kind
+    module = stages.__name__ if is_of_stages else kind.__module__
+    return f"{module}.{kind.__name__}"
 
 
 def a_whole_record(value: T, *kinds: type[Any]) -> T:
@@ -57,7 +63,7 @@ def items_of(value: Iterable[T] | None, kind: type[Any] | str) -> Iterator[T]:
         TypeError: it gave nothing of which there can be several.
     """
     if not isinstance(value, Iterable) or isinstance(value, (str, bytes)):
-        wanted = kind if isinstance(kind, str) else f"several of {kind.__module__}.{kind.__name__}"
+        wanted = kind if isinstance(kind, str) else f"several of {_public_name(kind)}"
         raise TypeError(f"it gave {_name(type(value))}, not {wanted}")
     return iter(value)
 

@@ -195,10 +195,11 @@ def _stage(
     named = _names(catalog, kind)
     names = {"enum": _all_of(named), "description": description}
     call = _mapping({"stage": names, "options": {}, **others})
-    call["allOf"] = [
+    conditions = [
         _if_then({"properties": {"stage": {"enum": own}}}, f"{kind}.{own[0]}", named=default not in own)
         for own in named.values()
     ]
+    call |= {"allOf": conditions} if conditions else {}
     return _either(names, call if default else {**call, "required": ["stage"]})
 
 

@@ -325,6 +325,7 @@ def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
         ("machines.md", "sh"),
         ("machines.md", "python"),
         ("plugins.md", "python"),
+        ("plugins.md", "python"),
         ("ros2-packages.md", "sh"),
         ("ros2-packages.md", "sh"),
         ("simulators.md", "sh"),

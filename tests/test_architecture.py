@@ -344,18 +344,9 @@ STAGES_NAMED = {
     ("pipeline/dh2urdf/commands/screw_axes.py", "screws"): "what `from_screws` is the function of",
     ("pipeline/dh2urdf/stages.py", "urdf"): "what a loader takes whose record says nothing of it",
     ("pipeline/dh2urdf/testing/stage_contract.py", "yaml"): "a Python module",
-    **dict.fromkeys(
-        [
-            ("pipeline/dh2urdf/commands/given_tables.py", "payload"),
-            ("pipeline/dh2urdf/report/answers/info.py", "payload"),
-            ("pipeline/dh2urdf/studio/editing/reading.py", "payload"),
-            ("pipeline/dh2urdf/studio/page.py", "payload"),
-        ],
-        "what a table has: its base, tool and payload",
-    ),
 }
 """Where the host has a word that is also the name of a built-in stage."""
-MERE_WORDS = {"table", "local"}
+MERE_WORDS = {"table", "local", "limits", "payload"}
 """Names of stages that are words of every day."""
 
 

@@ -20,6 +20,8 @@ from dh2urdf.testing import (
     ReaderContract,
     TransformContract,
 )
+from dh2urdf_plugins.edits.limits import LimitsOptions
+from dh2urdf_plugins.edits.mount import MountOptions
 from dh2urdf_plugins.edits.payload import PayloadOptions
 from dh2urdf_plugins.edits.rename import RenameOptions
 from dh2urdf_plugins.emitters.urdf import UrdfOptions
@@ -202,6 +204,16 @@ class TestAlphaSwap(TransformContract):
 class TestAlphaSwapWithFramesOfTheTable(TransformContract):
     stage = CATALOG.get("transform", "alpha-swap")
     options = AlphaSwapOptions(frames="dh", shape="box")
+
+
+class TestLimits(EditContract):
+    stage = CATALOG.get("edit", "limits")
+    options = LimitsOptions(range=0.9, velocity=0.5, effort=0.8)
+
+
+class TestMount(EditContract):
+    stage = CATALOG.get("edit", "mount")
+    options = MountOptions(name="camera", xyz=(0.0, 0.05, 0.1), size=(0.02, 0.09, 0.02), mass=0.1, optical=True)
 
 
 class TestPayload(EditContract):

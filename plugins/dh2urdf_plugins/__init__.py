@@ -37,10 +37,10 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_edits() -> Iterable[Edit[Any]]:
-    """Changes of a table: a payload, other names, other limits, a calibration; and mounted frames of a robot."""
-    from dh2urdf_plugins.edits import payload, rename
+    """Changes of a table: other limits, a payload, other names; and of a robot: frames that are mounted on it."""
+    from dh2urdf_plugins.edits import limits, mount, payload, rename
 
-    return (payload.EDIT, rename.EDIT)
+    return (limits.EDIT, mount.EDIT, payload.EDIT, rename.EDIT)
 
 
 @hookimpl

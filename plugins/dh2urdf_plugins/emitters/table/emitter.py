@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.commands import left_out_of, table_content
 from dh2urdf.errors import EmitterError, InputError, RecordValueError
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.emitters.table.json_file import json_file
 from dh2urdf_plugins.emitters.table.latex import latex_file
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.emitters.table.options import Format
 
 _READ_BACK = ("yaml", "csv", "json")
+_LINKS = {"world", "base_link", "base", "flange", "tool0", "payload"}
+"""Links beside those of the rows that a table says by itself, or that every robot has."""
+_MOST_LINKS = 6
 
 
 def emit(robot: Robot, stem: str, options: TableOptions) -> tuple[EmittedFile, ...]:
@@ -138,7 +141,19 @@ def notices(robot: Robot, options: TableOptions) -> list[Problem]:
     """What the formats leave out, and that a table does not say where the arms of a cell are."""
     arms = manipulators_of(robot)
     found = [notice for name in _formats(options) for notice in _left_out(name, arms, options)]
-    return [*found, *_of_a_cell(robot, len(arms))]
+    return [*found, *_of_a_cell(robot, len(arms)), *_of_other_links(robot, arms)]
+
+
+def _of_other_links(robot: Robot, arms: Sequence[Manipulator]) -> Iterator[Problem]:
+    """Of links that the table does not have, such as a camera that an edit has mounted."""
+    if robot.arms or not arms:
+        return
+    known = {*_LINKS, *(row.link for row in arms[0].rows)}
+    if others := [link.name for link in robot.links if link.name not in known]:
+        message = f"a table has no place for {', '.join(map(shown, others[:_MOST_LINKS]))}"
+        if (more := len(others) - _MOST_LINKS) > 0:
+            message += f" and {more} more links"
+        yield Problem(message=message, severity="notice", suggestion="a URDF, SDF or MJCF describes the whole robot")
 
 
 def _of_a_cell(robot: Robot, count: int) -> Iterator[Problem]:

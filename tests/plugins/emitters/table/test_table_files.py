@@ -229,3 +229,14 @@ def test_the_proof_reads_the_file(name: Any, reference_robot: ReferenceRobot, tm
         q = [0.3] * len(arm.moving_rows)
         found, expected = robot.fk(q), changed.fk(q)
         assert np.abs(found - expected).max() <= 1e-12 * max(1.0, np.abs(expected).max())
+
+
+def test_links_that_no_table_has_are_noticed(tmp_path: Path, cli: Callable[..., Answer]) -> None:
+    """What an edit has mounted is in the URDF, and the table says that it is without it."""
+    (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n")
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arm.csv\nemitters: [urdf, table]\nedits: {stage: mount, options: {name: camera, optical: true}}\n"
+    )
+    told = cli("run", tmp_path / "run.yaml", "-o", tmp_path / "out").stderr
+    assert "a table has no place for 'camera', 'camera_optical_frame'" in told
+    assert '"camera"' in (tmp_path / "out" / "arm.urdf").read_text()

@@ -1,0 +1,108 @@
+"""The edit ``limits``: limits of joints that a controller shall keep, narrower than those of the table."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import EditError
+from dh2urdf.manipulator import JointType
+from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.stages import Edit
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import DHRow, Limits, Manipulator
+
+_FACTORS = ("range", "velocity", "effort")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsOptions:
+    """What limits become. Limits that a table leaves out stay left out."""
+
+    range: float = field(default=1.0, metadata={"help": "factor of the range of a joint, about its middle"})
+    margin: float = field(
+        default=0.0, metadata={"help": "what is taken off both ends of the range [rad or m], after the factor"}
+    )
+    velocity: float = field(default=1.0, metadata={"help": "factor of the largest speed"})
+    effort: float = field(default=1.0, metadata={"help": "factor of the largest torque or force"})
+    joints: tuple[str, ...] = field(default=(), metadata={"help": "names of the joints that are meant; all by default"})
+
+    def __post_init__(self) -> None:
+        """Refuse what no limit can become.
+
+        Raises:
+            ValueError: a factor is not greater than 0, or the margin is no number.
+        """
+        if wrong := [name for name in _FACTORS if not 0.0 < getattr(self, name) < math.inf]:
+            raise ValueError(f"{' and '.join(wrong)}: a factor is a number greater than 0")
+        if not math.isfinite(self.margin):
+            raise ValueError("margin is a number [rad or m]; a negative one widens the range")
+
+
+def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
+    """The manipulator with other limits of its joints.
+
+    Raises:
+        EditError: a joint is unknown, or nothing of a range is left.
+    """
+    names = [row.joint for row in manipulator.moving_rows]
+    problems = [
+        Problem(
+            message=f"the arm has no moving joint {shown(name)}",
+            field="edits",
+            found=name,
+            accepted=", ".join(names),
+            suggestion=did_you_mean(name, names),
+        )
+        for name in options.joints
+        if name not in names
+    ]
+    rows = []
+    for row in manipulator.rows:
+        is_meant = row.type is not JointType.FIXED and (not options.joints or row.joint in options.joints)
+        limits = _limited(row.limits, options) if is_meant else row.limits
+        if None not in (limits.lower, limits.upper) and not limits.lower < limits.upper:  # type: ignore[operator]
+            problems.append(_nothing_left(row, options))
+            limits = row.limits
+        rows.append(replace(row, limits=limits))
+    if problems:
+        raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
+    notices = manipulator.notices
+    if tuple(rows) == manipulator.rows:
+        message = "the edit `limits` changes no limit of this arm"
+        notices = (*notices, Problem(message=message, severity="notice", field="edits"))
+    return replace(manipulator, rows=tuple(rows), notices=notices)
+
+
+def _limited(limits: Limits, options: LimitsOptions) -> Limits:
+    lower, upper = limits.lower, limits.upper
+    if lower is not None and upper is not None and options.range != 1.0:
+        middle, half = 0.5 * lower + 0.5 * upper, (0.5 * upper - 0.5 * lower) * options.range
+        lower, upper = middle - half, middle + half
+    return replace(
+        limits,
+        lower=None if lower is None else lower + options.margin,
+        upper=None if upper is None else upper - options.margin,
+        velocity=None if limits.velocity is None else limits.velocity * options.velocity,
+        effort=None if limits.effort is None else limits.effort * options.effort,
+    )
+
+
+def _nothing_left(row: DHRow, options: LimitsOptions) -> Problem:
+    return Problem(
+        message=f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`",
+        field="edits",
+        found=f"{row.limits.lower:g} to {row.limits.upper:g}, with a margin of {options.margin:g}",
+        accepted="a margin of less than half of the range",
+        suggestion="`joints` names those that are meant: a margin is in rad for joints that turn, in m for others",
+    )
+
+
+EDIT = Edit(
+    name="limits",
+    summary="narrower or wider limits of joints: factors of range, speed and effort, and a margin at both ends",
+    options=LimitsOptions,
+    edit_table=edit_table,
+)

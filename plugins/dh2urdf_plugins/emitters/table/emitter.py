@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.emitters.table.options import Format
 
 _READ_BACK = ("yaml", "csv", "json")
-_LINKS = {"world", "base_link", "base", "flange", "tool0", "payload"}
+_LINKS = {"world", "base_link", "base_link_inertia", "base", "flange", "tool0", "payload"}
 """Links beside those of the rows that a table says by itself, or that every robot has."""
 _MOST_LINKS = 6
 

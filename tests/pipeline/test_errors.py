@@ -13,6 +13,7 @@ from dh2urdf.errors import (
     ConfigError,
     CrashError,
     Dh2UrdfError,
+    EditError,
     EmitterError,
     ExecutorError,
     IncompatiblePluginError,
@@ -43,7 +44,7 @@ EVERY_ERROR = [
     *(kind([PROBLEM]) for kind in (RecordError, RecordTypeError, RecordValueError)),
     *(
         kind([PROBLEM])
-        for kind in (ManipulatorError, TransformError, RobotError, EmitterError, ProofError, LoaderError)
+        for kind in (ManipulatorError, TransformError, EditError, RobotError, EmitterError, ProofError, LoaderError)
     ),
     *(kind([PROBLEM]) for kind in (CrashError, TimeLimitError)),
     UnknownStageError("emitter", "urfd", ["urdf", "xacro"]),

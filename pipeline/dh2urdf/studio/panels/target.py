@@ -69,11 +69,15 @@ class TargetPanel:
     def _box(self, name: str) -> ui.input:
         box = ui.input().props(f'dense outlined prefix="{name}" aria-label="{name} of tool0"')
         box.classes("studio-target-box").on("change", self._typed)
-        box.on("focus", lambda: self._focus(name)).on("blur", lambda: self._focus(""))
+        box.on("focus", lambda: self._focus(name)).on("blur", lambda: self._blur(name))
         return box
 
     def _focus(self, name: str) -> None:
         self._focused = name
+
+    def _blur(self, name: str) -> None:
+        if self._focused == name:  # The browser tells of it after the focus of the next box.
+            self._focused = ""
 
     def switch(self) -> None:
         """Open it, or close it."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.catalog import KINDS, load
 from dh2urdf.testing import (
     EditContract,
@@ -19,7 +20,9 @@ from dh2urdf.testing import (
     LoaderContract,
     ReaderContract,
     TransformContract,
+    reference_manipulators,
 )
+from dh2urdf_plugins.edits.calibrate import CalibrateOptions
 from dh2urdf_plugins.edits.limits import LimitsOptions
 from dh2urdf_plugins.edits.mount import MountOptions
 from dh2urdf_plugins.edits.payload import PayloadOptions
@@ -204,6 +207,14 @@ class TestAlphaSwap(TransformContract):
 class TestAlphaSwapWithFramesOfTheTable(TransformContract):
     stage = CATALOG.get("transform", "alpha-swap")
     options = AlphaSwapOptions(frames="dh", shape="box")
+
+
+class TestCalibrate(EditContract):
+    stage = CATALOG.get("edit", "calibrate")
+    options = CalibrateOptions(file=Path(__file__).parent / "plugins" / "edits" / "six_joints.conf")
+    manipulators = tuple(
+        arm for arm in reference_manipulators() if len(arm.moving_rows) == 6 and arm.convention is Convention.STANDARD
+    )
 
 
 class TestLimits(EditContract):

@@ -37,10 +37,10 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_edits() -> Iterable[Edit[Any]]:
-    """Changes of a table: other limits, a payload, other names; and of a robot: frames that are mounted on it."""
-    from dh2urdf_plugins.edits import limits, mount, payload, rename
+    """Calibrations, limits, payloads and names, which change the table; and frames that are mounted on the robot."""
+    from dh2urdf_plugins.edits import calibrate, limits, mount, payload, rename
 
-    return (limits.EDIT, mount.EDIT, payload.EDIT, rename.EDIT)
+    return (calibrate.EDIT, limits.EDIT, mount.EDIT, payload.EDIT, rename.EDIT)
 
 
 @hookimpl

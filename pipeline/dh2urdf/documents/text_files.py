@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import re
 import stat
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem, shown
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MAX_BYTES = 2**30
 """Size of a file that is still read at once [B]."""
@@ -47,6 +45,12 @@ def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int 
             suggestion="split it into several files",
         )
     )
+
+
+def tidy_path(path: Path) -> Path:
+    """`configs/../build` as `build`, unless `configs` is a link."""
+    tidy = Path(os.path.normpath(path))
+    return tidy if tidy.resolve() == path.resolve() else path
 
 
 def check_file(path: Path, error: type[InputError] = ConfigError) -> None:

@@ -11,9 +11,11 @@ import json
 import re
 import sys
 from dataclasses import MISSING, fields, is_dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_origin
 
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml
+from dh2urdf.documents.text_files import tidy_path
 from dh2urdf.errors import BrokenPluginError, ConfigError, InputError
 from dh2urdf.plugin_system.discovery import UNKNOWN
 from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of
@@ -44,6 +46,7 @@ def make_options(
     mark: Mark | None = None,
     where: str,
     plugin: Plugin | None = None,
+    folder: Path | None = None,
 ) -> O:
     """The options of a stage, checked.
 
@@ -53,6 +56,8 @@ def make_options(
         mark: where the stage is named, for what has no place of its own, such as a word.
         where: the stage, for messages, such as ``emitter 'urdf'``.
         plugin: who provides the stage, for messages.
+        folder: that of the file that `given` is in, which paths are relative to; those of the command line are relative
+            to the working directory.
 
     Raises:
         ConfigError: options are unknown, missing or not what they should be; all of it is said at once.
@@ -61,7 +66,7 @@ def make_options(
     try:
         if isinstance(given, Node):
             expect_mapping(given, f"the options of the {where}")
-            return _GivenOptions(options_type, given, given.mark, where).options()
+            return _GivenOptions(options_type, given, given.mark, where, folder).options()
         place = mark or COMMAND_LINE
         words = {name: word_node(word, place.file) for name, word in (given or {}).items()}
         return _GivenOptions(options_type, Node(words, place.file, 0, 0), place, where).options()
@@ -96,9 +101,10 @@ def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:
 class _GivenOptions(Generic[O]):
     """Options on their way from what was written to an instance of their type."""
 
-    def __init__(self, options_type: type[O], given: Node, mark: Mark, where: str) -> None:
+    def __init__(self, options_type: type[O], given: Node, mark: Mark, where: str, folder: Path | None = None) -> None:
         self.type = options_type
         self.given = given
+        self.folder = folder
         self.mark = mark
         self.where = where
         self.hints = type_hints(options_type)
@@ -106,7 +112,9 @@ class _GivenOptions(Generic[O]):
     def options(self) -> O:
         """The instance; see `make_options`."""
         problems = list(self._unknown(self.type, self.given))
-        nodes = {name: node for name, node in self._entries().items() if name in self.hints}
+        nodes = {
+            name: self._placed(self.hints[name], node) for name, node in self._entries().items() if name in self.hints
+        }
         try:
             values = {name: _decided(self.hints[name], node) for name, node in nodes.items()}
             if _UNDECIDED in values.values() or self._required() - set(values):
@@ -120,6 +128,19 @@ class _GivenOptions(Generic[O]):
         if problems:
             raise ConfigError(in_file_order(problems))
         return options
+
+    def _placed(self, hint: Any, node: Node) -> Node:  # noqa: ANN401 - any type
+        """The value of an option, where it is a path with its folder before it."""
+        if (
+            not self.folder
+            or not node.line
+            or not isinstance(node.value, str)
+            or "\0" in node.value
+            or Path not in members(hint)
+        ):
+            return node
+        path = str(tidy_path(self.folder / node.value))
+        return Node(path, node.file, node.line, node.column, path)
 
     def _entries(self) -> dict[str, Node]:
         return self.given.value if isinstance(self.given.value, dict) else {}

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         evaluate as evaluate,
         find_unit as find_unit,
         is_unit as is_unit,
+        is_zero as is_zero,
     )
     from dh2urdf.quantities.units import UNITS as UNITS, Unit as Unit, unit_word as unit_word
 else:
@@ -29,7 +30,7 @@ else:
         {
             "number_text": "format_columns format_number format_numbers",
             "quantity": "Dimension MAX_CHARACTERS Quantity QuantityError accepted_forms accepted_units "
-            "evaluate find_unit is_unit",
+            "evaluate find_unit is_unit is_zero",
             "units": "UNITS Unit unit_word",
         },
     )

@@ -101,6 +101,14 @@ def evaluate(
     return _in_si(text, value, dimension, unit)
 
 
+def is_zero(text: str) -> bool:
+    """Whether a cell is empty or 0, with a decimal point or comma."""
+    try:
+        return not text or evaluate(text.replace(",", "."), Dimension.NUMBER) == Quantity(0.0)
+    except QuantityError:
+        return False
+
+
 def _in_si(text: str, value: Intermediate, dimension: Dimension, unit: Unit | None) -> Quantity:
     accepted = accepted_forms(dimension)
     number = value.number

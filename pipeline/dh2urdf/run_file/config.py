@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml
-from dh2urdf.documents.text_files import LONG_PATH, check_file, read_bytes
+from dh2urdf.documents.text_files import LONG_PATH, check_file, read_bytes, tidy_path
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.file_patterns import matching
 from dh2urdf.run_file.cell_section import CellsReader
@@ -132,10 +132,6 @@ def _written_out(root: Node) -> Node:
     return _mapping(sections, root)
 
 
-def _text(text: str, at: Node) -> Node:
-    return Node(text, at.file, at.line, at.column, text)
-
-
 def _mapping(entries: dict[str, Node], at: Node) -> Node:
     return Node(entries, at.file, at.line, at.column, key_places=at.key_places)
 
@@ -156,12 +152,6 @@ def _output_of(output: Node) -> Node:
         return output
     meshes = _mapping_of(output.value["meshes"], "names")
     return _mapping({**output.value, "meshes": meshes}, output)
-
-
-def _tidy(path: Path) -> Path:
-    """`configs/../build` as `build`, unless `configs` is a link."""
-    tidy = Path(os.path.normpath(path))
-    return tidy if tidy.resolve() == path.resolve() else path
 
 
 # --- The sections -----------------------------------------------------------------------------------------------------
@@ -204,6 +194,7 @@ class _Sections(SettingsReader):
             sample=self.sample(sample, "sample", DEFAULT_SAMPLE),
             time_limit=self.seconds(sections["execution"]),
             html=self.switch(report.get("html"), "report.html", default=True),
+            folder=self.path.parent,
             reports=self._place(report.get("directory"), "report.directory"),
             problems=tuple(self.problems),
         )
@@ -239,13 +230,12 @@ class _Sections(SettingsReader):
         options = self._options(given.get("options"), f"{field}.options")
         if (node := given.get("calibration")) is None:
             return options
-        if (path := self._path_text(node, f"{field}.calibration")) is None:
+        if self._path_text(node, f"{field}.calibration") is None:
             return options
         others = options.value if options and isinstance(options.value, dict) else {}
         if "calibration" in others:
             self.say("the calibration is given twice, here and among the options", node, f"{field}.calibration")
-        file = _text(str(self._resolved(*path)), node)
-        return _mapping({**others, "calibration": file}, options or node)
+        return _mapping({**others, "calibration": node}, options or node)
 
     def _calls(
         self,
@@ -335,7 +325,7 @@ class _Sections(SettingsReader):
 
     def _resolved(self, text: str, node: Node) -> Path:
         """A path of the run file is relative to it, one of a change to the working directory."""
-        return _tidy(self._folder(node) / text)
+        return tidy_path(self._folder(node) / text)
 
     def _folder(self, node: Node) -> Path:
         return Path() if node.file == self.changes else self.path.parent
@@ -352,7 +342,7 @@ class _Sections(SettingsReader):
                 why = error.problems[0]
                 self.say(why.message, node, field, accepted=why.accepted, suggestion=why.suggestion)
                 return
-            paths = [_tidy(path) for path in found.paths]
+            paths = [tidy_path(path) for path in found.paths]
             if found.notice:
                 notices.append(found.notice.about(mark=node.mark))
         for file in paths:

@@ -80,7 +80,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         ConfigError: something in the run file is wrong; all of it is said at once.
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
-    asked = AskedStages(catalog, config.problems)
+    asked = AskedStages(catalog, config.problems, config.folder)
     inputs = asked.readers(config.inputs)
     transform = asked.call("transform", config.transform)
     edits = [asked.call("edit", each) for each in config.edits]  # one may be there twice, with other options

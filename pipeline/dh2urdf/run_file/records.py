@@ -84,6 +84,7 @@ class RunConfig:
         time_limit: how long one manipulator may take, simulators aside [s].
         html: whether the run writes a page for people, where its packages are installed.
         reports: where report, manifest and index go; None for the place of the output, or beside one of packages.
+        folder: the folder of the run file, which paths in options of stages are relative to.
         problems: what is wrong with the file; nothing may start while there is any.
     """
 
@@ -106,4 +107,5 @@ class RunConfig:
     time_limit: float = DEFAULT_TIME_LIMIT
     html: bool = True
     reports: Path | str | None = None
+    folder: Path = Path()
     problems: tuple[Problem, ...] = ()

@@ -31,10 +31,11 @@ class AskedStages:
             could not be searched everywhere.
     """
 
-    def __init__(self, catalog: Catalog, problems: Iterable[Problem] = ()) -> None:
+    def __init__(self, catalog: Catalog, problems: Iterable[Problem], folder: Path) -> None:
         self.problems = list(problems)
         self.notices: dict[Path, Problem] = {}
         self._catalog = catalog
+        self._folder = folder
 
     def call(self, kind: Any, asked: StageCall) -> Call[Any] | None:  # noqa: ANN401 - a kind of stage
         """The stage of a kind with its options; None where something is wrong.
@@ -46,7 +47,8 @@ class AskedStages:
             stage = self._catalog.get(kind, asked.stage) if asked.stage else self._catalog.usual(kind)
             plugin = self._catalog.plugin_of(stage)
             where = f"{kind} {stage.name!r}"
-            options = make_options(stage.options, asked.options, mark=asked.mark, where=where, plugin=plugin)
+            given, folder = asked.options, self._folder
+            options = make_options(stage.options, given, mark=asked.mark, where=where, plugin=plugin, folder=folder)
             return Call(stage=stage, options=options, plugin=plugin)
         return None
 

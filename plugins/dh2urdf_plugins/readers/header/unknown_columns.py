@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, evaluate, find_unit, is_unit
+from dh2urdf.quantities import Dimension, QuantityError, find_unit, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
 from dh2urdf_plugins.readers.words.fields import FIELDS
@@ -202,14 +202,6 @@ def ignored(headers: Iterable[str], mark: Mark, what: str = "column") -> Problem
         severity="notice",
         mark=mark,
     )
-
-
-def is_zero(text: str) -> bool:
-    """Whether a cell is empty or 0."""
-    try:
-        return not text or evaluate(text.replace(",", "."), Dimension.NUMBER) == Quantity(0.0)
-    except QuantityError:
-        return False
 
 
 def _headers(name: str) -> str:

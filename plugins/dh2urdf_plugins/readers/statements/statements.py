@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import check_file, load_yaml
+from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, Payload
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, unit_word
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf_plugins.readers.calibrations.files import CalibrationFile
+from dh2urdf_plugins.calibrations.files import CalibrationFile, unreadable
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, table_units
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
@@ -72,13 +72,7 @@ class TableOptions:
         """
         problems: list[Problem] = []
         if self.calibration is not None:
-            try:
-                check_file(self.calibration, TableError)
-            except TableError as error:
-                name = shown(str(self.calibration), 200)
-                problems += [
-                    replace(each, message=f"{name}: {each.message}", field="calibration") for each in error.problems
-                ]
+            problems += unreadable(self.calibration, "calibration")
         Statements().say_options(self, problems.append)
         if problems:
             fields = {"units.length": "length_unit", "units.angle": "angle_unit"}

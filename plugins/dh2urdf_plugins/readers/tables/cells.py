@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import is_unit
+from dh2urdf.quantities import is_unit, is_zero
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import (
     is_beside,
     is_number,
-    is_zero,
     left_out,
     refused,
     stray_number,

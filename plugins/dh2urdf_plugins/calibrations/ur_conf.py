@@ -13,7 +13,7 @@ from dh2urdf.documents import decoded, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf_plugins.readers.calibrations.calibration import Calibration, RowDifference
+from dh2urdf_plugins.calibrations.calibration import Calibration, RowDifference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

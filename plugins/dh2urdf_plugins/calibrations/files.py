@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.documents import check_file
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.provenance import Trace
+from dh2urdf.quantities import is_zero
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Reader
-from dh2urdf_plugins.readers.calibrations.calibration import FIELDS, Calibration, RowDifference
-from dh2urdf_plugins.readers.calibrations.ur_conf import read_ur_conf
-from dh2urdf_plugins.readers.header.unknown_columns import is_zero
+from dh2urdf_plugins.calibrations.calibration import FIELDS, Calibration, RowDifference
+from dh2urdf_plugins.calibrations.ur_conf import read_ur_conf
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -23,7 +24,18 @@ if TYPE_CHECKING:
     from dh2urdf.provenance import Said
 
 CONF = ".conf"
+_LONG_PATH = 200
 _ALLOWED = {"joint", "link", "type", "mark", *FIELDS}
+
+
+def unreadable(path: Path, field: str) -> list[Problem]:
+    """What keeps a file from being read, as what is wrong with the option that names it."""
+    try:
+        check_file(path)
+    except InputError as error:
+        name = shown(str(path), _LONG_PATH)
+        return [replace(each, message=f"{name}: {each.message}", field=field) for each in error.problems]
+    return []
 
 
 class CalibrationFile:

@@ -1,0 +1,80 @@
+"""The edit ``calibrate``: differences between an arm and its data sheet, which are added to the rows of its table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import EditError, TableError
+from dh2urdf.source import Problem
+from dh2urdf.stages import Edit
+from dh2urdf_plugins.calibrations.files import CalibrationFile, unreadable
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import Manipulator
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibrateOptions:
+    """The file of the differences."""
+
+    file: Path | None = field(
+        default=None,
+        metadata={"help": "calibration.conf of a UR, or a table of differences in a format of tables; required"},
+    )
+    length_unit: str | None = field(
+        default=None, metadata={"help": "unit of lengths that the table of differences does not declare; m by default"}
+    )
+    angle_unit: str | None = field(
+        default=None, metadata={"help": "unit of angles that the table of differences does not declare; rad by default"}
+    )
+
+    def __post_init__(self) -> None:
+        """Refuses a path without a file.
+
+        Raises:
+            EditError: there is no such file.
+        """
+        if self.file is not None and (problems := unreadable(self.file, "file")):
+            raise TableError(replace(each, mark=None) for each in problems)
+
+    @cached_property
+    def calibration(self) -> CalibrationFile | None:
+        """The file, which is read once for all arms of a process."""
+        units = {"length_unit": self.length_unit, "angle_unit": self.angle_unit}
+        return None if self.file is None else CalibrationFile(self.file, units)
+
+
+def edit_table(manipulator: Manipulator, options: CalibrateOptions) -> Manipulator:
+    """The manipulator with the differences in its rows, and a notice of how far they move its tip.
+
+    Raises:
+        EditError: no file is given, or the file is not one of differences to this table's rows.
+    """
+    if options.calibration is None:
+        raise EditError(
+            Problem(
+                message="the edit `calibrate` has no file",
+                robot=manipulator.name,
+                field="edits",
+                accepted="a file, such as `{stage: calibrate, options: {file: calibration.conf}}`",
+            )
+        )
+    try:
+        calibration = options.calibration.read(manipulator.convention)
+        rows = calibration.applied(manipulator.rows)
+    except TableError as error:
+        raise EditError(problem.about(robot=manipulator.name) for problem in error.problems) from None
+    calibrated = replace(manipulator, rows=tuple(rows))
+    notices = (*calibration.notices, calibration.notice(manipulator, calibrated))
+    return replace(calibrated, notices=(*manipulator.notices, *notices))
+
+
+EDIT = Edit(
+    name="calibrate",
+    summary="differences between an arm and its data sheet, from calibration.conf of a UR or from a table",
+    options=CalibrateOptions,
+    edit_table=edit_table,
+)

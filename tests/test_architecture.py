@@ -100,9 +100,10 @@ class TestImportDirection:
         assert importing(modules(HOST), lambda name: name.split(".")[0] in foreign) == []
 
     def test_examples_have_what_a_third_party_has(self) -> None:
-        """No example imports a built-in stage."""
+        """No example imports a built-in stage, but the grammar of tables, which is for readers of other containers."""
         theirs = [path for example in EXAMPLES for path in modules(example / "src")]
-        assert importing(theirs, lambda name: name.split(".")[0] == "dh2urdf_plugins") == []
+        inner = re.compile(r"dh2urdf_plugins(?!\.readers\.table(\.|$))")
+        assert importing(theirs, inner.match) == []
 
     def test_plugins_use_what_is_public(self) -> None:
         """A built-in stage reaches the host through public modules and names only, like anybody's."""

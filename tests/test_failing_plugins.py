@@ -99,7 +99,7 @@ GOOD = {
 KIND, FIELD, HOW = "{what}".split(".")
 
 def given(kind):
-    others = {"map": None} if FIELD == "pool" else {}
+    others = {"pool": {"map": None}, "open": {"load": None}}.get(FIELD, {})
     yield replace(GOOD[kind], **({FIELD: globals()[HOW], **others} if kind == KIND else {}))
 
 @hookimpl
@@ -185,6 +185,8 @@ def said(answer: Answer) -> str:
         ("loader.load.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.load.fail_oddly", "loader 'bad' of lab 1.0 failed: RuntimeError: Unpicklable: at work and odd"),
         ("loader.load.give_numbers", "loader 'bad' of lab 1.0 failed: "),
+        ("loader.open.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        ("loader.open.give_numbers", "loader 'bad' of lab 1.0 failed: TypeError: open returned list, not a SimulatedA"),
         ("loader.poses.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.poses.give_nothing", "loader 'bad' of lab 1.0 failed: TypeError"),
         ("loader.picture.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),

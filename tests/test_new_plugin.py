@@ -127,6 +127,27 @@ def test_what_an_author_types(dh2urdf: Callable[..., object], environment: Path,
     assert set(trial.written) <= {path.name for path in (folder / "build").iterdir()}
 
 
+def test_the_smallest_plugins_work_at_once(dh2urdf: Callable[..., object], environment: Path, tmp_path: Path) -> None:
+    """`--minimal`: three files of each kind, which keep the contract, satisfy mypy --strict and ruff, and are listed."""
+    pytest.importorskip("ruff")
+    (folder := tmp_path / "plugins").mkdir()
+    for kind in KINDS:
+        dh2urdf("new-plugin", f"tiny-{kind}", "--kind", kind, "--minimal", "--dir", str(folder))
+        files = {path.name for path in (folder / f"tiny-{kind}").rglob("*")}
+        assert files == {"pyproject.toml", f"tiny_{kind}.py", f"test_tiny_{kind}.py"}
+    types = author(environment, folder)
+    offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
+    types("pip", "install", *offline, *(f"./tiny-{kind}" for kind in KINDS))
+    tested = types("pytest", "-p", "no:cacheprovider", "--import-mode=importlib")
+    assert " passed in " in tested
+    assert "skipped" not in tested
+    types("mypy", "--strict", *(f"tiny-{kind}/tiny_{kind}.py" for kind in KINDS))
+    listed = json.loads(types("dh2urdf", "plugins", "--json"))
+    assert listed["broken"] == []
+    mine = {(each["kind"], each["name"]) for each in listed["stages"]}
+    assert {(kind, f"tiny-{kind}") for kind in KINDS} <= mine
+
+
 def test_the_tutorial_writes_what_the_checks_of_the_plugin_take(cli: Callable[..., Answer], tmp_path: Path) -> None:
     """The code of docs/first-plugin.md, put where it says, leaves the new plugin's ruff nothing to say."""
     pytest.importorskip("ruff")
@@ -146,5 +167,8 @@ def test_what_is_written_does_not_depend_on_the_length_of_the_name(
     """Ruff finds nothing to change with the shortest and the longest name."""
     pytest.importorskip("ruff")
     for name in ("q", "q" * LONGEST):
-        cli("new-plugin", name, "--kind", kind)
-        leaves_ruff_nothing_to_say(tmp_path / name)
+        for size in ("", "--minimal"):
+            place = tmp_path / f"sized{size}"
+            place.mkdir(exist_ok=True)
+            cli("new-plugin", name, "--kind", kind, "--dir", str(place), *filter(None, [size]))
+            leaves_ruff_nothing_to_say(place / name)

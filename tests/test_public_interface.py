@@ -43,6 +43,7 @@ PUBLIC = {
     "dh2urdf.kinematics": "the DH product and forward kinematics",
     "dh2urdf.manipulator": "the contents of a table: readers make it, transforms accept it",
     "dh2urdf.mass_properties": "mass, centre and inertia of shapes and of compounds",
+    "dh2urdf.measuring": "what a simulator has of an arm, compared with the robot that was written",
     "dh2urdf.meshes": "mesh files: where descriptions name them, their triangles, and the body that they enclose",
     "dh2urdf.output": "files that are written whole or not at all, and which names of many have been seen",
     "dh2urdf.patterns": "regular expressions that are compiled when they are first used",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from dh2urdf.robot import Robot
+from dh2urdf.robot import Inertial, Robot
 from dh2urdf.source import Mark, Problem
 
 
@@ -72,3 +73,33 @@ class LoadReport:
     findings: tuple[Problem, ...] = ()
     output: str = ""
     picture: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulatedArm:
+    """The arm as a simulator has it: what `dh2urdf.stages.Loader.open` gives, and dh2urdf compares with the robot.
+
+    Attributes:
+        simulator: its name.
+        version: its version.
+        pose: T(root → link) of a link at a joint vector, which has a value for each moving joint in the order of
+            `dh2urdf.robot.Robot.moving_joints` [rad or m]: four rows of four numbers [m], as an array or
+            lists, or a `dh2urdf.rotations.RigidTransform`.
+        joints: the moving joints it found, each with its name and what it knows of type, axis, lower, upper, velocity
+            and effort. What is left out is not compared.
+        bodies: the links by their names: mass [kg], centre of mass [m] and inertia about it [kg·m²], in the axes of the
+            link. None where the simulator does not tell; then masses are not compared.
+        tolerance: what its numbers may be off: of a position as a share of the reach, of an angle [rad], of any other
+            number as a share of it.
+        findings: what a person should know.
+        close: called once, when all is measured.
+    """
+
+    simulator: str
+    version: str
+    pose: Callable[[str, Sequence[float]], Any]
+    joints: Sequence[Mapping[str, Any]]
+    bodies: Mapping[str, Inertial] | None = None
+    tolerance: float = 1e-9
+    findings: tuple[Problem, ...] = ()
+    close: Callable[[], None] | None = None

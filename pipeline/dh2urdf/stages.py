@@ -34,7 +34,7 @@ from dh2urdf.inspections import (
     Repair,
     Severity,
 )
-from dh2urdf.load_records import LoadReport, LoadRequest
+from dh2urdf.load_records import LoadReport, LoadRequest, SimulatedArm
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
@@ -64,6 +64,7 @@ __all__ = [
     "Rejected",
     "Repair",
     "Severity",
+    "SimulatedArm",
     "Stage",
     "Transform",
 ]
@@ -282,10 +283,12 @@ class Loader(Generic[O]):
         summary: what it loads into, in one line.
         formats: names of the emitters whose files it takes, the preferred one first.
         options: its options dataclass.
-        load: loads the file and measures it. It is called in a child process, so it may crash or leave; what it prints,
-            from C too, is taken into the report. It raises `dh2urdf.errors.LoaderError` where the
-            simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` or `MissingProgramError` where it
-            is not installed or does not run.
+        open: opens the file in the simulator and gives what became of the arm, as a `SimulatedArm`, which dh2urdf
+            measures, compares and closes. It is called as `load` is, and raises the same errors.
+        load: in place of `open`: loads the file and measures it itself. It is called in a child process, so it may
+            crash or leave; what it prints, from C too, is taken into the report. It raises
+            `dh2urdf.errors.LoaderError` where the simulator refuses the file, and
+            `dh2urdf.errors.MissingDependencyError` or `MissingProgramError` where it is not installed or does not run.
         poses: how many joint vectors to measure with these options; by default their field ``poses``, or 25.
         picture: whether these options ask for a picture; by default their field ``picture``, or no.
         read_output: the findings in what the simulator printed while `load` ran: its warnings, without those that it
@@ -303,8 +306,9 @@ class Loader(Generic[O]):
 
     name: str
     summary: str
-    load: Callable[[LoadRequest, O], LoadReport]
     options: type[O]
+    open: Callable[[LoadRequest, O], SimulatedArm] | None = None
+    load: Callable[[LoadRequest, O], LoadReport] | None = None
     formats: tuple[str, ...] = ("urdf",)
     poses: Callable[[O], int] = option_poses
     picture: Callable[[O], bool] = option_picture

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 @click.option(
     "--dir", "folder", type=click.Path(path_type=Path), default=".", metavar="D", help="Where its folder is made."
 )
+@click.option("--minimal", is_flag=True, help="A module with the stage, its contract test, and what installs it.")
 @without_option
-def command(name: str, kind: str, folder: Path) -> int:
+def command(name: str, kind: str, folder: Path, *, minimal: bool) -> int:
     """Write a small distribution NAME with one working stage, its tests, and all that goes with it.
 
     It installs, passes its own tests, ruff and mypy --strict, and is listed by `dh2urdf plugins`, at once. NAME is that
@@ -35,7 +36,7 @@ def command(name: str, kind: str, folder: Path) -> int:
     cd dh2urdf-lab-table
     pip install -e '.[test]' && pytest
     """
-    place, files = write_plugin(name, cast("Kind", kind), folder, catalog())
+    place, files = write_plugin(name, cast("Kind", kind), folder, catalog(), minimal=minimal)
     answer("\n".join(f"{place / file}" for file in files))
     there = shlex.quote(str(place))
     answer(f"\nnext:\n    cd {there}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")

@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from dh2urdf.errors import CrashError, LoaderError
 from dh2urdf.isolation.child_process import ChildFailure, outcome, pickled_call, run_in_child, started
 from dh2urdf.isolation.own_process import is_own
+from dh2urdf.measuring.opened_arm import load_function
 from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, whole_records
 from dh2urdf.source import Problem
 from dh2urdf.stages import LoadReport
@@ -85,7 +86,7 @@ def load_in_child(
         limit = a_record(loader.time_limit(options), int, float, NoneType)
         who = who or f"the loader {loader.name!r}"
         if children is None or loader.prepare is None or limit is None:  # A person ends it by closing its window.
-            child = run_in_child(loader.load, request, options, timeout=limit, who=who)
+            child = run_in_child(load_function(loader), request, options, timeout=limit, who=who)
         else:
             child = children.load(loader, request, options, limit, who)
     except (LoaderError, CrashError) as error:
@@ -158,7 +159,8 @@ class KeptChildren:
         """
         assert loader.prepare is not None  # noqa: S101 - the caller has looked
         preparation = pickled_call(loader.prepare, (options,), who)
-        call = pickled_call(loader.load, (request, options), who)
+        load = load_function(loader)
+        call = pickled_call(load, (request, options), who)
         key = (*preparation, call[0])
         child = self._taken(key) or _Child(preparation)
         while True:
@@ -171,10 +173,10 @@ class KeptChildren:
             output = child.output
             if answer[:1] == ("value",):
                 self._put_back(key, child)
-                return outcome(answer, output, 0, loader.load, timeout, who)
+                return outcome(answer, output, 0, load, timeout, who)
             status = child.end()
             if is_new or answer == ("late",):
-                return outcome(answer, child.output, status, loader.load, timeout, child.interpreter.who or who)
+                return outcome(answer, child.output, status, load, timeout, child.interpreter.who or who)
             child = _Child(preparation)
 
     def _taken(self, key: tuple[bytes, ...]) -> _Child | None:

@@ -158,6 +158,8 @@ def _check_choices(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - a record o
     """Raises a ValueError where fields of a record do not go together."""
     if isinstance(stage, Executor) and (stage.map is None) is (stage.pool is None):
         raise ValueError(f"the executor {stage.name!r} has to give either map or pool")
+    if isinstance(stage, Loader) and (stage.load is None) is (stage.open is None):
+        raise ValueError(f"the loader {stage.name!r} has to give either open or load")
     if isinstance(stage, Edit) and stage.edit_table is None and stage.edit_robot is None:
         raise ValueError(f"the edit {stage.name!r} has to give edit_table, edit_robot, or both")
     compared = getattr(stage, "compared", None)

@@ -1,7 +1,8 @@
 """Writes the distribution of a new plugin: `dh2urdf new-plugin`.
 
-The templates stand beside this module, a folder for each kind of stage and one for what all have in common. Their paths
-are those of the files: `__package__` stands for the import package, `dot_` for a leading dot.
+The templates are beside this module, a folder for each kind of stage and one for what all have in common; `minimal` has
+the same folders once more. Their paths are those of the files, in which `__package__` is replaced by the import package
+and `dot_` by a dot.
 """
 
 from __future__ import annotations
@@ -78,7 +79,9 @@ _KINDS: dict[Kind, _About] = {
 }
 
 
-def write_plugin(name: str, kind: Kind, folder: Path, catalog: Catalog) -> tuple[Path, list[str]]:
+def write_plugin(
+    name: str, kind: Kind, folder: Path, catalog: Catalog, *, minimal: bool = False
+) -> tuple[Path, list[str]]:
     """Write a distribution with one stage: all of its files, or nothing.
 
     Args:
@@ -86,6 +89,7 @@ def write_plugin(name: str, kind: Kind, folder: Path, catalog: Catalog) -> tuple
         kind: the kind of stage.
         folder: where the distribution's own folder is made.
         catalog: the stages that are installed, none of which is to have the name.
+        minimal: whether it is the smallest one: a module, its contract test, and what installs it.
 
     Returns:
         The distribution's folder, and the names of its files in it.
@@ -101,7 +105,7 @@ def write_plugin(name: str, kind: Kind, folder: Path, catalog: Catalog) -> tuple
         # Inside, so that it can be moved to its place; whoever interrupts this finds nothing half-written.
         half = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=folder))
         try:
-            written = [_write(half, source, name, kind) for source in _sources(kind)]
+            written = [_write(half, *source, name, kind) for source in _sources(kind, minimal=minimal)]
             half.chmod(0o755)  # mkdtemp makes it for its owner alone
             half.rename(place)
         except BaseException:
@@ -187,15 +191,20 @@ def _proposal(name: str) -> str | None:
     return f"did you mean {near!r}?" if near else None
 
 
-def _sources(kind: Kind) -> list[Path]:
-    """The templates of a distribution."""
-    return [path for part in ("common", kind) for path in sorted((TEMPLATES / part).rglob(f"*{_ENDING}"))]
+def _sources(kind: Kind, *, minimal: bool) -> list[tuple[Path, str]]:
+    """The templates of a distribution, and their paths in it."""
+    templates = TEMPLATES / "minimal" if minimal else TEMPLATES
+    return [
+        (path, path.relative_to(part).as_posix())
+        for part in (templates / "common", templates / kind)
+        for path in sorted(part.rglob(f"*{_ENDING}"))
+    ]
 
 
-def _write(folder: Path, source: Path, name: str, kind: Kind) -> str:
+def _write(folder: Path, source: Path, inner: str, name: str, kind: Kind) -> str:
     """Fills in one template; its name in the distribution."""
     values = _values(name, kind)
-    inner = source.relative_to(TEMPLATES).as_posix().partition("/")[2].removesuffix(_ENDING)
+    inner = inner.removesuffix(_ENDING)
     inner = re.sub(r"(^|/)dot_", r"\1.", inner).replace("__package__", values["package"])
     path = folder / inner
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -15,6 +15,7 @@ from dh2urdf.errors import CrashError, LoaderError, PluginError, UnknownStageErr
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof_vectors import joint_vectors
+from dh2urdf.measuring.opened_arm import load_function
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Problem
 from dh2urdf.stages import Emitter, Loader, LoadReport, LoadRequest
@@ -138,7 +139,7 @@ class LoaderContract(StageContract):
         there = {path.name for path in tmp_path.iterdir()}
         self._require()
         try:
-            seen = self.in_child(clause, _load, self.stage.load, request, self.given())
+            seen = self.in_child(clause, _load, load_function(self.stage), request, self.given())
         except PluginError as error:
             pytest.skip(str(error))
         new = sorted(
@@ -159,7 +160,7 @@ class LoaderContract(StageContract):
         before, content = deepcopy(request), request.path.read_bytes()
         self._require()
         try:
-            seen = self.in_child(clause, _load_and_return, self.stage.load, request, self.given())
+            seen = self.in_child(clause, _load_and_return, load_function(self.stage), request, self.given())
         except PluginError as error:
             pytest.skip(str(error))
         self.unchanged(clause, before, seen.value)

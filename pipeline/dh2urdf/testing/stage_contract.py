@@ -35,7 +35,7 @@ WORK: dict[Kind, tuple[str, ...]] = {
     "transform": ("transform",),
     "edit": ("edit_table", "edit_robot"),
     "emitter": ("emit",),
-    "loader": ("load",),
+    "loader": ("open", "load"),
     "executor": ("map", "pool"),
 }
 """The fields of a record one of which has the function that does the work, by kind."""

@@ -1,233 +1,31 @@
-"""What a simulator holds, beside the robot that was written: the same comparison and the same words for all of them.
-
-A loader asks its simulator what became of the file, in the simulator's own way, and hands the answers over as plain
-numbers; where they differ from the robot by more than the simulator's arithmetic, there is a problem.
-"""
+"""What a simulator holds, beside the robot that was written, and what its hold test says: the same for all loaders."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from dh2urdf.errors import LoaderError
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf import measuring
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Inertial
-from dh2urdf.rotations import RigidTransform, Rotation, Vec3, norm, subtract
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
-from dh2urdf_plugins.loaders.measures import (
-    DOUBLE_PRECISION,
-    HOLD_SECONDS,
-    HOLD_STAYS,
-    gravity_loads,
-    pose_error,
-    reach,
-    tensor,
-)
+from dh2urdf_plugins.loaders.measures import HOLD_SECONDS, HOLD_STAYS, gravity_loads
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
-    from dh2urdf.robot import Joint
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf.measuring import Body
+    from dh2urdf.robot import Inertial, Joint
 
-_WITHOUT_EXTENT = 1e-12
-"""What a pose of an arm without extent is allowed, and a centre of mass in the origin [m]."""
 _SHOWN_PAIRS = 5
 
 
-class Body(NamedTuple):
-    """A link as a simulator holds it.
-
-    Attributes:
-        mass: [kg].
-        com: centre of mass in the link frame [m].
-        inertia: about the centre of mass, in the axes of the link frame, row by row [kg·m²].
-    """
-
-    mass: float
-    com: Vec3
-    inertia: Rotation
-
-
-class Precision(NamedTuple):
-    """A simulator's arithmetic: what its answers may differ from what was written.
-
-    Attributes:
-        number: a limit, a mass or a centre of mass, as a share of it.
-        axis: the axis of a joint, which many simulators make a unit vector again.
-        inertia: an element of an inertia, as a share of the trace.
-        position: a position, as a share of the arm's reach.
-        angle: an orientation [rad].
-        name: in words.
-        com: besides, a centre of mass, where the simulator has it in the world frame [m].
-        inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
-            link's origin, where the simulator holds the inertia about that.
-    """
-
-    number: float
-    axis: float
-    inertia: float
-    position: float
-    angle: float
-    name: str
-    com: float = 0.0
-    inertia_about_origin: float = 0.0
-
-
-DOUBLE = Precision(number=1e-14, axis=1e-12, inertia=1e-13, position=1e-13, angle=1e-12, name="double precision")
-"""The arithmetic of a simulator that computes in double precision, in a chain of some hundred links."""
-
-
-class Comparison:
+class Comparison(measuring.Comparison):
     """What a simulator holds, beside the robot that was written."""
 
-    def __init__(self, simulator: str, request: LoadRequest, precision: Precision = DOUBLE) -> None:
-        self.simulator, self.request, self.robot, self.precision = simulator, request, request.robot, precision
-
-    def problem(self, *, joint: str | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
-        """A problem of this robot, at the row of the joint that it is about."""
-        row = next((each.mark for each in self.robot.joints if each.name == joint), None)
-        return Problem(robot=self.robot.name, mark=row or self.request.mark, joint=joint, **words)
-
-    def joints(self, held: Sequence[Mapping[str, Any]]) -> list[Problem]:
-        """Where the moving joints that the simulator has differ from the robot's.
-
-        Args:
-            held: the joints, each by its name and what a `LoadReport` says of it. A property that the simulator does
-                not have is left out, and not compared.
-        """
-        found = {joint["name"]: joint for joint in held}
-        written_names = {joint.name for joint in self.robot.moving_joints}
-        problems = [
-            self.problem(message=f"{self.simulator} has a joint that was not written", found=name)
-            for name in found
-            if name not in written_names
-        ]
-        for joint in self.robot.moving_joints:
-            if joint.name not in found:
-                problems.append(self.problem(message=f"{self.simulator} has lost the joint", joint=joint.name))
-                continue
-            problems += self._joint(joint, found[joint.name])
-        return problems
-
-    def _joint(self, joint: Joint, held: Mapping[str, Any]) -> Iterator[Problem]:
-        for key, written in written_joint(joint).items():
-            if key in held and not self._same(held[key], written):
-                yield self.problem(
-                    message=f"{self.simulator} has {key} {_shown(held[key])} where {_shown(written)} was written",
-                    joint=joint.name,
-                    field=key,
-                    found=_shown(held[key]),
-                    accepted=_shown(written),
-                )
-
-    def _same(self, found: Any, written: Any) -> bool:  # noqa: ANN401 - words, numbers and vectors
-        if isinstance(written, tuple):
-            return math.dist(found, written) <= self.precision.axis
-        if isinstance(written, float) and found is not None:
-            return bool(abs(found - written) <= self.precision.number * abs(written))
-        return bool(found == written)
-
-    def masses(
-        self, held: Mapping[str, Body], written: Mapping[str, Inertial] | None = None
-    ) -> tuple[dict[str, Any], list[Problem]]:
-        """The mass of the arm and the largest errors of a link's, and where they are larger than they may be.
-
-        Args:
-            held: the links that the simulator has.
-            written: the links that it should have; those of the robot where nothing else is said.
-        """
-        if written is None:
-            written = {link.name: link.inertial or Inertial(mass=0.0) for link in self.robot.links}
-        problems: list[Problem] = []
-        mass = mass_error = inertia_error = 0.0
-        for name, body in written.items():
-            if name not in held:
-                problems.append(self.problem(message=f"{self.simulator} has lost the link {shown(name)}"))
-                continue
-            if is_weightless_base(name, body) and held[name].mass == STILL.mass:
-                continue  # the file says so, for a reader that needs a base
-            found, wanted = held[name], tensor(body.inertia)
-            errors = {
-                "mass": (abs(found.mass - body.mass), self.precision.number * body.mass, "kg"),
-                "com": (
-                    norm(subtract(found.com, body.com)),
-                    self.precision.number * norm(body.com) + self.precision.com + _WITHOUT_EXTENT,
-                    "m",
-                ),
-                "inertia": (
-                    max(abs(is_ - was) for is_, was in zip(found.inertia, wanted, strict=True)),
-                    self.precision.inertia * (wanted[0] + wanted[4] + wanted[8])
-                    + self.precision.inertia_about_origin * body.mass * norm(body.com) ** 2,
-                    "kg·m²",
-                ),
-            }
-            problems += [
-                self.problem(
-                    message=f"{self.simulator} has another {field} of the link {shown(name)}, by {error:.3g} {unit}",
-                    field=field,
-                    found=f"{error:.3g} {unit}",
-                    accepted=f"at most {bound:.3g} {unit}",
-                )
-                for field, (error, bound, unit) in errors.items()
-                if not error <= bound  # NaN is not right either.
-            ]
-            mass += found.mass
-            mass_error = max(mass_error, errors["mass"][0])
-            inertia_error = max(inertia_error, errors["inertia"][0])
-        return {"mass": mass, "mass_error": mass_error, "inertia_error": inertia_error}, problems
-
-    def poses(self, frames: Callable[[Sequence[float], Sequence[str]], Mapping[str, RigidTransform]]) -> dict[str, Any]:
-        """The largest errors of every tip, and at which joint vector.
-
-        Args:
-            frames: puts the arm at a joint vector, and says where some links are in the root.
-
-        Raises:
-            LoaderError: they are larger than the simulator's arithmetic.
-        """
-        tolerances = {tip: self._tolerances(tip) for tip in self.request.expected}
-        worst, worst_angle = 0.0, 0.0
-        q_worst: tuple[float, ...] = ()
-        for number, q in enumerate(self.request.poses):
-            measured = frames(q, tuple(tolerances))
-            for tip, allowed in tolerances.items():
-                distance, angle = pose_error(measured[tip], self.request.expected[tip][number])
-                if not (distance <= allowed[0] and angle <= allowed[1]):
-                    raise LoaderError(self._elsewhere(tip, (distance, angle), allowed, q))
-                if distance >= worst:
-                    worst, q_worst = distance, q
-                worst_angle = max(worst_angle, angle)
-        return {
-            "position_error": worst,
-            "angle_error": worst_angle,
-            "tolerance": max((distance for distance, _ in tolerances.values()), default=0.0),
-            "angle_tolerance": max((angle for _, angle in tolerances.values()), default=self.precision.angle),
-            "q": tuple(q_worst),
-            "poses": len(self.request.poses),
-        }
-
-    def _tolerances(self, tip: str) -> tuple[float, float]:
-        """What a tip's position [m] and angle [rad] may be off: the simulator's arithmetic, and the chain's.
-
-        Each frame of a chain is written with the rounding of the frame before and its own, so n joints give a tip
-        n²/2 roundings: nothing for an arm (8e-15 for six axes), 2e-10 for a thousand axes.
-        """
-        chain = len(KinematicChain.between(self.robot, self.robot.root, tip).joints) ** 2 * DOUBLE_PRECISION
-        position = (self.precision.position + chain) * reach(self.robot, tip) + _WITHOUT_EXTENT
-        return position, self.precision.angle + chain
-
-    def _elsewhere(
-        self, tip: str, found: tuple[float, float], allowed: tuple[float, float], q: Sequence[float]
-    ) -> Problem:
-        off = f"{found[0]:.3g} m and {found[1]:.3g} rad"
-        return self.problem(
-            message=f"{self.simulator} has {tip} in another place, {off} away, at q = {_shown(tuple(q))}",
-            found=off,
-            accepted=f"the error of {self.precision.name}, {allowed[0]:.3g} m and {allowed[1]:.3g} rad",
-        )
+    def is_filled_in(self, name: str, written: Inertial, held: Body) -> bool:
+        """Whether a link is a base without a mass, to which the file gives one for a reader that needs it."""
+        return is_weightless_base(name, written) and held.mass == STILL.mass
 
     def hold(
         self, start: Sequence[float], displacement: Sequence[float], contacts: Sequence[tuple[str, str]]
@@ -298,20 +96,3 @@ class Comparison:
             found=str(weakest.limits.effort),
             suggestion="give the joint the effort that its motor has",
         )
-
-
-def written_joint(joint: Joint) -> dict[str, Any]:
-    """What a simulator should have of a joint."""
-    bounded = joint.type is not JointType.CONTINUOUS
-    return {
-        "type": joint.type.value,
-        "axis": joint.axis,
-        "lower": joint.limits.lower if bounded else None,
-        "upper": joint.limits.upper if bounded else None,
-        "velocity": joint.limits.velocity,
-        "effort": joint.limits.effort,
-    }
-
-
-def _shown(value: Any) -> str:  # noqa: ANN401 - words, numbers and vectors
-    return f"({', '.join(map(str, value))})" if isinstance(value, tuple) else str(value)

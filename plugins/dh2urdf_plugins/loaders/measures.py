@@ -5,22 +5,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.kinematics import KinematicChain, link_poses
+from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import compound, placed
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, add, norm, rotate, scale, subtract
+from dh2urdf.rotations import IDENTITY, ZERO, Rotation, Vec3, add, rotate, scale, subtract
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Joint, Robot
 
 SINGLE_PRECISION = 2.0**-23
 """Distance of 1 to the next number in single precision."""
-DOUBLE_PRECISION = 2.0**-52
-"""Distance of 1 to the next number in double precision."""
 
 HOLD_SECONDS = 2.0
 """How long the hold test lasts [s]."""
@@ -46,36 +43,6 @@ def clipped(joint: Joint, value: float) -> float:
 def hold_start(robot: Robot) -> tuple[float, ...]:
     """The joint vector of the hold test: q = 0, clipped into the limits, which not every arm has around 0."""
     return tuple(clipped(joint, 0.0) for joint in robot.moving_joints)
-
-
-def reach(robot: Robot, tip: str) -> float:
-    """The farthest that a link can be from the root [m]: the length of the chain, with its rails drawn out."""
-    length = 0.0
-    for joint in KinematicChain.between(robot, robot.root, tip).joints:
-        length += norm(joint.origin.xyz)
-        if joint.type is JointType.PRISMATIC:
-            length += max(abs(joint.limits.lower or 0.0), abs(joint.limits.upper or 0.0))
-    return length
-
-
-def pose_error(measured: RigidTransform, expected: Sequence[float]) -> tuple[float, float]:
-    """The distance [m] and the angle [rad] between a pose and the row-major 4x4 matrix that it should have.
-
-    The angle follows from the Frobenius norm of the difference of the rotations, 2√2·sin(angle/2), which unlike the
-    usual trace form is exact for small angles too.
-    """
-    expected_rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
-    chord = math.dist(measured.rotation, expected_rotation) / math.sqrt(8.0)
-    return math.dist(measured.translation, expected[3:12:4]), 2.0 * math.asin(min(1.0, chord))
-
-
-def tensor(inertia: Inertia) -> Rotation:
-    """An inertia as a row-major 3x3 matrix [kg·m²]."""
-    return (
-        *(inertia.ixx, inertia.ixy, inertia.ixz),
-        *(inertia.ixy, inertia.iyy, inertia.iyz),
-        *(inertia.ixz, inertia.iyz, inertia.izz),
-    )
 
 
 def vector(array: Any) -> Vec3:  # noqa: ANN401 - an array of shape (3,)

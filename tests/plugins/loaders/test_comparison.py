@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.measuring import DOUBLE, Body, tensor
+from dh2urdf.measuring.comparison import written_joint
 from dh2urdf.rotations import IDENTITY
-from dh2urdf_plugins.loaders.comparison import DOUBLE, Body, Comparison, written_joint
-from dh2urdf_plugins.loaders.measures import tensor
+from dh2urdf_plugins.loaders.comparison import Comparison
 
 
 @pytest.fixture

@@ -19,15 +19,16 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import LoaderError
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import placed
+from dh2urdf.measuring import Body, Precision, tensor
 from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits
-from dh2urdf_plugins.loaders.comparison import Body, Comparison, Precision
+from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.coppeliasim.texts import interval, link_frames, text_for, transform
-from dh2urdf_plugins.loaders.measures import hold_start, tensor
+from dh2urdf_plugins.loaders.measures import hold_start
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

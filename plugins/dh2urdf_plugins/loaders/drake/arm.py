@@ -14,10 +14,11 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.comparison import DOUBLE, Body, Comparison
+from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
     GRAVITY,
     HOLD_SECONDS,

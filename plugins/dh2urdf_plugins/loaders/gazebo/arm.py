@@ -15,20 +15,21 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import LoaderError
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import compound, placed
+from dh2urdf.measuring import DOUBLE
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.base_bodies import with_base_bodies
-from dh2urdf_plugins.loaders.comparison import DOUBLE
 from dh2urdf_plugins.loaders.gazebo.sdf_model import WORLD
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.measuring import Precision
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf_plugins.loaders.comparison import Comparison, Precision
+    from dh2urdf_plugins.loaders.comparison import Comparison
     from dh2urdf_plugins.loaders.gazebo.sdf_model import SdfJoint, SdfModel
 
 

@@ -16,10 +16,9 @@ from lxml import etree
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import placed
+from dh2urdf.measuring import Body, tensor
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, ZERO, RigidTransform, Vec3, scale
-from dh2urdf_plugins.loaders.comparison import Body
-from dh2urdf_plugins.loaders.measures import tensor
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

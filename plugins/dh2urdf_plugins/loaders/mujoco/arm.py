@@ -16,10 +16,11 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.measuring import Body
 from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.comparison import Body, Comparison
+from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
     GRAVITY,
     HOLD_SECONDS,

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.manipulator import JointType
+from dh2urdf.measuring import Body
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.comparison import Body, Comparison
+from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import GRAVITY, hold_start, lumped_bodies, rotation, vector
 
 if TYPE_CHECKING:

@@ -18,10 +18,11 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.measuring import Body, Precision
 from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.comparison import Body, Comparison, Precision
+from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
     GRAVITY,
     HOLD_SECONDS,

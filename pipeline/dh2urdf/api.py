@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.commands.argument_words import word_of
+from dh2urdf.commands.argument_words import word_of, words_of
 from dh2urdf.commands.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
 from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import GivenRows, as_file
@@ -123,8 +123,7 @@ def extract(
 
     asker, catalog = _asker("extract"), load()
     with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
-        given = {name: word_of(value) for name, value in options.items()}
-        arm = the_one(description_reader(catalog, path, asker, reader=reader, given=given), path)
+        arm = the_one(description_reader(catalog, path, asker, reader=reader, given=words_of(options)), path)
         if out is not None:
             write_extracted([arm], Path(out), catalog, inputs=[path])
     return arm
@@ -162,8 +161,7 @@ def manipulator_of(
         given.add_column("joint", joints, "joints")
     catalog = load()
     reader = catalog.cell_reader()
-    words = {"reader": {key: word_of(value) for key, value in options.items()}}
-    (call,) = stage_calls(catalog, {"reader": [reader]}, asker, words)["reader"]
+    (call,) = stage_calls(catalog, {"reader": [reader]}, asker, {"reader": words_of(options)})["reader"]
     rows = given.cell_rows({"name": STEM if name is None else name})
     arm = chosen_manipulator(_read_cells(call, rows, function), robot, function, asker)
     if name is not None and arm.name != name.strip():
@@ -190,6 +188,7 @@ def convert(
     convert_meshes: str | None = None,
     reader: str | None = None,
     transform: str | None = None,
+    edits: Iterable[str | Mapping[str, object]] = (),
     without: Iterable[str] = (),
     **options: object,
 ) -> Conversion:
@@ -208,10 +207,10 @@ def convert(
         formats: the name of an emitter, or several; URDF without any.
         robot: which manipulator is meant, where the table holds several.
         meshes: ``relative`` (copies beside the file), ``file`` (file:// paths) or ``package://NAME``.
-        convert_meshes: ``auto`` (OBJ files, which all simulators take), ``hull`` or ``decomposition`` (besides, what
-            touches is convex); ``never`` by default.
+        convert_meshes: ``auto`` (OBJ), ``hull`` or ``decomposition`` (OBJ, and what touches is convex), or ``never``.
         reader: name of the reader; without it the table's suffix says it.
         transform: name of the transform.
+        edits: names of edits, or mappings such as ``{"payload": {"mass": 2.5}}``.
         without: plugins or distributions to leave out.
         options: any options of the stages: each goes to the stage that has it, `frames` to the transform and
             `convention` to the reader. One that several kinds of stages have is named with its kind:
@@ -247,6 +246,7 @@ def convert(
             settings=settings_of(options),
             meshes=meshes,
             convert_meshes=convert_meshes,
+            edits=map(word_of, [edits] if isinstance(edits, (str, Mapping)) else edits),
         )
         return planned.carry_out()
 
@@ -380,9 +380,8 @@ def _reading(table: Path, reader: str | None, asker: Asker, options: Mapping[str
     """The reader of a table, with its options."""
     check_file(table, TableError)
     catalog = load()
-    given = {"reader": {name: word_of(value) for name, value in options.items()}}
-    (call,) = stage_calls(catalog, {"reader": [chosen_reader(catalog, table, reader, asker)]}, asker, given)["reader"]
-    return call
+    stages = {"reader": [chosen_reader(catalog, table, reader, asker)]}
+    return stage_calls(catalog, stages, asker, {"reader": words_of(options)})["reader"][0]
 
 
 def _check_name(name: object, argument: str, asker: Asker) -> None:

@@ -36,6 +36,9 @@ STANDARD_OUTPUT = "standard output"
 @click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
 @click.option("--transform", "transform_name", metavar="NAME", help="Transform; the usual one.")
+@click.option(
+    "--edit", "edits", multiple=True, metavar="YAML", help="'payload: {mass: 2.5}', a change of the arm; repeatable."
+)
 @click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
 @click.option(
     "--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex)."
@@ -56,6 +59,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     reader_name: str | None,
     transform_name: str | None,
     robot: str | None,
+    edits: tuple[str, ...],
     settings: tuple[str, ...],
     as_json: bool,  # noqa: FBT001 - click hands flags over so
     quiet: bool,  # noqa: FBT001
@@ -96,6 +100,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             settings=settings_of(settings),
             meshes=flags["meshes"],
             convert_meshes=flags["convert_meshes"],
+            edits=edits,
             inputs=files_behind(tables),
         )
 

@@ -31,6 +31,7 @@ ASKER = Asker(
     out="-o ",
     meshes="--meshes ",
     convert_meshes="--convert-meshes ",
+    edit="--edit ",
     setting="--set ",
     nowhere="this goes to standard output",
     every="`dh2urdf run` with a run file makes all of them",

@@ -21,6 +21,11 @@ def word_of(value: object) -> str:
     return json.dumps(_with_units(value), default=_plain, ensure_ascii=False)
 
 
+def words_of(options: Mapping[str, object]) -> dict[str, str]:
+    """Options by name as words of the command line."""
+    return {name: word_of(value) for name, value in options.items()}
+
+
 def _with_units(value: Any) -> Any:  # noqa: ANN401 - whatever is given
     """A value with its records as mappings whose numbers name their units: a record is in SI units, a table is not."""
     match value:

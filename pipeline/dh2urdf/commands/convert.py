@@ -24,7 +24,7 @@ from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Reader
+from dh2urdf.stages import Edit, Reader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -180,6 +180,7 @@ def plan_conversion(
     settings: Iterable[Setting] = (),
     meshes: str | None = None,
     convert_meshes: str | None = None,
+    edits: Iterable[str] = (),
     inputs: Iterable[Path] = (),
 ) -> Planned:
     """Resolve the stages and options of a conversion.
@@ -198,6 +199,7 @@ def plan_conversion(
         settings: further options.
         meshes: how the description names meshes, as `dh2urdf.meshes.files.prefix_of` takes it.
         convert_meshes: what becomes of meshes, as `dh2urdf.meshes.conversion.conversion_of` takes it.
+        edits: changes of the table and of the robot, as `dh2urdf.commands.given_edits.edit_calls` takes them.
         inputs: further files that must not be overwritten: the other tables of the same command.
 
     Raises:
@@ -248,6 +250,7 @@ def plan_conversion(
     recipe = Recipe(
         transform=calls["transform"][0],
         emitters=tuple(calls["emitter"]),
+        edits=_edits(edits, asker, catalog),
         poses=POSES,
         mesh_prefix=prefix,
         mesh_conversion=_mesh_conversion(convert_meshes, prefix, target, asker),
@@ -264,6 +267,14 @@ def plan_conversion(
         meshes=tuple((before, word) for before, word in said if word is not None),
         notices=tuple(_other_suffix(target, stages["emitter"], catalog, asker)),
     )
+
+
+def _edits(words: Iterable[str], asker: Asker, catalog: Catalog) -> tuple[Call[Edit[Any]], ...]:
+    if not (given := tuple(words)):
+        return ()
+    from dh2urdf.commands.given_edits import edit_calls
+
+    return edit_calls(given, asker, catalog)
 
 
 def _other_suffix(

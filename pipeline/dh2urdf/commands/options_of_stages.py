@@ -27,6 +27,7 @@ class Asker(NamedTuple):
         out: what stands before the name of a file.
         meshes: what stands before the word for how meshes are named.
         convert_meshes: what stands before the word for what becomes of meshes.
+        edit: what stands before an edit.
         setting: what stands before any other option of a stage.
         nowhere: where a conversion goes that writes no file.
         every: how to get all manipulators of a table.
@@ -40,6 +41,7 @@ class Asker(NamedTuple):
     out: str
     meshes: str
     convert_meshes: str
+    edit: str
     setting: str
     nowhere: str
     every: str
@@ -56,6 +58,7 @@ def asker_of(function: str) -> Asker:
         out="out=",
         meshes="meshes=",
         convert_meshes="convert_meshes=",
+        edit="edits=",
         setting="",
         nowhere="none is written",
         every="`dh2urdf.read_all` gives all of them, one by one",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import columns_of
-from dh2urdf.commands.argument_words import word_of
+from dh2urdf.commands.argument_words import words_of
 from dh2urdf.commands.options_of_stages import asker_of, stage_calls
 from dh2urdf.errors import ProofError, RobotError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
@@ -45,7 +45,7 @@ def write_description(
         raise RobotError(problem.about(mark=asker.mark) for problem in problems)
     catalog = load()
     emitter: Any = catalog.emitter_for(Path(f"robot{suffix}"))
-    given = {"emitter": {name: word_of(value) for name, value in options.items()}}
+    given = {"emitter": words_of(options)}
     (call,) = stage_calls(catalog, {"emitter": [emitter]}, asker, given)["emitter"]
     robot = located(robot, prefix_of(FILE))
     with blaming(call):

@@ -91,6 +91,7 @@ def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:
     while waiting:
         inner = waiting.pop()
         inner.line = inner.column = 0  # The command line has no places.
+        inner.key_places = {}
         if isinstance(inner.value, dict):
             waiting += inner.value.values()
         elif isinstance(inner.value, list):

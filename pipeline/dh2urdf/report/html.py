@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 import tarfile
 from base64 import b64encode
-from dataclasses import fields
 from hashlib import sha256
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -24,6 +23,7 @@ from dh2urdf.quantities.number_text import format_number
 from dh2urdf.report.exhibits import Exhibit
 from dh2urdf.report.figures import ARMS, LARGEST, Workspace, arm_figure, bars_figure, without_warnings
 from dh2urdf.report.overview import MOST_DRAWN, checks
+from dh2urdf.report.reproduction import plain_options
 from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable
 
@@ -207,8 +207,7 @@ def _size(count: int) -> Any:  # noqa: ANN401 - Markup
 def _stages(recipe: Recipe) -> Iterator[tuple[str, str, str, str]]:
     """The stages of a run: kind, name, summary, options."""
     for call in recipe.calls:
-        options = {option.name: getattr(call.options, option.name) for option in fields(call.options)}
-        told = ", ".join(f"{name}: {_word(value)}" for name, value in options.items())
+        told = ", ".join(f"{name}: {_word(value)}" for name, value in plain_options(call).items())
         yield call.kind, call.stage.name, call.stage.summary, told
 
 

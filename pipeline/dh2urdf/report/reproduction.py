@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import shlex
+from dataclasses import fields, is_dataclass
 from hashlib import file_digest
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.conversion.one_manipulator import Recipe
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import InputEntry, Reproduction
     from dh2urdf.variations.variation import VariationCall
 
@@ -71,9 +74,31 @@ def reproduction(
             }
             for call in variations
         ],
+        "stages": [
+            {"kind": call.kind, "stage": call.stage.name, "options": plain_options(call)} for call in recipe.calls
+        ],
         "joint_vectors": HOW_DRAWN,
         "citation": CITATION,
     }
+
+
+def plain_options(call: Call[Any]) -> dict[str, Any]:
+    """The options of a stage as plain data, as a run file gives them."""
+    return {each.name: _plain(getattr(call.options, each.name)) for each in fields(call.options)}
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - the value of any option
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, dict):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if is_dataclass(value):
+        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
+    return str(value)
 
 
 def _input(path: Path) -> InputEntry:

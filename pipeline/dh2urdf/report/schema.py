@@ -167,6 +167,13 @@ def _reproduction() -> dict[str, Any]:
             "sampling": text("how the sample spreads"),
         }
     )
+    stage = object_of(
+        {
+            "kind": text("the kind of stage"),
+            "stage": text("its name"),
+            "options": {"type": "object", "description": "all of its options, those that nobody gave too"},
+        }
+    )
     return object_of(
         {
             "command": or_null(text("the command that makes the same files; null where a program began the run")),
@@ -174,6 +181,7 @@ def _reproduction() -> dict[str, Any]:
             "inputs_left_out": count("how many more there are"),
             "versions": {"type": "object", "additionalProperties": described, "description": "of all that had a part"},
             "variations": list_of(variation, "what was drawn"),
+            "stages": list_of(stage, "transform, edits, emitters and loaders, in their order"),
             "joint_vectors": text("at which joint vectors files and simulators were compared with the tables"),
             "citation": text("how to cite dh2urdf"),
         }

@@ -143,6 +143,14 @@ class VariationEntry(TypedDict):
     sampling: str
 
 
+class StageCallEntry(TypedDict):
+    """A stage of a run, with all of its options."""
+
+    kind: KindName
+    stage: str
+    options: dict[str, Any]
+
+
 class Reproduction(TypedDict):
     """What is needed to do a run again."""
 
@@ -151,6 +159,7 @@ class Reproduction(TypedDict):
     inputs_left_out: int
     versions: dict[str, str]
     variations: list[VariationEntry]
+    stages: list[StageCallEntry]
     joint_vectors: str
     citation: str
 

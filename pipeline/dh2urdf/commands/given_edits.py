@@ -1,0 +1,60 @@
+"""The edits that are asked for beside one table, such as ``payload`` or ``payload: {mass: 2.5}``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.plugin_system.calls import Call
+from dh2urdf.plugin_system.options import make_options, word_node
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf.commands.options_of_stages import Asker
+    from dh2urdf.documents.document import Node
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stages import Edit
+
+ACCEPTED = "the name of an edit, or a name and its options: `payload: {mass: 2.5}`"
+
+
+def edit_calls(words: Iterable[str], asker: Asker, catalog: Catalog) -> tuple[Call[Edit[Any]], ...]:
+    """The edits with their options, in the order in which they were asked for.
+
+    Args:
+        words: a word for each, which is read as YAML.
+        asker: who asks.
+        catalog: where the edits are from.
+
+    Raises:
+        ConfigError: a word names no edit, or an option is wrong; all of it is reported at once.
+        PluginError: the plugin of an edit is broken.
+    """
+    calls, problems = [], []
+    for word in words:
+        try:
+            calls.append(_call(word, asker, catalog))
+        except InputError as error:
+            problems += [problem.about(mark=asker.mark) for problem in error.problems]
+    if problems:
+        raise ConfigError(problems)
+    return tuple(calls)
+
+
+def _call(word: str, asker: Asker, catalog: Catalog) -> Call[Edit[Any]]:
+    node = word_node(word, asker.mark.file)
+    name, options = node.text if isinstance(node.value, str) else None, None
+    if isinstance(node.value, dict) and len(node.value) == 1:
+        ((name, options),) = node.value.items()
+        if options.value is None:
+            options = None
+    if not name or (options is not None and not isinstance(options.value, dict)):
+        message = f"{asker.edit}{shown(word)} is no edit"
+        raise ConfigError(Problem(message=message, mark=asker.mark, found=word, accepted=ACCEPTED))
+    edit = catalog.get("edit", name)
+    plugin = catalog.plugin_of(edit)
+    given: Node | dict[str, str] = options or {}
+    made = make_options(edit.options, given, mark=asker.mark, where=f"edit {edit.name!r}", plugin=plugin)
+    return Call(stage=edit, options=made, plugin=plugin)

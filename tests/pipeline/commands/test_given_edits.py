@@ -1,0 +1,99 @@
+"""`--edit` of `dh2urdf convert` and `edits` of `dh2urdf.convert`: the edits of a run file, for one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import ConfigError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+TABLE = "# convention: standard\njoint, a, alpha, d\nhip, 0.4, pi/2, 0.1\nknee, 0.3, 0, 0\n"
+WORDS = ("payload: {mass: 2.5, size: [0.1, 0.1, 0.2]}", "rename: {prefix: left_}")
+GIVEN = ({"payload": {"mass": 2.5, "size": (0.1, 0.1, 0.2)}}, {"rename": {"prefix": "left_"}})
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.csv").write_text(TABLE)
+
+
+def test_command_program_and_run_file_make_the_same_file(cli: Callable[..., Answer]) -> None:
+    said = cli("convert", "arm.csv", "--edit", WORDS[0], "--edit", WORDS[1], "-o", "arm.urdf")
+    assert "proved" in said.stderr
+    typed = Path("arm.urdf").read_text("utf-8")
+    assert 'name="left_hip"' in typed
+    assert "edited by payload, rename" in typed
+    assert dh2urdf.convert("arm.csv", edits=GIVEN).text == typed
+    Path("run.yaml").write_text(f"inputs: arm.csv\nedits:\n{STAGES}output: {{directory: out}}\n")
+    report: Any = dh2urdf.run("run.yaml")
+    assert Path("out", "arm.urdf").read_text("utf-8") == typed
+    edits = [stage for stage in report["reproduction"]["stages"] if stage["kind"] == "edit"]
+    assert [stage["stage"] for stage in edits] == ["payload", "rename"]
+    assert edits[0]["options"]["mass"] == 2.5
+    assert edits[0]["options"]["size"] == [0.1, 0.1, 0.2]
+    assert edits[1]["options"]["prefix"] == "left_"
+
+
+STAGES = """  - {stage: payload, options: {mass: 2.5, size: [0.1, 0.1, 0.2]}}
+  - {stage: rename, options: {prefix: left_}}
+"""
+
+
+def test_edits_are_made_in_the_order_in_which_they_are_given() -> None:
+    one = dh2urdf.convert("arm.csv", edits=[{"rename": {"prefix": "a_"}}, {"rename": {"prefix": "b_"}}])
+    assert 'name="b_a_hip"' in one.text
+    assert 'name="a_hip"' in dh2urdf.convert("arm.csv", edits={"rename": {"prefix": "a_"}}).text
+
+
+def test_every_table_of_a_command_is_edited(cli: Callable[..., Answer]) -> None:
+    Path("other.csv").write_text(TABLE)
+    cli("convert", "arm.csv", "other.csv", "--edit", "rename: {prefix: left_}", "-o", "out/")
+    for name in ("arm", "other"):
+        assert 'name="left_hip"' in Path("out", f"{name}.urdf").read_text("utf-8")
+
+
+def test_a_file_of_an_edit_is_one_of_the_working_directory() -> None:
+    Path("out").mkdir()
+    Path("differences.csv").write_text("joint, a [mm], alpha, d\nknee, 1, 0, 0\n")
+    made = dh2urdf.convert("arm.csv", "out/arm.urdf", edits={"calibrate": {"file": Path("differences.csv")}})
+    assert made.proofs["urdf"] is not None
+    assert "0.301" in made.text
+
+
+@pytest.mark.parametrize(
+    ("word", "message"),
+    [
+        ("paylod", "no edit is named 'paylod'"),
+        ("payload: 3", "--edit 'payload: 3' is no edit"),
+        ("[payload]", "--edit '[payload]' is no edit"),
+        ("{payload: {mass: 1}, rename: {}}", "is no edit"),
+        ("''", "no edit is named"),
+        ("payload: {mas: 3}", "command line: error: field 'mas': the edit 'payload' has no such option"),
+        ("payload: {mass: heavy}", "the edit 'payload' cannot take the text 'heavy' here"),
+        ("payload: {mass: -1}", "mass, size and radius are numbers greater than 0"),
+    ],
+)
+def test_what_is_no_edit_is_refused(cli: Callable[..., Answer], word: str, message: str) -> None:
+    said = cli("convert", "arm.csv", "--edit", word, "-o", "arm.urdf", status=2).stderr
+    assert message in said
+    assert not Path("arm.urdf").exists()
+
+
+def test_all_that_is_wrong_is_reported_at_once() -> None:
+    with pytest.raises(ConfigError) as refused:
+        dh2urdf.convert("arm.csv", edits=["paylod", {"rename": {"prefx": "x"}}])
+    assert len(refused.value.problems) == 2
+
+
+def test_an_arm_that_an_edit_refuses_is_named(cli: Callable[..., Answer]) -> None:
+    said = cli("convert", "arm.csv", "--edit", "limits: {joints: [ankle]}", status=2).stderr
+    assert "the arm has no moving joint 'ankle'" in said

@@ -169,9 +169,9 @@ def _reproduction() -> dict[str, Any]:
     )
     stage = object_of(
         {
-            "kind": text("the kind of stage"),
-            "stage": text("its name"),
-            "options": {"type": "object", "description": "all of its options, those that nobody gave too"},
+            "kind": {"enum": list(KINDS), "description": "the kind of stage"},
+            "stage": text("the stage's name"),
+            "options": {"type": "object", "description": "all options of the stage, with their defaults"},
         }
     )
     return object_of(

@@ -8,8 +8,14 @@ import click
 
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
-from dh2urdf.report.answers.schemas import conversions_schema, error_schema, info_schema
-from dh2urdf.report.schema import manifest_schema, plugins_schema, report_schema
+from dh2urdf.report.schema import (
+    conversions_schema,
+    error_schema,
+    info_schema,
+    manifest_schema,
+    plugins_schema,
+    report_schema,
+)
 from dh2urdf.run_file.schema import run_schema, table_schema
 
 SCHEMAS = {

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, get_args, get_origin, get_type_hints, is_typeddict
 
 from orjson import loads
+
+from dh2urdf.results.run import ManipulatorEntry, ProblemEntry, ProofEntry
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -182,10 +184,10 @@ class _Columns:
         import pyarrow as pa
         from pyarrow import json
 
-        problems = pa.list_(pa.struct({"message": pa.string()}))
+        problems = pa.list_(pa.struct(_types(ProblemEntry, "message")))
         types = {**_common_types(), "errors": problems, "notices": problems}
         if self._stages:
-            proof = pa.struct({"position_error": pa.float64(), "angle_error": pa.float64()})
+            proof = pa.struct(_types(ProofEntry, "position_error", "angle_error"))
             types["proof"] = pa.struct(dict.fromkeys(self._stages, proof))
         if drawn := self._drawn.alike():
             types["drawn"] = pa.struct(drawn)
@@ -199,15 +201,26 @@ class _Columns:
 
 def _common_types() -> dict[str, pa.DataType]:
     """The columns that stand in a row as they are."""
+    return _types(ManipulatorEntry, "name", "status", "kind", "source", "key", "keeps_kinematics", "files")
+
+
+def _types(record: type, *names: str) -> dict[str, pa.DataType]:
+    """The types of some keys of a record of `dh2urdf.results`, of all where none is named."""
+    hints = get_type_hints(record)
+    return {name: _type(hints[name]) for name in names or hints}
+
+
+def _type(hint: Any) -> pa.DataType:  # noqa: ANN401 - any type
+    """The type of a column for values of a type, or null."""
     import pyarrow as pa
 
-    text, whole = pa.string(), pa.int64()
-    file = {"path": text, "stage": text, "bytes": whole, "sha256": text, "shard": text, "offset": whole}
-    return {
-        **dict.fromkeys(("name", "status", "kind", "source", "key"), text),
-        "keeps_kinematics": pa.bool_(),
-        "files": pa.list_(pa.struct(file)),
-    }
+    if is_typeddict(hint):
+        return pa.struct(_types(hint))
+    parts = get_args(hint)
+    if get_origin(hint) is list:
+        return pa.list_(_type(parts[0]))
+    kinds = {bool: pa.bool_(), int: pa.int64(), float: pa.float64()}
+    return next((column for kind, column in kinds.items() if kind in (hint, *parts)), pa.string())
 
 
 def _largest(columns: Sequence[pa.Array], count: int) -> pa.Array:

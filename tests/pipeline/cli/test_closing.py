@@ -16,7 +16,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from lxml import etree
 
-from dh2urdf.report.answers.schemas import conversions_schema, error_schema
+from dh2urdf.report.schema import conversions_schema, error_schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable

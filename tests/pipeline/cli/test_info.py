@@ -17,7 +17,7 @@ from jsonschema import Draft202012Validator
 
 import dh2urdf
 from dh2urdf.manipulator import JointType
-from dh2urdf.report.answers.schemas import info_schema
+from dh2urdf.report.schema import info_schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from copy import deepcopy
 from dataclasses import fields
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from dh2urdf.cli.schema import SCHEMAS
 from dh2urdf.report.schema import manifest_schema, report_schema
 from dh2urdf.stages import LoadReport
 
@@ -41,10 +43,48 @@ def errors(schema: dict[str, Any], data: Any) -> list[str]:
     return [error.message for error in Draft202012Validator(schema).iter_errors(data)]
 
 
-def test_they_are_schemas() -> None:
-    """Both are valid themselves."""
-    for schema in (report_schema(), manifest_schema()):
+def test_they_are_schemas(cli: Callable[..., Answer]) -> None:
+    """All that the command prints are valid themselves, and every reference in them leads to a definition."""
+    for name in SCHEMAS:
+        schema = json.loads(cli("schema", name).stdout)
         Draft202012Validator.check_schema(schema)
+        missing = set(re.findall(r'"#/\$defs/([\w.]+)"', json.dumps(schema))) - schema.get("$defs", {}).keys()
+        assert missing == set(), name
+
+
+def test_what_a_type_becomes() -> None:
+    """Texts, counts, hashes, keys that go together, words, null, and keys of a base class, as `dh2urdf.results` has them."""
+    count = {"type": "integer", "minimum": 0}
+    described = json.loads(json.dumps(report_schema()), object_hook=without_description)
+    assert described["$defs"]["file"] == {
+        "type": "object",
+        "properties": {
+            "path": {"type": "string"},
+            "stage": {"type": "string"},
+            "bytes": count,
+            "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$"},
+            "shard": {"type": "string"},
+            "offset": count,
+        },
+        "required": ["path", "stage", "bytes", "sha256"],
+        "additionalProperties": False,
+        "dependentRequired": {"shard": ["offset"], "offset": ["shard"]},
+    }
+    row = described["$defs"]["row"]["properties"]
+    assert row["status"] == {"enum": ["ok", "failed", "skipped"]}
+    assert row["kind"] == {"anyOf": [{"type": "string"}, {"type": "null"}]}
+    assert row["drawn"] == {"type": "object", "additionalProperties": {"type": ["number", "string"]}}
+    proofs = {"anyOf": [{"$ref": "#/$defs/proof"}, {"type": "null"}]}
+    assert row["proof"] == {"type": "object", "additionalProperties": proofs}
+    axes = described["properties"]["axes"]["items"]
+    assert axes["required"] == ["parallel", "spherical_wrist", "opw", "name", "arms"]
+    stages = described["properties"]["reproduction"]["properties"]["stages"]["items"]["properties"]
+    assert stages["options"] == {"type": "object"}
+    assert described["properties"]["schema"] == {"const": "dh2urdf-report/1"}
+
+
+def without_description(data: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in data.items() if key != "description"}
 
 
 def test_they_hold_for_what_a_run_writes(out: Path) -> None:

@@ -18,7 +18,7 @@ from dh2urdf.results.run import (
 
 Version: TypeAlias = Annotated[str, "version of dh2urdf"]
 Notices: TypeAlias = Annotated[list[ProblemEntry], "what a careful person would want to know"]
-Place: TypeAlias = Annotated[str | None, "the cell, such as arm.csv:4:12; null where the table does not say it"]
+PlaceText: TypeAlias = Annotated[str | None, "the cell, such as arm.csv:4:12; null where the table does not say it"]
 ArmName: TypeAlias = Annotated[str, "the manipulator's name"]
 BeginsAt: TypeAlias = Annotated[str | None, "where it begins"]
 
@@ -108,14 +108,14 @@ class StatedConvention(TypedDict):
     """The convention, and the place that states it."""
 
     value: ConventionName
-    place: Place
+    place: PlaceText
 
 
 class StatedValue(TypedDict):
     """A value of the whole arm in SI units, and the place that states it."""
 
     value: Any
-    place: Place
+    place: PlaceText
 
 
 class UnitEntry(TypedDict):
@@ -123,7 +123,7 @@ class UnitEntry(TypedDict):
 
     of: Annotated[str, "what it measures"]
     unit: Annotated[str, "the unit"]
-    place: Place
+    place: PlaceText
 
 
 Placement = TypedDict(
@@ -132,7 +132,7 @@ Placement = TypedDict(
         "xyz": Annotated[list[float], "translation [m]"],
         "rpy": Annotated[list[float], "roll, pitch and yaw [rad]"],
         "from": Literal["cell", "default"],
-        "place": Place,
+        "place": PlaceText,
     },
 )
 """The base or the tool: translation [m], roll, pitch and yaw [rad]."""
@@ -150,7 +150,7 @@ FieldEntry = TypedDict(
         ],
         "typed": Annotated[str | None, "the cell as it is typed"],
         "read_in": Annotated[str | None, "the unit in which a number without a unit is read"],
-        "place": Place,
+        "place": PlaceText,
     },
 )
 """A field of a row: its value in SI units, where the value is from, and what the cell holds."""
@@ -222,8 +222,8 @@ class OptionEntry(TypedDict):
     help: Annotated[str, "what it is for"]
 
 
-Distribution: TypeAlias = Annotated[str, "name and version of the distribution that provides it"]
-Plugin: TypeAlias = Annotated[str, "the plugin's entry point, such as my_lab = my_lab.plugin"]
+DistributionName: TypeAlias = Annotated[str, "name and version of the distribution that provides it"]
+PluginName: TypeAlias = Annotated[str, "the plugin's entry point, such as my_lab = my_lab.plugin"]
 
 
 class StageEntry(TypedDict):
@@ -232,8 +232,8 @@ class StageEntry(TypedDict):
     kind: StageKind
     name: Annotated[str, "the stage's name in a run file"]
     summary: Annotated[str, "what it does, in one line"]
-    plugin: Plugin
-    distribution: Distribution
+    plugin: PluginName
+    distribution: DistributionName
     options: Annotated[list[OptionEntry], "its options"]
 
 
@@ -249,8 +249,8 @@ class ClashEntry(TypedDict):
 class PluginEntry(TypedDict):
     """A plugin, and the distribution that provides it."""
 
-    plugin: Plugin
-    distribution: Distribution
+    plugin: PluginName
+    distribution: DistributionName
 
 
 class ShadowedEntry(PluginEntry):

@@ -23,6 +23,7 @@ from dh2urdf._stage_defaults import (
     option_poses,
 )
 from dh2urdf.columns import ManipulatorColumns, RobotColumns
+from dh2urdf.foreign_robot import Follower, ForeignRobot
 from dh2urdf.inspections import (
     PACKAGE_FILE,
     SEVERITIES,
@@ -53,6 +54,8 @@ __all__ = [
     "Executor",
     "Expansion",
     "Finding",
+    "Follower",
+    "ForeignRobot",
     "Inspection",
     "Kind",
     "LoadReport",
@@ -223,7 +226,8 @@ class Emitter(Generic[O]):
             nothing itself: the pipeline writes all of them whole, or none.
         read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
             every run compares its kinematics with the DH product. None where the format cannot be read.
-        read_foreign: the same of a file of unknown origin: `dh2urdf view`. None where `read_back` only reads.
+        read_foreign: what a file of unknown origin holds: `dh2urdf view`. A `Robot`, or a `ForeignRobot` where there is
+            more to it, such as joints that follow others. None where `read_back` only reads.
         expandable: whether files of the format hold macros: `read_foreign` and `check` then also take an `Expansion`.
         finds_packages: whether `check` takes an `Expansion` though files hold no macros: for its `package_paths`.
         in_folders: the names of the folders in which its files of a stem lie, as those of a ROS package do. Then
@@ -257,7 +261,7 @@ class Emitter(Generic[O]):
     options: type[O]
     suffixes: tuple[str, ...]
     read_back: Callable[[Path], Robot] | None = None
-    read_foreign: Callable[..., Robot] | None = None
+    read_foreign: Callable[..., Robot | ForeignRobot] | None = None
     expandable: bool = False
     finds_packages: bool = False
     in_folders: Callable[[str, O], Iterable[str]] | None = None

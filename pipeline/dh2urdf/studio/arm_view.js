@@ -112,7 +112,10 @@ export default {
     };
     for (const geometry of Object.values(this.geometries)) geometry.computeBoundingBox();
     this.reach = 1;
+    this.floor = 0; // where the ground is [m]
     this.row = null;
+    this.link = null; // the name of a node that stands out, instead of those of a row
+    this.hidden = new Set(); // names of nodes
     this.own = false; // whether a person looks at a part of the arm, and wants to go on looking there
   },
 
@@ -171,9 +174,11 @@ export default {
       this.nodes = drawing.nodes.map((node, number) => this.node(node, number));
       for (const node of this.nodes) this.arm.add(node);
       this.move(poses);
+      if (!this.waiting) this.settle();
       const another = Math.abs(Math.log(this.reach / this.fitted)) > 0.5;
       if (another || (!this.own && !this.seen())) this.fit(true);
-      this.highlight(this.row);
+      this.hide(this.hidden);
+      this.highlight(this.row, this.link);
       this.$el.shown = (this.$el.shown ?? 0) + 1;
     },
 
@@ -192,18 +197,18 @@ export default {
       this.draw();
     },
 
-    node({ name, row, label, layer, parts }, number) {
+    node({ name, row, label, layer, rooted, parts }, number) {
       const node = new THREE.Group();
       node.name = name;
       node.matrixAutoUpdate = false;
-      node.userData.row = row;
+      node.userData = { row, rooted };
       for (const part of parts) node.add(this.part(part, number));
       if (label) node.add(this.label(label, layer, `arm-view-${layer}-label`));
       return node;
     },
 
     material(shape, layer, colour, opacity, number) {
-      const sign = layer === "frames" || layer === "axes"; // not a thing: not lit, and seen through the link that it is in
+      const sign = ["frames", "axes", "masses"].includes(layer); // not a thing: not lit, and seen through the link that it is in
       return new (sign ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial)({
         color: shape === "frame" ? 0xffffff : new THREE.Color(...colour).convertSRGBToLinear(),
         vertexColors: shape === "frame",
@@ -226,7 +231,7 @@ export default {
       const [x, y, z] = shape === "box" ? size.map((side) => Math.max(side, thin)) : shape === "cylinder" ? [Math.max(size[0], thin), Math.max(size[0], thin), size[1]] : size.length === 3 ? size : Array(3).fill(size[0]);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(x, y, z));
-      mesh.renderOrder = { axes: 1, frames: 3 }[layer] ?? 0; // strokes are between them
+      mesh.renderOrder = { axes: 1, masses: 1, frames: 3 }[layer] ?? 0; // strokes are between them
       mesh.userData = { layer, shared: true }; // its geometry is that of all parts of its shape
       mesh.visible = this.layers.has(layer);
       return mesh;
@@ -256,11 +261,24 @@ export default {
       return group;
     },
 
+    // The ground is where a robot stands: at its root or, if what its root holds goes deeper, below its lowest link.
+    settle() {
+      const lowest = (nodes) => {
+        const box = new THREE.Box3();
+        for (const node of nodes) node.traverse((part) => part.isMesh && part.userData.layer === "links" && box.expandByObject(part));
+        return box.isEmpty() ? 0 : box.min.z;
+      };
+      const deep = lowest(this.nodes.filter(({ userData }) => userData.rooted)) < -0.05 * this.reach;
+      this.floor = deep ? Math.min(0, lowest(this.nodes)) : 0;
+      this.grid(this.reach);
+    },
+
     // A part of a mesh file is there; after the last one the camera sees all, if a person has not turned it meanwhile.
     arrived() {
       this.loaded += 1;
       if (this.loaded < this.waiting) return;
       this.waiting = this.loaded = 0;
+      this.settle();
       if (!this.own && !this.seen()) this.fit(true);
     },
 
@@ -311,18 +329,26 @@ export default {
       this.draw();
     },
 
-    // The link and the frame of a row stand out; null for none.
-    highlight(row) {
+    // The nodes of these names are not shown.
+    hide(names) {
+      this.hidden = new Set(names);
+      for (const node of this.nodes) node.visible = !this.hidden.has(node.name);
+      this.draw();
+    },
+
+    // The link and the frame of a row stand out, or the node of a name; null for none.
+    highlight(row, link = null) {
       this.row = row;
+      this.link = link;
       for (const tube of this.strokes.children) this.emphasise(tube);
       for (const node of this.nodes) {
-        const on = row !== null && node.userData.row === row;
+        const on = link === null ? row !== null && node.userData.row === row : node.name === link;
         node.traverse((object) => {
           if (object.isMesh && object.userData.layer === "links") {
             object.material.emissive = on ? HIGHLIGHT : new THREE.Color(0);
             object.material.emissiveIntensity = on ? 0.5 : 1;
           } else if (object.isMesh && object.userData.layer === "frames") {
-            object.material.opacity = row === null || on ? 1 : 0.35;
+            object.material.opacity = (row === null && link === null) || on ? 1 : 0.35;
           } else if (object.userData.element) {
             object.userData.element.classList.toggle("arm-view-picked", on);
             delete object.userData.size; // it is bold now, or no longer
@@ -406,7 +432,7 @@ export default {
       const half = Math.ceil((1.6 * reach) / step) * step;
       const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), 0x7c8ba1, 0xc3cfdd);
       grid.rotateX(Math.PI / 2);
-      grid.position.z = -0.001 * reach;
+      grid.position.z = this.floor - 0.001 * reach;
       this.ground.add(grid);
     },
 
@@ -420,7 +446,7 @@ export default {
       for (const { userData: own } of labels) own.size ??= [own.element.offsetWidth, own.element.offsetHeight]; // all at once
       const { clientWidth, clientHeight } = this.$el, taken = [];
       for (const label of labels) {
-        const place = label.visible && this.room(label, clientWidth, clientHeight, taken);
+        const place = label.visible && label.parent.visible && this.room(label, clientWidth, clientHeight, taken);
         if (place) taken.push(place);
         const { style } = label.userData.element;
         style.visibility = place ? "visible" : "hidden";
@@ -554,10 +580,11 @@ export default {
     },
 
     pick(event) {
-      const hit = this.ray(event).intersectObjects(this.nodes, true).find(({ object }) => object.visible && object.isMesh);
+      const shown = this.nodes.filter((node) => node.visible);
+      const hit = this.ray(event).intersectObjects(shown, true).find(({ object }) => object.visible && object.isMesh);
       let node = hit?.object;
       while (node && node.userData.row === undefined) node = node.parent;
-      this.$emit("pick", { row: node?.userData.row ?? null });
+      this.$emit("pick", { row: node?.userData.row ?? null, node: node?.name ?? null });
     },
 
     // The camera by keyboard: arrows turn it about what it looks at, + and - move it, 0 sees all.

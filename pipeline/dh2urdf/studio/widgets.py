@@ -42,9 +42,12 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         on_pick: Callable[[int | None], None],
         on_undrawn: Callable[[str], None] | None = None,
         on_aim: Callable[..., None] | None = None,
+        on_pick_node: Callable[[str | None], None] | None = None,
     ) -> None:
         super().__init__()
         self.on("pick", lambda event: on_pick(event.args["row"]))
+        if on_pick_node is not None:
+            self.on("pick", lambda event: on_pick_node(event.args["node"]))
         if on_aim is not None:
             self.on("aim", lambda event: self._aimed(on_aim, event.args))
         if on_undrawn is not None:
@@ -62,9 +65,13 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         """What is shown."""
         self.run_method("setLayers", sorted(layers))
 
-    def highlight(self, row: int | None) -> None:
-        """The link and the frame of a row stand out."""
-        self.run_method("highlight", row)
+    def highlight(self, row: int | None, node: str | None = None) -> None:
+        """The link and the frame of a row stand out, or a node by its name."""
+        self.run_method("highlight", row, node)
+
+    def hide(self, nodes: Iterable[str]) -> None:
+        """These nodes are not shown, by their names; all others are."""
+        self.run_method("hide", sorted(nodes))
 
     def save_picture(self, name: str, *, transparent: bool) -> None:
         """Hands the scene over as the browser draws it, as a PNG of twice the size; with or without the ground."""
@@ -146,6 +153,7 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
         unit = slider.unit.symbol
         return {
             "name": slider.name,
+            "group": slider.group,
             "lower": slider.shown(slider.lower),
             "upper": slider.shown(slider.upper),
             "unit": "°" if slider.unit.degrees else unit,

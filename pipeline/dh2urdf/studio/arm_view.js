@@ -378,14 +378,11 @@ export default {
       const seen = this.camera.position.clone().sub(this.controls.target).normalize();
       const away = keep && seen.lengthSq() ? seen : FROM, right = new THREE.Vector3().crossVectors(this.camera.up, away).normalize();
       const up = new THREE.Vector3().crossVectors(away, right);
-      const { clientWidth: width, clientHeight: height } = this.$el;
-      const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
-      const room = [[right, wide * (1 - (2 * MARGIN) / (width || 1e3))], [up, tall * (1 - (2 * MARGIN) / (height || 1e3))]];
       // A camera at c sees p where |(p - c)·right| <= t (c - p)·away, and so for up: for each of the two directions two
       // planes, which the outermost points push away. The nearest c that satisfies all of them is to be had at once.
       const points = this.points();
       let distance = -Infinity;
-      const sides = room.map(([direction, slope]) => {
+      const sides = this.margins(right, up).map(([direction, slope]) => {
         const [one, other] = [1, -1].map((sign) => Math.max(...points.map((p) => sign * p.dot(direction) + slope * p.dot(away))));
         distance = Math.max(distance, (one + other) / (2 * slope));
         return direction.clone().multiplyScalar((one - other) / 2);
@@ -480,15 +477,26 @@ export default {
       return caster;
     },
 
-    // The scene as it is on the screen, twice as fine, as a file: with its labels; without the ground, if that is to be
-    // transparent.
+    // The scene as it is on the screen, twice as fine, as a file; without the ground, if that is to be transparent.
     savePicture(name, transparent) {
-      const { clientWidth: width, clientHeight: height } = this.$el, fine = 2;
+      const fine = 2;
+      this.renderer.setPixelRatio(fine);
+      const sheet = this.pictured(fine, transparent);
+      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      this.draw();
+      const link = document.createElement("a");
+      link.download = `${name}.png`;
+      link.href = sheet.toDataURL("image/png");
+      link.click();
+    },
+
+    // The scene with its labels, on a canvas of so many pixels for one of the screen.
+    pictured(fine, transparent) {
+      const { clientWidth: width, clientHeight: height } = this.$el;
       const sheet = document.createElement("canvas");
-      [sheet.width, sheet.height] = [fine * width, fine * height];
+      [sheet.width, sheet.height] = [Math.round(fine * width), Math.round(fine * height)];
       const pen = sheet.getContext("2d");
       this.ground.visible = !transparent;
-      this.renderer.setPixelRatio(fine);
       this.renderer.render(this.scene, this.camera);
       if (!transparent) {
         pen.fillStyle = "#fff";
@@ -496,9 +504,7 @@ export default {
       }
       pen.drawImage(this.renderer.domElement, 0, 0, sheet.width, sheet.height);
       this.ground.visible = true;
-      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-      this.draw();
-      pen.scale(fine, fine);
+      pen.scale(sheet.width / width, sheet.height / height);
       pen.textBaseline = "middle";
       const origin = this.$el.getBoundingClientRect();
       for (const label of this.sheet.children) {
@@ -511,10 +517,54 @@ export default {
         pen.fillStyle = style.color;
         pen.fillText(label.textContent, x + parseFloat(style.paddingLeft), y + box.height / 2);
       }
-      const link = document.createElement("a");
-      link.download = `${name}.png`;
-      link.href = sheet.toDataURL("image/png");
-      link.click();
+      return sheet;
+    },
+
+    // A frame of a turn of the camera about the arm, as a data address: from where it looks now, a share of the turn on,
+    // with a longer side of at most so many pixels. After the last one null ends the turn, and the camera is back.
+    turn(share, largest) {
+      const { camera, controls } = this, z = new THREE.Vector3(0, 0, 1);
+      if (share === null) {
+        if (this.turning) camera.position.copy(this.turning.position), controls.target.copy(this.turning.target), controls.update();
+        this.turning = null;
+        return this.draw();
+      }
+      if (!this.turning) {
+        const [position, target] = [camera.position.clone(), controls.target.clone()];
+        this.turning = { position, target, ...(this.own ? { middle: target, distance: position.distanceTo(target) } : this.round()) };
+        this.turning.fine = Math.min(1, largest / Math.max(this.$el.clientWidth, this.$el.clientHeight));
+      }
+      const { position, target, middle, distance, fine } = this.turning;
+      const away = position.clone().sub(target).setLength(distance).applyAxisAngle(z, 2 * Math.PI * share);
+      controls.target.copy(middle);
+      camera.position.copy(middle).add(away);
+      controls.update();
+      this.scene.updateMatrixWorld();
+      camera.updateMatrixWorld();
+      this.place();
+      return this.pictured(fine, false).toDataURL("image/png");
+    },
+
+    // The middle of the arm, and the distance from which the camera sees all of it on a turn about that.
+    round() {
+      const points = this.points(), middle = new THREE.Box3().setFromPoints(points).getCenter(new THREE.Vector3());
+      for (const point of points) point.sub(middle);
+      const away = this.camera.position.clone().sub(this.controls.target).normalize(), z = this.camera.up;
+      let distance = 0.3 * this.reach;
+      for (let step = 0; step < 36; step++) {
+        away.applyAxisAngle(z, Math.PI / 18);
+        const right = new THREE.Vector3().crossVectors(z, away).normalize(), up = new THREE.Vector3().crossVectors(away, right);
+        for (const [direction, slope] of this.margins(right, up))
+          for (const point of points) distance = Math.max(distance, Math.abs(point.dot(direction)) / slope + point.dot(away));
+      }
+      return { middle, distance };
+    },
+
+    // Directions of the picture, each with the slope of the rays at its margin.
+    margins(right, up) {
+      const { clientWidth: width, clientHeight: height } = this.$el;
+      const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
+      return [[right, wide * (1 - (2 * MARGIN) / (width || 1e3))], [up, tall * (1 - (2 * MARGIN) / (height || 1e3))]];
     },
 
     // Points of tool0, three numbers each, in place of those before.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing, words
 from dh2urdf.studio.drawing.scene import LAYERS
+from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.robot_tree import RobotTree
 from dh2urdf.studio.widgets import ArmView, JointSliders, lay_views
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from dh2urdf.studio.viewing import View
+    from dh2urdf.studio.widgets import ShownScene
 
 MOST_TIPS = 12
 """Ends of arms whose poses are told."""
@@ -33,6 +36,9 @@ class ViewPage:
             with ui.element("header").classes("studio-head"):
                 ui.html("<b>dh2urdf</b> view", sanitize=False, tag="h1").classes("studio-title")
                 ui.label(viewing.told(view.figures))
+                ui.element("div").classes("studio-space")
+                with ui.button("Save", icon="save").props("flat dense no-caps color=white"):
+                    menu = ui.menu()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
                 with ui.element("div").classes("studio-row"):
                     for told, poses in (("zero", joints.zero), ("random pose", joints.anywhere)):
@@ -45,6 +51,15 @@ class ViewPage:
                     self._numbers = ui.html(sanitize=False).classes("studio-numbers")
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
                 self._lay_scene()
+            with menu:
+                sharing.lay_scene_items(self._scene, self._shown)
+
+    def _shown(self) -> ShownScene:
+        """What is on the screen now."""
+        view = self.view
+        nodes = [replace(node, parts=()) if node.name in view.hidden else node for node in view.drawing.nodes]
+        drawing = replace(view.drawing, nodes=tuple(nodes))
+        return viewing.told(view.figures).replace(", ", "-"), drawing, view.q, view.layers
 
     def _lay_scene(self) -> None:
         with ui.element("div").classes("studio-bar"):

@@ -184,6 +184,9 @@ class Edit(Generic[O]):
         edit_robot: the changed robot. What a person should know of the change is added to its `notices`.
         keeps_kinematics: whether `edit_robot` keeps T(base_link → tool0) with these options. Where it does not, the
             proof reports the difference and fails nothing, and the robot has no table any more.
+        accepts_columns: whether both functions also accept records whose numbers are columns (`dh2urdf.columns`), and
+            make of them, to the last bit, what they make of each alone. A run then edits many arms at once. The copies
+            are made by `dh2urdf.unchecked_records.changed`, and conditions are asked by `dh2urdf.elementwise.agreed`.
 
     Both functions raise `dh2urdf.errors.EditError` where they refuse what they are given. A robot that breaks a rule
     after `edit_robot` is refused with the name of the edit.
@@ -195,6 +198,7 @@ class Edit(Generic[O]):
     edit_table: Callable[[Manipulator, O], Manipulator] | None = None
     edit_robot: Callable[[Robot, O], Robot] | None = None
     keeps_kinematics: Callable[[O], bool] = always
+    accepts_columns: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -68,7 +68,7 @@ class EditContract(StageContract):
                 )
 
     def test_keeps_the_kinematics(self) -> None:
-        """Where the record claims it, T(base_link → tool0) after the edit of the robot is the DH product of the table."""
+        """Where the record claims it, T(base_link → tool0) after the edit of the robot is the table's DH product."""
         # Of an edit that also changes the table, it is the table after that change.
         if self.stage.edit_robot is None or not self.stage.keeps_kinematics(self.given()):
             return  # The edited table is the truth; or the proof reports the difference, and fails nothing.

@@ -14,6 +14,7 @@ from dh2urdf.studio.layout.head import StudioHead
 from dh2urdf.studio.layout.scene_bar import SceneBar
 from dh2urdf.studio.layout.table_bar import EndFields, TableBar
 from dh2urdf.studio.panels import sharing
+from dh2urdf.studio.panels.comparing import ComparingPanel
 from dh2urdf.studio.panels.lesson import LessonPanel
 from dh2urdf.studio.panels.measuring import MeasuringPanel
 from dh2urdf.studio.panels.poses import PosesPanel
@@ -94,6 +95,7 @@ class StudioPage:
             PosesPanel(self.session, self._show_pose),
             MeasuringPanel(self.session, self._show_pose, self._show_cloud),
             LessonPanel(self.session, self._show_pose),
+            ComparingPanel(self.session, self._show_arm),
         )
         self._problems = ProblemList(on_click=self._go_to)
         self._ends = EndFields(self.session, self._say)

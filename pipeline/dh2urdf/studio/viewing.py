@@ -97,6 +97,21 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
             arm = _accepted(item)
             yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
         return
+    yield description(path, catalog, expansion)
+
+
+def description(path: Path, catalog: Catalog, expansion: Expansion | None = None) -> Figure:
+    """The robot of a robot description.
+
+    Args:
+        path: the file.
+        catalog: the emitters that there are.
+        expansion: how it is expanded, where it holds macros, and where its packages are.
+
+    Raises:
+        InputError: no emitter reads files of its format, or it cannot be read.
+        ManipulatorError: it is no robot.
+    """
     emitter = catalog.emitter_for(path)
     if (reading := emitter.read_foreign or emitter.read_back) is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
@@ -111,7 +126,7 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
     files = {address: file for address in addresses if (file := find(address))}
     followers = following(found.followers, [joint.name for joint in robot.moving_joints])
     title = robot.name.strip() or path.stem
-    yield Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose)
+    return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose)
 
 
 def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:

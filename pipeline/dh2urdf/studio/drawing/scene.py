@@ -41,6 +41,7 @@ LAYERS = {
 
 COLLISION: Colour = (0.85, 0.2, 0.45)
 PAPER: Colour = (0.45, 0.24, 0.72)
+BESIDE: Colour = (0.03, 0.55, 0.42)
 AXIS_COLOURS: Mapping[JointType, Colour] = {
     JointType.REVOLUTE: (0.95, 0.62, 0.07),
     JointType.CONTINUOUS: (0.95, 0.62, 0.07),
@@ -64,6 +65,7 @@ class Figure:
         name: what stands before the names of its nodes.
         place: where its root is.
         tint: a colour in place of its own ones.
+        opacity: less than 1 for a robot that is looked through, to see another one at its place.
         typed: the table as it was typed, whose texts and units stand at its parameters.
         title: a text that stands at its root.
         link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
@@ -79,6 +81,7 @@ class Figure:
     name: str = ""
     place: RigidTransform = IDENTITY
     tint: Colour | None = None
+    opacity: float = 1.0
     title: str = ""
     link_frames: bool = True
     files: Mapping[str, Path] = field(default_factory=dict)
@@ -217,7 +220,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
         row = rows.get(joint.name) if joint else None
         bodies = list(_bodies(link, figure))
         if not any(part.layer == "links" for part in bodies):
-            bodies += _sticks(link, robot, figure.tint, 0.15 * size)
+            bodies += _sticks(link, figure, 0.15 * size)
         parts = [*bodies, *mass_parts(link, 0.2 * size), *(_axis(joint, size) if joint else ())]
         is_flange = link.name == FLANGE
         is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
@@ -261,6 +264,7 @@ def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
         if part is not None:
             colour, opacity = _colour(visual.material, figure.tint)
             plain = GREY if part.mesh is None else None
+            opacity *= figure.opacity
             yield replace(part, pose=visual.origin.transform, colour=colour or plain, opacity=opacity)
     for collision in link.collisions:
         part = _part(collision.geometry, figure)
@@ -269,13 +273,14 @@ def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
             yield replace(part, pose=pose, layer="collision", colour=COLLISION, opacity=0.45)
 
 
-def _sticks(link: Link, robot: Robot, tint: Colour | None, radius: float) -> Iterator[ScenePart]:
+def _sticks(link: Link, figure: Figure, radius: float) -> Iterator[ScenePart]:
     """The skeleton of a link that has nothing to draw: from its own origin to those of the joints that it holds."""
-    for joint in robot.joints:
+    colour, opacity = figure.tint or GREY, figure.opacity
+    for joint in figure.robot.joints:
         length = norm(joint.origin.xyz)
         if joint.parent == link.name and length > 0.0:
             pose = RigidTransform(towards(joint.origin.xyz), scale(0.5, joint.origin.xyz))
-            yield ScenePart(shape="cylinder", size=(radius, length), pose=pose, colour=tint or GREY)
+            yield ScenePart(shape="cylinder", size=(radius, length), pose=pose, colour=colour, opacity=opacity)
 
 
 def meshes_of(robot: Robot) -> Iterator[Mesh]:

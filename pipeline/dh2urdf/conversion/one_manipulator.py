@@ -96,10 +96,9 @@ class Recipe:
 
     @property
     def makes_many_at_once(self) -> bool:
-        """Whether all stages that make files have a form for many manipulators at once."""
+        """Whether all stages that make files have a form for many manipulators at once; edits have none."""
         has_form = self.transform.stage.transform_columns is not None
-        edits = all(call.stage.accepts_columns for call in self.edits)
-        return has_form and edits and all(call.stage.emit_columns for call in self.emitters)
+        return has_form and not self.edits and all(call.stage.emit_columns for call in self.emitters)
 
     @property
     def keeps_kinematics(self) -> bool:

@@ -9,24 +9,24 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import ConfigError
-from dh2urdf.manipulator import Manipulator, MeshShape
+from dh2urdf.manipulator import Manipulator, MeshFile, MeshShape
 from dh2urdf.meshes.files import find_mesh
 from dh2urdf.quantities.quantity import Dimension
-from dh2urdf.rotations import RigidTransform, Vec3
-from dh2urdf.run_file.placements import PlacementReader
+from dh2urdf.rotations import ZERO, RigidTransform, Vec3
+from dh2urdf.run_file.validator import Key, Many, Record, Validator, ValueType
+from dh2urdf.run_file.value_types import NUMBER, TEXT, measure, numbers, triple
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from dh2urdf.documents.document import Node
 
-SHAPE_KEYS = ("visual", "collision", "mesh")
-MESH_KEYS = ("file", "xyz", "rpy", "scale")
-ACCEPTED_MESH = "the path of a file, or {file: PATH, xyz: [0, 0, 0], rpy: [0, 0, 0], scale: 1}"
+NO_FILE = (
+    "this mesh has no file",
+    "the path of a file, or {file: PATH, xyz: [0, 0, 0], rpy: [0, 0, 0], scale: 1}",
+)
 SHOWN = 20
 """Names that a message lists."""
 
@@ -132,78 +132,86 @@ class MeshGiver:
             yield Rejected(name=call.of, problems=(problem,), mark=call.mark)
 
 
-class MeshesReader(PlacementReader):
-    """Reads the meshes of a run file and gathers what is wrong with them."""
+# --- What the section may have ----------------------------------------------------------------------------------------
 
-    def __init__(self, problems: list[Problem], folder: Path) -> None:
-        """Takes the list of problems, and the folder of the run file, from which paths lead."""
-        super().__init__(problems)
-        self._folder = folder
 
-    def read(self, section: Node) -> tuple[MeshCall, ...]:
-        """The meshes that nothing is wrong with."""
-        entries = section.value if isinstance(section.value, list) else []
-        calls = [self._call(node, f"meshes.{index}") for index, node in enumerate(entries)]
-        return tuple([call for call in calls if call])
+def _file(node: Node, field: str, to: Validator) -> MeshFile | None:
+    if (path := TEXT.read(node, field, to)) is not None:
+        with to.noting(node, field):
+            return find_mesh(path, to.folder_of(node), links=True)  # A run file is the user's own.
+    return None
 
-    def _call(self, node: Node, field: str) -> MeshCall | None:
-        before = len(self.problems)
-        if isinstance(node.value, dict) and "convert" in node.value:
-            message = "this section says which meshes links have; what becomes of them is said of the output"
-            accepted = "output: {meshes: {convert: …}}"
-            self.say(message, node, f"{field}.convert", mark=node.key_mark("convert"), accepted=accepted)
-            return None
-        given = self.entries(node, ("of", "base", "joints"), field)
-        of = self.name(given.get("of"), f"{field}.of")
-        if "of" not in given and isinstance(node.value, dict):
-            accepted = "`of: NAME`, the name of a manipulator of this run; `*` stands for any text"
-            self.say("it is not said whose meshes these are", node, f"{field}.of", accepted=accepted)
-        base = self._shapes(given["base"], f"{field}.base") if "base" in given else Shapes()
-        joints: list[tuple[str, Shapes]] = []
-        if (named := given.get("joints")) is not None:
-            if not isinstance(named.value, dict):
-                accepted = "{JOINT: {visual: FILE, collision: FILE}}"
-                self.say(f"this cannot be {named.describe()}", named, f"{field}.joints", accepted=accepted)
-            else:
-                for joint, entry in named.value.items():
-                    shapes = self._shapes(entry, f"{field}.joints.{joint}")
-                    joints.append((joint, replace(shapes, mark=named.key_mark(joint))))
-        if len(self.problems) > before or of is None:
-            return None
-        return MeshCall(of=of, base=base, joints=tuple(joints), mark=given["of"].mark)
 
-    def _shapes(self, node: Node, field: str) -> Shapes:
-        """The meshes of a link: `mesh` is both."""
-        given = self.entries(node, SHAPE_KEYS, field)
-        found = {key: self._mesh(given[key], f"{field}.{key}") for key in SHAPE_KEYS if key in given}
-        both = found.get("mesh")
-        return Shapes(visual=found.get("visual") or both, collision=found.get("collision") or both)
+def _scale(node: Node, field: str, to: Validator) -> Vec3 | None:
+    if isinstance(node.value, list):
+        return triple(Dimension.NUMBER).read(node, field, to)
+    factor = measure(Dimension.NUMBER).read(node, field, to)
+    return None if factor is None else (factor, factor, factor)
 
-    def _mesh(self, node: Node, field: str) -> MeshShape | None:
-        given = {"file": node} if isinstance(node.value, str) else self.entries(node, MESH_KEYS, field)
-        if "file" not in given and isinstance(node.value, dict):
-            self.say("this mesh has no file", node, field, accepted=ACCEPTED_MESH)
-        text = self.name(given.get("file"), f"{field}.file")
-        pose = RigidTransform.from_xyz_rpy(
-            self.vector(given.get("xyz"), f"{field}.xyz", Dimension.LENGTH),
-            self.vector(given.get("rpy"), f"{field}.rpy", Dimension.ANGLE),
-        )
-        scale = self._scale(given.get("scale"), f"{field}.scale")
-        if text is None:
-            return None
-        try:
-            file = find_mesh(text, self._folder, links=True)  # A run file is the user's own.
-        except ConfigError as error:
-            mark = given["file"].mark
-            self.problems.extend(replace(problem, mark=mark, field=f"{field}.file") for problem in error.problems)
-            return None
-        return MeshShape(file=file, pose=pose, scale=scale, mark=given["file"].mark)
 
-    def _scale(self, node: Node | None, field: str) -> Vec3:
-        """One factor, or one for each axis."""
-        if node is None:
-            return (1.0, 1.0, 1.0)
-        if isinstance(node.value, list):
-            return self.vector(node, field, Dimension.NUMBER)
-        factor = self.number(node, field, Dimension.NUMBER)
-        return (factor, factor, factor)
+def _mesh(
+    file: MeshFile, xyz: Vec3 = ZERO, rpy: Vec3 = ZERO, scale: Vec3 = (1.0, 1.0, 1.0), *, mark: Mark
+) -> MeshShape:
+    return MeshShape(file=file, pose=RigidTransform.from_xyz_rpy(xyz, rpy), scale=scale, mark=mark)
+
+
+def _shapes(
+    visual: MeshShape | None = None, collision: MeshShape | None = None, mesh: MeshShape | None = None
+) -> Shapes:
+    """The meshes of a link: `mesh` is both."""
+    return Shapes(visual=visual or mesh, collision=collision or mesh)
+
+
+MESH = Record(
+    _mesh,
+    {
+        "file": Key(
+            ValueType(_file, {"type": "string", "minLength": 1}),
+            "a file in STL, OBJ or DAE, from the folder of the run file",
+            missing=NO_FILE,
+        ),
+        "xyz": Key(triple(Dimension.LENGTH), "where it stands in the DH frame after the row [m]"),
+        "rpy": Key(triple(Dimension.ANGLE), "how it stands there: roll, pitch, yaw [rad]"),
+        "scale": Key(ValueType(_scale, {"anyOf": [NUMBER, numbers(3)]}), "a factor, or one for each axis"),
+    },
+    short="file",
+    marks={"mark": ("file",)},
+)
+SHAPES = Record(_shapes, dict.fromkeys(("visual", "collision", "mesh"), Key(MESH)))
+
+
+def _by_joint(node: Node, field: str, to: Validator) -> tuple[tuple[str, Shapes], ...] | None:
+    """The meshes of links, by the names of the joints that move them, each with the place of its joint's name."""
+    if not isinstance(node.value, dict):
+        accepted = "{JOINT: {visual: FILE, collision: FILE}}"
+        to.say(f"this cannot be {node.describe()}", node, field, accepted=accepted)
+        return None
+    read = [(joint, SHAPES.read(entry, f"{field}.{joint}", to)) for joint, entry in node.value.items()]
+    return tuple((joint, replace(shapes, mark=node.key_mark(joint))) for joint, shapes in read if shapes)
+
+
+BY_JOINT = ValueType(_by_joint, lambda catalog: {"type": "object", "additionalProperties": SHAPES.schema(catalog)})
+MESHES = Many(
+    Record(
+        MeshCall,
+        {
+            "of": Key(
+                TEXT,
+                "the manipulator of this run that has them; * stands for any text",
+                missing=(
+                    "it is not said whose meshes these are",
+                    "`of: NAME`, the name of a manipulator of this run; `*` stands for any text",
+                ),
+            ),
+            "base": Key(SHAPES),
+            "joints": Key(BY_JOINT, "by the names of the joints"),
+        },
+        marks={"mark": ("of",)},
+        elsewhere={
+            "convert": (
+                "this section says which meshes links have; what becomes of them is said of the output",
+                "output: {meshes: {convert: …}}",
+            )
+        },
+    )
+)

@@ -98,12 +98,12 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         optional=frozenset(
             call.stage.name for call, each in zip(loaders, config.loaders, strict=True) if call and each.optional
         ),
-        poses=config.poses,
-        proved=config.proved,
+        poses=config.proof.poses,
+        proved=config.proof.proved,
         sample=config.sample,
-        time_limit=config.time_limit,
-        mesh_prefix=config.mesh_prefix,
-        mesh_conversion=config.mesh_conversion,
+        time_limit=config.execution.time_limit,
+        mesh_prefix=config.output.mesh_prefix,
+        mesh_conversion=config.output.mesh_conversion,
     )
     recipe = replace(recipe, missing=missing_of(recipe))
     require(executor)
@@ -113,12 +113,12 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         inputs=inputs,
         recipe=recipe,
         key=recipe_key(recipe),
-        store=open_store(config.output),
-        layout=config.layout,
+        store=open_store(config.output.directory or Path()),
+        layout=config.output.layout,
         executor=executor,
         cells=config.cells,
         variations=config.variations,
-        html=config.html,
+        html=config.report.html,
         meshes=config.meshes,
         input_notices=asked.notices,
         reports=_reports(config, emitters),
@@ -127,9 +127,10 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
 
 def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -> Store | None:
     """Where what tells of a run goes: beside the output, where that holds folders of packages and nothing else."""
-    if config.reports is not None:
-        return None if str(config.reports) == str(config.output) else open_store(config.reports)
+    asked, output = config.report.directory, config.output.directory
+    if asked is not None:
+        return None if str(asked) == str(output) else open_store(asked)
     if emitters and all(call is not None and call.stage.in_folders for call in emitters):
-        place = f"{str(config.output).rstrip('/')}_report"
-        return open_store(place if isinstance(config.output, str) else Path(place))
+        place = f"{str(output).rstrip('/')}_report"
+        return open_store(place if isinstance(output, str) else Path(place))
     return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dh2urdf.cells.cell import CellCall
@@ -12,12 +12,15 @@ from dh2urdf.meshes.files import RELATIVE, prefix_of
 from dh2urdf.meshes.forms import MeshConversion
 from dh2urdf.output.layouts import Layout
 from dh2urdf.run_file.mesh_section import MeshCall
-from dh2urdf.run_file.settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
 from dh2urdf.source import Mark, Problem
 from dh2urdf.variations.variation import VariationCall
 
 DEFAULT_POSES = 32
 """Random joint vectors of a proof."""
+DEFAULT_SAMPLE = Sample(first=1000, every=50)
+"""What goes through xacro expansion and simulators: all of a run of up to 1,000, of a longer one a sample."""
+DEFAULT_TIME_LIMIT = 300.0
+"""How long one manipulator may take, simulators aside [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,12 +32,14 @@ class StageCall:
         options: its options as they are written; `dh2urdf.plugin_system.options.make_options` checks them.
         mark: where the stage is named.
         optional: of a loader, whether what it refuses is a notice and fails nothing.
+        time_limit: of an executor, how long one manipulator may take, simulators aside [s].
     """
 
     stage: str | None = None
     options: Node | None = None
     mark: Mark | None = None
     optional: bool = False
+    time_limit: float = DEFAULT_TIME_LIMIT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +66,49 @@ class InputCall:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OutputSection:
+    """Where the output goes, and how it lies there.
+
+    Attributes:
+        directory: a folder, or an address such as ``s3://bucket/prefix``; None for ``build/`` beside the run file.
+        layout: how the files lie there.
+        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
+        mesh_conversion: what becomes of meshes.
+    """
+
+    directory: Path | str | None = None
+    layout: Layout = Layout()
+    mesh_prefix: str | None = prefix_of(RELATIVE)
+    mesh_conversion: MeshConversion = MeshConversion.NEVER
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProofSection:
+    """How much is compared with the tables.
+
+    Attributes:
+        poses: random joint vectors at which each written file is compared with its table.
+        proved: whose files are compared.
+    """
+
+    poses: int = DEFAULT_POSES
+    proved: Sample = Sample()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportSection:
+    """What is told of the run.
+
+    Attributes:
+        html: whether the run writes a page for people, where its packages are installed.
+        directory: where report, manifest and index go; None for the place of the output, or beside one of packages.
+    """
+
+    html: bool = True
+    directory: Path | str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RunConfig:
     """A run file.
 
@@ -71,41 +119,33 @@ class RunConfig:
         emitters: what writes files.
         loaders: what loads the files into simulators.
         execution: what does the work.
-        output: where the output goes: a folder, or an address such as ``s3://bucket/prefix``.
-        layout: how it lies there.
+        output: where the output goes, and how it lies there.
         cells: robots of several arms that are made besides.
         variations: manipulators whose tables are drawn, that are made besides.
         meshes: mesh files that links are drawn and touched as.
-        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
-        mesh_conversion: what becomes of meshes.
-        poses: random joint vectors at which each written file is compared with its table.
-        proved: whose files are compared.
+        proof: how much is compared with the tables.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
-        time_limit: how long one manipulator may take, simulators aside [s].
-        html: whether the run writes a page for people, where its packages are installed.
-        reports: where report, manifest and index go; None for the place of the output, or beside one of packages.
+        report: what is told of the run.
         folder: the folder of the run file, which paths in options of stages are relative to.
         problems: what is wrong with the file; nothing may start while there is any.
     """
 
-    inputs: tuple[InputCall, ...]
-    transform: StageCall
-    emitters: tuple[StageCall, ...]
-    loaders: tuple[StageCall, ...]
-    execution: StageCall
-    output: Path | str
-    layout: Layout = Layout()
+    inputs: tuple[InputCall, ...] = ()
+    transform: StageCall = field(default_factory=StageCall)
+    emitters: tuple[StageCall, ...] = ()
+    loaders: tuple[StageCall, ...] = ()
+    execution: StageCall = field(default_factory=StageCall)
+    output: OutputSection = field(default_factory=OutputSection)
     edits: tuple[StageCall, ...] = ()
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     meshes: tuple[MeshCall, ...] = ()
-    mesh_prefix: str | None = prefix_of(RELATIVE)
-    mesh_conversion: MeshConversion = MeshConversion.NEVER
-    poses: int = DEFAULT_POSES
-    proved: Sample = Sample()
+    proof: ProofSection = field(default_factory=ProofSection)
     sample: Sample = DEFAULT_SAMPLE
-    time_limit: float = DEFAULT_TIME_LIMIT
-    html: bool = True
-    reports: Path | str | None = None
+    report: ReportSection = field(default_factory=ReportSection)
     folder: Path = Path()
     problems: tuple[Problem, ...] = ()
+
+    def written_to(self, directory: Path | str) -> RunConfig:
+        """The same with another place for its output."""
+        return replace(self, output=replace(self.output, directory=directory))

@@ -83,7 +83,7 @@ def load_plan(
         if root is None and is_table(path, catalog):
             raise ConfigError(table_as_run_file(path)) from error
         raise
-    plan = make_plan(config if output is None else replace(config, output=output), catalog)
+    plan = make_plan(config if output is None else config.written_to(output), catalog)
     if root is None:
         plan = replace(plan, files=(path,), command=command_line(path, overrides))
     return plan

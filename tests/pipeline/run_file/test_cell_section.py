@@ -214,7 +214,7 @@ def test_all_faults_are_said_at_once(tmp_path: Path) -> None:
     text = "- {arms: [{name: a, of: x}]}\n- {name: p, arms: [{of: x}, {name: b}]}\n- 7\nproof: {poses: 0}"
     found = config(tmp_path, text).problems
     assert [each.field for each in found] == [
-        *("cells.0.name", "cells.1.arms.0.name", "cells.1.arms.1.of", "cells.2.arms", "proof.poses")
+        *("cells.0.name", "cells.1.arms.0.name", "cells.1.arms.1.of", "cells.2", "proof.poses")
     ]
 
 

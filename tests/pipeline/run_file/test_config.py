@@ -45,8 +45,8 @@ def test_defaults(folder: Path) -> None:
     assert [call.stage for call in found.emitters] == [None]
     assert found.loaders == ()
     assert found.execution.stage is None
-    assert found.output == folder / "build" / "run"
-    assert found.poses == 32
+    assert found.output.directory == folder / "build" / "run"
+    assert found.proof.poses == 32
 
 
 def test_empty_sections_are_defaults(folder: Path) -> None:
@@ -86,8 +86,8 @@ def test_every_section_is_read(folder: Path) -> None:
     ]
     assert found.execution.options is not None
     assert found.execution.options.plain() == {"workers": "auto"}
-    assert found.output == Path("out")
-    assert found.poses == 8
+    assert found.output.directory == Path("out")
+    assert found.proof.poses == 8
 
 
 def test_names_alone_stand_for_stages_and_paths(folder: Path) -> None:
@@ -187,9 +187,9 @@ def test_a_pattern_without_a_match_is_an_error(folder: Path) -> None:
 def test_paths_are_relative_to_the_file_that_says_them(folder: Path) -> None:
     """The run file's paths start at its folder, those of the command line at the working directory."""
     found = config(folder, TABLE + "output: {directory: out}\n")
-    assert found.output == folder / "out"
+    assert found.output.directory == folder / "out"
     found = config(folder, TABLE, "output.directory=out", "inputs=here.csv")
-    assert found.output == Path("out")
+    assert found.output.directory == Path("out")
     assert found.inputs[0].paths == (Path("here.csv"),)
 
 
@@ -202,10 +202,12 @@ def test_absolute_paths_stay(folder: Path) -> None:
 
 def test_two_dots_are_resolved_unless_a_link_stands_before_them(folder: Path) -> None:
     """`work/../out` reads as `out`; behind a link, the two dots mean where the link leads."""
-    assert config(folder, TABLE + "output: {directory: ../out}\n").output == Path("out")
+    assert config(folder, TABLE + "output: {directory: ../out}\n").output.directory == Path("out")
     (folder / "far" / "away").mkdir(parents=True)
     (folder / "link").symlink_to("far/away")
-    assert config(folder, TABLE + "output: {directory: link/../out}\n").output == folder / "link" / ".." / "out"
+    assert (
+        config(folder, TABLE + "output: {directory: link/../out}\n").output.directory == folder / "link" / ".." / "out"
+    )
 
 
 @pytest.mark.parametrize(
@@ -254,7 +256,7 @@ def test_settings_change_the_run_file(folder: Path) -> None:
         {"workers": 2},
         {"base": {"xyz": [0, 0, 1]}},
     ]
-    assert found.poses == 5
+    assert found.proof.poses == 5
 
 
 def test_a_whole_section_can_be_set(folder: Path) -> None:
@@ -305,7 +307,7 @@ def test_a_setting_that_is_a_text_needs_no_quotes(folder: Path, word: str) -> No
     """A pattern is no YAML, and what is meant all the same; a text that begins like a list stands in quotes."""
     found = config(folder, TABLE, f"output.directory={word}")
     assert not found.problems
-    assert Path(found.output).name == Path(word.strip('"')).name
+    assert Path(found.output.directory or "").name == Path(word.strip('"')).name
 
 
 @given(setting=st.text() | st.from_regex(r"\A(inputs|emitters|output|proof)(\.[a-z0]+){0,3}=[\[\]{}a-z: ]*\Z"))
@@ -337,14 +339,14 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
     [
         ("transform: {stage: x}\n", "field 'inputs': there is nothing to read"),
         ("inputs: []\n", "field 'inputs': there is nothing to read"),
-        ("inputs: [{}]\n", "field 'inputs.0': this input has no path"),
-        ("inputs: [{stage: csv}]\n", "field 'inputs.0': this input has no path"),
+        ("inputs: [{}]\n", "field 'inputs.0.path': this input has no path"),
+        ("inputs: [{stage: csv}]\n", "field 'inputs.0.path': this input has no path"),
         ("inputs: [3]\n", "'work/3': there is no such file"),
         ("inputs: [[a]]\n", "field 'inputs.0': this cannot be a list of 1"),
         (TABLE + "emitters: []\n", "field 'emitters': the list is empty, and something must be written"),
         (TABLE + "emitters: [urdf, xacro, urdf]\n", "the stage 'urdf' stands twice"),
         (TABLE + "emitters: [~]\n", "field 'emitters.0': this cannot be an empty value"),
-        (TABLE + "loaders: [{options: {}}]\n", "field 'loaders.0': it is not said which stage is meant"),
+        (TABLE + "loaders: [{options: {}}]\n", "field 'loaders.0.stage': it is not said which stage is meant"),
         (TABLE + "loaders: [{stage: [x]}]\n", "field 'loaders.0.stage': this cannot be a list of 1"),
         (TABLE + "transform: {options: [x]}\n", "field 'transform.options': options cannot be a list of 1"),
         (TABLE + "transform: [x]\n", "field 'transform': this cannot be a list of 1"),
@@ -357,6 +359,8 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         (TABLE + "proof: {poses: true}\n", "field 'proof.poses': poses cannot be the truth value true"),
         (TABLE + "proof: {poses: 1.5}\n", "field 'proof.poses': poses cannot be the number 1.5"),
         (TABLE + "emitter: urdf\n", "did you mean 'emitters'?"),
+        ("inputs: [{pth: tables/a.csv}]\n", "did you mean 'path'?"),
+        (TABLE + "loaders: [{stge: pybullet}]\n", "did you mean 'stage'?"),
         (TABLE + "variatons: []\n", "did you mean 'variations'?"),
     ],
 )

@@ -127,11 +127,25 @@ def test_what_is_wrong_is_told_with_its_place(
     assert message in str(problem)
 
 
+def test_a_mesh_of_a_setting_leads_from_the_working_directory(
+    config: Callable[..., RunConfig], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As every other path of the command line, where the run file is elsewhere."""
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "c.stl").touch()
+    monkeypatch.chdir(tmp_path / "here")
+    found = config("{of: ur5, base: {mesh: a.stl}}", "meshes.0.base.mesh=c.stl")
+    assert found.problems == ()
+    shape = found.meshes[0].base.visual
+    assert shape is not None
+    assert shape.file.path.endswith("here/c.stl")
+
+
 def test_how_descriptions_name_meshes_is_a_setting_of_the_output(config: Callable[..., RunConfig]) -> None:
     """It can be set on the command line, and knows the layout."""
-    assert config("[]").mesh_prefix == "meshes/"
-    assert config("[]", "output.layout=folders").mesh_prefix == "../meshes/"
-    assert config("[]", "output.meshes=file").mesh_prefix is None
-    assert config("[]", "output.meshes=package://arm").mesh_prefix == "package://arm/meshes/"
+    assert config("[]").output.mesh_prefix == "meshes/"
+    assert config("[]", "output.layout=folders").output.mesh_prefix == "../meshes/"
+    assert config("[]", "output.meshes=file").output.mesh_prefix is None
+    assert config("[]", "output.meshes=package://arm").output.mesh_prefix == "package://arm/meshes/"
     (problem,) = config("[]", "output.meshes=absolute").problems
     assert "meshes cannot be 'absolute'" in problem.message

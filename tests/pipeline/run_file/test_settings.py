@@ -7,7 +7,7 @@ import pytest
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.output.layouts import DEFAULT_SIZE, Form, Layout
 from dh2urdf.run_file.config import load_config
-from dh2urdf.run_file.settings import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
+from dh2urdf.run_file.records import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,10 +30,10 @@ def config(folder: Path, text: str, *settings: str) -> RunConfig:
 def test_defaults(folder: Path) -> None:
     """One folder; all files proved; what is slow for a thousand and a sample of the rest; five minutes for each."""
     found = config(folder, "")
-    assert found.layout == Layout(form=Form.FILES, size=DEFAULT_SIZE)
-    assert found.proved == Sample(first=0, every=1)
+    assert found.output.layout == Layout(form=Form.FILES, size=DEFAULT_SIZE)
+    assert found.proof.proved == Sample(first=0, every=1)
     assert found.sample == DEFAULT_SAMPLE == Sample(first=1000, every=50)
-    assert found.time_limit == DEFAULT_TIME_LIMIT == 300.0
+    assert found.execution.time_limit == DEFAULT_TIME_LIMIT == 300.0
 
 
 @pytest.mark.parametrize(
@@ -43,8 +43,8 @@ def test_empty_settings_are_defaults(folder: Path, text: str) -> None:
     """A setting whose value is commented out is as if it were absent."""
     found, plain = config(folder, text), config(folder, "")
     assert found.problems == ()
-    assert (found.layout, found.proved, found.sample, found.time_limit) == (
-        *(plain.layout, plain.proved, plain.sample, plain.time_limit),
+    assert (found.output.layout, found.proof.proved, found.sample, found.execution.time_limit) == (
+        *(plain.output.layout, plain.proof.proved, plain.sample, plain.execution.time_limit),
     )
 
 
@@ -58,30 +58,30 @@ def test_every_setting_is_read(folder: Path) -> None:
     )
     found = config(folder, text)
     assert found.problems == ()
-    assert found.layout == Layout(form=Form.SHARDS, size=500)
-    assert (found.proved, found.sample) == (Sample(first=10, every=3), Sample(first=0, every=1000))
-    assert (found.time_limit, found.poses) == (0.5, 8)
+    assert found.output.layout == Layout(form=Form.SHARDS, size=500)
+    assert (found.proof.proved, found.sample) == (Sample(first=10, every=3), Sample(first=0, every=1000))
+    assert (found.execution.time_limit, found.proof.poses) == (0.5, 8)
     changed = config(
         folder, text, "output.layout=folders", "sample.every=7", "execution.time_limit=60", "proof.first=0"
     )
     assert changed.problems == ()
-    assert changed.layout == Layout(form=Form.FOLDERS, size=500)
-    assert (changed.sample.every, changed.time_limit, changed.proved.first) == (7, 60.0, 0)
+    assert changed.output.layout == Layout(form=Form.FOLDERS, size=500)
+    assert (changed.sample.every, changed.execution.time_limit, changed.proof.proved.first) == (7, 60.0, 0)
 
 
 @pytest.mark.parametrize("address", ["s3://bucket/some/prefix", "memory://out", "file:///tmp/out"])
 def test_an_address_is_no_path(folder: Path, address: str) -> None:
     """It is kept as it is written, wherever the run file lies; alone or with a layout."""
-    assert config(folder, f"output: {address}").output == address
-    assert config(folder, f"output: {{directory: '{address}', layout: folders}}").output == address
+    assert config(folder, f"output: {address}").output.directory == address
+    assert config(folder, f"output: {{directory: '{address}', layout: folders}}").output.directory == address
 
 
 def test_a_text_alone_is_the_directory(folder: Path) -> None:
     """As a name alone is a stage."""
     found = config(folder, "output: build/arms")
     assert found.problems == ()
-    assert str(found.output) == "build/arms"
-    assert found.layout == Layout()
+    assert str(found.output.directory) == "build/arms"
+    assert found.output.layout == Layout()
 
 
 WHOLE = "accepted: a whole number from"

@@ -1,0 +1,243 @@
+"""What the keys of a run file accept: texts, numbers, words, paths, and vectors with or without units."""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+from math import tau
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from dh2urdf.documents.text_files import LONG_PATH, check_file, tidy_path
+from dh2urdf.errors import ConfigError
+from dh2urdf.output.file_patterns import matching
+from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
+from dh2urdf.run_file.validator import JsonSchema, Validator, ValueType
+from dh2urdf.source import did_you_mean, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from dh2urdf.documents.document import Node
+    from dh2urdf.rotations import Vec3
+    from dh2urdf.source import Problem
+
+T = TypeVar("T")
+
+MOST = 10**9
+"""Largest whole number of a setting that counts manipulators."""
+LARGEST_ANGLE = 1000 * tau
+"""Angles beyond a thousand turns have lost too many digits [rad]."""
+_SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
+"""What a shell would put something else in place of."""
+
+
+# --- Values that are accepted or not ----------------------------------------------------------------------------------
+
+
+def plain(
+    take: Callable[[Node], T | None],
+    accepted: str,
+    keywords: JsonSchema,
+    *,
+    subject: str = "{key}",
+    null_is_absent: bool = True,
+    words: tuple[str, ...] = (),
+) -> ValueType[T]:
+    """A value that needs no look at anything else.
+
+    Args:
+        take: gives the value, or None where it is not accepted.
+        accepted: what is accepted.
+        keywords: its JSON Schema.
+        subject: what messages call it.
+        null_is_absent: whether an empty value is the same as none.
+        words: what may have been meant.
+    """
+
+    def read(node: Node, field: str, to: Validator) -> T | None:
+        if (value := take(node)) is None:
+            message = f"{subject.format(key=field.rpartition('.')[2].replace('_', ' '))} cannot be {node.describe()}"
+            near = did_you_mean(node.text or "", words) if words else None
+            to.say(message, node, field, accepted=accepted, suggestion=near)
+        return value
+
+    return ValueType(read, keywords, null_is_absent=null_is_absent)
+
+
+def as_written(keywords: JsonSchema) -> ValueType[Node]:
+    """A value of which only its JSON Schema is known here: what has it looks at it."""
+    return ValueType(lambda node, _field, _to: node, keywords)
+
+
+def _text(node: Node) -> str | None:
+    """A text; a number or a truth value is the text that it is written as."""
+    return None if isinstance(node.value, (dict, list)) or node.value is None else node.text or None
+
+
+def text(*, null_is_absent: bool = False, **keywords: Any) -> ValueType[str]:  # noqa: ANN401 - of a JSON Schema
+    """A text that is not empty, and more keywords of its schema."""
+    schema = {"type": "string", "minLength": 1, **keywords}
+    return plain(_text, "a text", schema, subject="this", null_is_absent=null_is_absent)
+
+
+TEXT = text()
+ANY_TEXT: ValueType[str] = plain(
+    lambda node: None if isinstance(node.value, (dict, list)) else node.text,
+    'a text, also ""',
+    {"type": "string"},
+    subject="this",
+    null_is_absent=False,
+)
+SWITCH: ValueType[bool] = plain(
+    lambda node: node.value if isinstance(node.value, bool) else None, "true, false", {"type": "boolean"}
+)
+OPTIONS: ValueType[Node] = plain(
+    lambda node: node if isinstance(node.value, dict) else None, "a mapping such as {frames: dh}", {}
+)
+"""The options of a stage; `dh2urdf.plugin_system.options.make_options` checks them."""
+
+
+def word(*words: str) -> ValueType[str]:
+    """One of some words."""
+    words = tuple(map(str, words))  # without the names that members of an enumeration have
+    return plain(
+        lambda node: node.value if isinstance(node.value, str) and node.value in words else None,
+        ", ".join(words),
+        {"enum": list(words)},
+        subject="the {key}",
+        words=words,
+    )
+
+
+def whole(least: int, most: int) -> ValueType[int]:
+    """A whole number within bounds."""
+
+    def take(node: Node) -> int | None:
+        value = node.value
+        return value if isinstance(value, int) and not isinstance(value, bool) and least <= value <= most else None
+
+    schema = {"type": "integer", "minimum": least, "maximum": most}
+    return plain(take, f"a whole number from {least} to {most}", schema)
+
+
+def seconds(what: str) -> ValueType[float]:
+    """A time [s]."""
+
+    def take(node: Node) -> float | None:
+        value = node.value
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        return float(value) if is_number and 0 < value < MOST else None  # type: ignore[arg-type, operator]
+
+    schema = {"type": "number", "exclusiveMinimum": 0}
+    return plain(take, f"{what}, a number greater than 0", schema, subject="the {key}")
+
+
+# --- Paths ------------------------------------------------------------------------------------------------------------
+
+
+def path_of(resolve: Callable[[str, Node, str, Validator], T | None]) -> ValueType[T]:
+    """A path, absolute or from the run file's folder, and what `resolve` makes of it."""
+
+    def read(node: Node, field: str, to: Validator) -> T | None:
+        if (path := TEXT.read(node, field, to)) is None:
+            return None
+        if "\0" in path:
+            to.say("a path cannot hold the character U+0000", node, field)
+            return None
+        if (found := _SHELL.search(path)) and (found.start() == 0 or found[0].startswith("$")):
+            message = f"nothing takes the place of {shown(found[0])} in a path of a run file"
+            to.say(message, node, field, accepted="an absolute path, or one from the run file's folder")
+            return None
+        return resolve(path, node, field, to)
+
+    return ValueType(read, {"type": "string", "minLength": 1})
+
+
+class FoundFiles(NamedTuple):
+    """Files, and what there is to say of their pattern."""
+
+    paths: tuple[Path, ...]
+    notices: tuple[Problem, ...]
+
+
+def _files(path: str, node: Node, field: str, to: Validator) -> FoundFiles:
+    """The files of a path or pattern, in the order of their names."""
+    folder = to.folder_of(node)
+    candidates, notices = [tidy_path(folder / path)], []
+    if glob.has_magic(path) and not os.path.exists(candidates[0]):  # noqa: PTH110 - Path.exists raises for some texts
+        candidates = []
+        with to.noting(node, field):
+            found = matching(folder, path)
+            candidates = [tidy_path(file) for file in found.paths]
+            notices = [found.notice.about(mark=node.mark)] if found.notice else []
+    files = []
+    for file in candidates:
+        try:
+            check_file(file)
+        except ConfigError as error:
+            why = error.problems[0]
+            to.say(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=why.suggestion)
+        else:
+            files.append(file)
+    return FoundFiles(tuple(files), tuple(notices))
+
+
+INPUT_FILES = path_of(_files)
+DIRECTORY: ValueType[Path | str] = path_of(
+    lambda path, node, _field, to: path if "://" in path else tidy_path(to.folder_of(node) / path)
+)
+"""A folder, or an address such as ``s3://bucket/prefix``."""
+PATH_NODE: ValueType[Node] = path_of(lambda _path, node, _field, _to: node)
+"""A path among the options of a stage, which make it relative to the right folder."""
+
+
+# --- Numbers with units -----------------------------------------------------------------------------------------------
+
+NUMBER: JsonSchema = {"type": ["number", "string"], "minLength": 1}
+"""A number, or the text of an expression."""
+
+
+def numbers(count: int) -> JsonSchema:
+    """A list of so many numbers."""
+    return {"type": "array", "items": NUMBER, "minItems": count, "maxItems": count}
+
+
+def measure(dimension: Dimension) -> ValueType[float]:
+    """A number that may be an expression with units."""
+
+    def read(node: Node, field: str, to: Validator) -> float | None:
+        if node.text is None or node.value is None or isinstance(node.value, bool):
+            to.say(f"{node.describe()} stands where a number is needed", node, field, accepted="a number")
+            return None
+        try:
+            quantity = evaluate(node.text, dimension)
+        except QuantityError as error:
+            to.say(error.message, node, field, accepted=error.accepted, suggestion=error.suggestion)
+            return None
+        size = abs(quantity.value)
+        if quantity.variable:
+            to.say(f"{shown(node.text)} names a joint variable, and nothing moves here", node, field)
+        elif dimension is Dimension.ANGLE and size > tau and not quantity.has_unit:
+            message = f"{shown(node.text)} is more than a full turn in rad"
+            near = f"if these are degrees, say so: '{node.text.strip()} deg'"
+            to.say(message, node, field, accepted="at most 2π rad where no unit is named", suggestion=near)
+        elif dimension is Dimension.ANGLE and size > LARGEST_ANGLE:
+            to.say(f"{shown(node.text)} is more than a thousand turns", node, field)
+        return quantity.value
+
+    return ValueType(read, NUMBER)
+
+
+def triple(dimension: Dimension) -> ValueType[Vec3]:
+    """Three lengths [m], angles [rad] or plain numbers."""
+
+    def read(node: Node, field: str, to: Validator) -> Vec3 | None:
+        if not isinstance(node.value, list) or len(node.value) != 3:  # noqa: PLR2004 - the space has three dimensions
+            to.say(f"this cannot be {node.describe()}", node, field, accepted="a list of three numbers")
+            return None
+        x, y, z = (measure(dimension).read(item, field, to) or 0.0 for item in node.value)
+        return (x, y, z)
+
+    return ValueType(read, numbers(3))

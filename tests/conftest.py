@@ -22,10 +22,11 @@ import pytest
 from lxml import etree
 
 from dh2urdf.cli import _status
-from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Material
-from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.rotations import IDENTITY
 from dh2urdf.validation.coercion import replace_unchecked
+from reference_arms import ReferenceRobot, load_reference_robots
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
@@ -80,27 +81,6 @@ def _no_skip(report: R) -> R:
     return report
 
 
-class ReferenceRobot(NamedTuple):
-    """A published table, and where its publisher's own library has its end effector.
-
-    Attributes:
-        id: its name in robots.json.
-        manipulator: the table.
-        q: joint vectors.
-        poses: the 4x4 matrix T(base_link → tool0) at each, as nested lists.
-    """
-
-    id: str
-    manipulator: Manipulator
-    q: Sequence[Sequence[float]]
-    poses: Sequence[Sequence[Sequence[float]]]
-
-
-def load_reference_robots() -> list[ReferenceRobot]:
-    records = json.loads((REFERENCE / "robots.json").read_text("utf-8"))["robots"]
-    return [ReferenceRobot(record["id"], _manipulator(record), record["q"], record["T_ee"]) for record in records]
-
-
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """A test that takes `reference_robot` runs once for every published robot."""
     if "reference_robot" in metafunc.fixturenames:
@@ -112,40 +92,6 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 def reference_robots() -> list[ReferenceRobot]:
     """All published robots."""
     return load_reference_robots()
-
-
-def _manipulator(record: dict[str, Any]) -> Manipulator:
-    """A manipulator as robots.json has it; without its masses, some of which no body can have."""
-    return Manipulator(
-        name=record["id"],
-        convention=Convention(record["convention"]),
-        rows=tuple(_row(number, row) for number, row in enumerate(record["rows"], start=1)),
-        base=_rigid(record["base"]),
-        tool=_rigid(record["tool"]),
-    )
-
-
-def _row(number: int, row: dict[str, Any]) -> DHRow:
-    lower, upper = row["qlim"] or (None, None)
-    return DHRow(
-        joint=f"joint_{number}",
-        link=f"link_{number}",
-        type=JointType(row["type"]),
-        a=row["a"],
-        alpha=row["alpha"],
-        d=row["d"],
-        theta=row["theta"],
-        offset=row["offset"],
-        sign=-1 if row["flip"] else 1,
-        limits=Limits(lower=lower, upper=upper),
-    )
-
-
-def _rigid(matrix: list[list[float]] | None) -> RigidTransform:
-    if matrix is None:
-        return IDENTITY
-    (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = matrix
-    return RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z))
 
 
 @pytest.fixture(scope="session")

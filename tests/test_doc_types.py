@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(r'^ *```python(?: title="(?P<title>[^"]+)")?[^\n]*\n(?P<body>.*?)^ *```$', re.MULTILINE | re.DOTALL)
-ELSEWHERE = ("first-plugin.md", "plugins.md")
+ELSEWHERE = ("first-plugin.md", "plugins.md", "plugin-contract.md")
 """Pages whose blocks are files of a distribution that the page makes: their own tests check them."""
 
 

@@ -1,4 +1,4 @@
-"""docs/plugins.md keeps its word: its commands are typed, its code is run, its clauses are those of the contracts."""
+"""The pages for authors of plugins are true: their code is run, and their clauses are those of the contracts."""
 
 from __future__ import annotations
 
@@ -38,7 +38,10 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-PAGE = Path(__file__).parents[1] / "docs" / "plugins.md"
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "plugins.md"
+CONTRACT = DOCS / "plugin-contract.md"
+COOKBOOK = DOCS / "plugin-cookbook.md"
 CLAUSES = re.compile(r"(?<=<!-- clauses: )(?P<remark>[^>]*-->\n)(?P<lists>.*?)(?=<!-- /clauses -->)", re.DOTALL)
 CONTRACTS = {
     "Every stage": StageContract,
@@ -51,8 +54,8 @@ CONTRACTS = {
 }
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.DOTALL | re.MULTILINE)
 
 
 def clauses() -> str:
@@ -67,10 +70,10 @@ def clauses() -> str:
 
 def test_the_clauses_are_those_of_the_contracts(*, renew: bool) -> None:
     """Every test of every contract is listed with what it says; `pytest --renew` writes them."""
-    text = PAGE.read_text("utf-8")
+    text = CONTRACT.read_text("utf-8")
     if renew:
-        PAGE.write_text(CLAUSES.sub(lambda found: f"{found['remark']}{clauses()}", text), "utf-8")
-        text = PAGE.read_text("utf-8")
+        CONTRACT.write_text(CLAUSES.sub(lambda found: f"{found['remark']}{clauses()}", text), "utf-8")
+        text = CONTRACT.read_text("utf-8")
     found = CLAUSES.search(text)
     assert found
     assert found["lists"] == clauses()
@@ -81,7 +84,7 @@ def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp
 
     That such a plugin is installed, passes its tests and runs is a fact of tests/test_new_plugin.py.
     """
-    first, others = blocks("sh")[0], blocks("sh")[1].splitlines()
+    first, others = blocks(PAGE, "sh")[0], blocks(PAGE, "sh")[1].splitlines()
     cli(*first.split()[1:])
     folder = tmp_path / "dh2urdf-joint-list"
     assert others[1] == "cd dh2urdf-joint-list"
@@ -89,7 +92,7 @@ def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp
     assert len(listed) == 5
     assert all((folder / name).is_file() for name in listed)
     tests = (folder / "tests" / "test_emitter.py").read_text("utf-8")
-    for line in filter(None, blocks("python")[0].splitlines()):
+    for line in filter(None, blocks(CONTRACT, "python")[0].splitlines()):
         if not line.startswith("from dh2urdf_joint_list"):
             assert line in tests
     for command in ("pytest", "ruff check .", "ruff format --check .", "mypy"):
@@ -100,7 +103,7 @@ def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp
 
 def test_the_fixtures_are_those_of_the_plugin() -> None:
     """Each fixture has its row, and every function that the page names is there."""
-    text = PAGE.read_text("utf-8")
+    text = CONTRACT.read_text("utf-8")
     fixtures = {name for name in vars(plugin) if name.startswith("dh2urdf_")}
     assert set(re.findall(r"^\| `(dh2urdf_\w+)` \|", text, re.MULTILINE)) == fixtures
     for name in dh2urdf.testing.__all__:
@@ -110,7 +113,7 @@ def test_the_fixtures_are_those_of_the_plugin() -> None:
 
 def test_the_message_is_one_that_the_contract_gives() -> None:
     """Clause, what is accepted and what to do are those of the code."""
-    (message,) = (block for block in blocks("text") if "breaks the contract" in block)
+    (message,) = (block for block in blocks(CONTRACT, "text") if "breaks the contract" in block)
     clause = EmitterContract.test_is_deterministic
     assert f"clause {clause.__name__}: {clause.__doc__}" in message
     source = inspect.getsource(StageContract.same)
@@ -145,7 +148,9 @@ def spreadsheet(path: Path, table: str) -> None:
 @pytest.fixture
 def ods() -> Reader[Any]:
     """The reader of the page."""
-    (block,) = re.findall(r'^```python title="ods.py"\n(.*?)^```$', PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+    (block,) = re.findall(
+        r'^```python title="ods.py"\n(.*?)^```$', COOKBOOK.read_text("utf-8"), re.DOTALL | re.MULTILINE
+    )
     assert len([line for line in block.splitlines() if line and not line.startswith(("import", "from"))]) <= 40
     space: dict[str, Any] = {}
     exec(block, space)  # noqa: S102 - a block of the page
@@ -198,7 +203,7 @@ def test_the_reader_of_another_container_refuses_other_files(ods: Reader[Any], t
 def test_the_gripper_keeps_the_contract_and_works_in_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Under sixty lines; every clause passes in a process of its own, and each arm of a run has the gripper at tool0."""
     (block,) = re.findall(
-        r'^```python title="gripper.py"\n(.*?)^```$', PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE
+        r'^```python title="gripper.py"\n(.*?)^```$', COOKBOOK.read_text("utf-8"), re.DOTALL | re.MULTILINE
     )
     assert len(block.splitlines()) < 60
     (tmp_path / "gripper.py").write_text(block, "utf-8")
@@ -225,5 +230,5 @@ def test_the_gripper_keeps_the_contract_and_works_in_a_run(tmp_path: Path, monke
 
 
 def test_the_readme_leads_here() -> None:
-    """Whoever reads of plugins there finds this page."""
+    """A reader of the README finds this page."""
     assert "(docs/plugins.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

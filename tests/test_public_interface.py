@@ -38,6 +38,7 @@ PUBLIC = {
     "dh2urdf.documents": "YAML with the place of every value, and text files in whatever encoding",
     "dh2urdf.elementwise": "arithmetic that is the same for numbers and for arrays of them",
     "dh2urdf.errors": "every exception, with its exit status",
+    "dh2urdf.foreign_robot": "robot descriptions of any origin: the robot, and the joints that follow others",
     "dh2urdf.hookspecs": "the hooks, and the version of this interface",
     "dh2urdf.isolation": "a function in a child process, which may crash, and may be shut off from the machine",
     "dh2urdf.kinematics": "the DH product and forward kinematics",

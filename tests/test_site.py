@@ -23,7 +23,9 @@ import numpy as np
 import pytest
 from lxml import html
 
+import gallery
 import pictures
+import root_pages
 import site_hook
 from dh2urdf import hookspecs
 from dh2urdf.cli import COMMANDS
@@ -68,11 +70,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_broken_link_fails_the_build(tmp_path: Path) -> None:
     """A link to a page that is not there, one to a heading that is not there, and a page that the menu lacks."""
-    for name in ("docs", "pipeline", "plugins"):
+    for name in ("pipeline", "plugins", "mkdocs.yml", *root_pages.PAGES):
         (tmp_path / name).symlink_to(ROOT / name)
-    (tmp_path / "docs").unlink()
     shutil.copytree(DOCS, tmp_path / "docs")
-    shutil.copy(ROOT / "mkdocs.yml", tmp_path)
     index = tmp_path / "docs" / "index.md"
     index.write_text(f"{index.read_text('utf-8')}\n[a](gone.md), [b](cells.md#gone)\n", "utf-8")
     (tmp_path / "docs" / "lonely.md").write_text("# Lonely\n", "utf-8")
@@ -240,9 +240,19 @@ def test_the_pictures_are_what_is_drawn(name: str, *, renew: bool) -> None:
 
 def test_every_picture_is_shown() -> None:
     """In some page, and nothing else lies beside them."""
-    text = "".join(path.read_text("utf-8") for path in DOCS.rglob("*.md"))
+    text = "".join(path.read_text("utf-8") for path in (ROOT / "README.md", *DOCS.rglob("*.md")))
     assert {path.name for path in (DOCS / "pictures").iterdir()} == set(pictures.PICTURES)
     assert all(f"pictures/{name})" in text for name in pictures.PICTURES)
+
+
+def test_the_gallery_shows_every_arm(*, renew: bool) -> None:
+    """The tables of the page are what the generator makes of the example tables and of the published arms."""
+    path = DOCS / "gallery.md"
+    start = "|" + " |" * gallery.COLUMNS
+    intro, _, _ = path.read_text("utf-8").partition(start)
+    if renew:
+        path.write_text(intro + gallery.page(), "utf-8")
+    assert path.read_text("utf-8") == intro + gallery.page(), "run `pytest --renew tests/test_site.py`"
 
 
 def turn(axis: str, angle: float) -> np.ndarray:

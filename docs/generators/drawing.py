@@ -16,6 +16,9 @@ Point = tuple[float, float]
 X_COLOUR, Y_COLOUR, Z_COLOUR = "#c62f2f", "#2e8b57", "#1d5fbf"
 """Of the axes x, y and z, as every viewer of robots has them."""
 INK, FAINT, BODY, BODY_TOP = "#22272e", "#8a94a0", "#dde3ea", "#eef2f6"
+FIXED_WIDTH = "ui-monospace, SFMono-Regular, Menlo, Consolas, 'DejaVu Sans Mono', monospace"
+FINEST = 1e-6
+"""What is shorter in a picture is a point [px]."""
 ROUND = 48
 """Corners of a drawn circle."""
 
@@ -88,7 +91,7 @@ class Drawing:
         self.line(
             start, add(start, scale(max(0.0, 1 - head / length), _between(start, end))), colour=colour, width=width
         )
-        self._head((x1, y1), ((x1 - x0) / length, (y1 - y0) / length), colour, head)
+        self.head((x1, y1), ((x1 - x0) / length, (y1 - y0) / length), colour, head)
 
     def arc(self, frame: RigidTransform, angle: float, radius: float, *, colour: str) -> None:
         """An arrow about the z axis of a frame, from its x axis by an angle [rad]."""
@@ -97,9 +100,16 @@ class Drawing:
         self.line(*points[:-5], colour=colour, width=2)
         (x0, y0), (x1, y1) = self.at(points[-6]), self.at(points[-1])
         length = math.hypot(x1 - x0, y1 - y0) or 1.0
-        self._head((x1, y1), ((x1 - x0) / length, (y1 - y0) / length), colour, 8)
+        self.head((x1, y1), ((x1 - x0) / length, (y1 - y0) / length), colour, 8)
 
-    def _head(self, tip: Point, towards: Point, colour: str, size: float) -> None:
+    def path(self, points: Iterable[Point], *, colour: str = INK, width: float = 2) -> None:
+        """A line through points of the picture."""
+        self.elements.append(
+            f'<polyline points="{_points(points)}" fill="none" stroke="{colour}" stroke-width="{width:g}"/>'
+        )
+
+    def head(self, tip: Point, towards: Point, colour: str, size: float) -> None:
+        """The head of an arrow at a point of the picture, in a direction of length 1."""
         (x, y), (dx, dy) = tip, towards
         base = (x - size * dx, y - size * dy)
         half = 0.42 * size
@@ -111,9 +121,18 @@ class Drawing:
         x, y = self.at(point)
         self.elements.append(f'<circle cx="{_number(x)}" cy="{_number(y)}" r="{radius:g}" fill="{colour}"/>')
 
-    def cylinder(self, frame: RigidTransform, radius: float, length: float) -> None:
-        """A cylinder about the z axis of a frame, centred at its origin."""
-        turns = [math.tau * step / ROUND for step in range(ROUND)]
+    def cylinder(
+        self,
+        frame: RigidTransform,
+        radius: float,
+        length: float,
+        *,
+        fills: tuple[str, str] = (BODY, BODY_TOP),
+        edge: str = FAINT,
+        corners: int = ROUND,
+    ) -> None:
+        """A cylinder about the z axis of a frame, centred at its origin; its side and its near end are filled."""
+        turns = [math.tau * step / corners for step in range(corners)]
         ends = [
             [
                 self.at(_seen(frame, (radius * math.cos(turn), radius * math.sin(turn), side * length / 2)))
@@ -121,10 +140,38 @@ class Drawing:
             ]
             for side in (-1, 1)
         ]
-        self.area(_hull(ends[0] + ends[1]), fill=BODY)
+        self.area(_hull(ends[0] + ends[1]), fill=fills[0], edge=edge)
         tips = [_seen(frame, (0.0, 0.0, side * length / 2)) for side in (-1, 1)]
         near = max((0, 1), key=lambda side: self.camera.depth(tips[side]))
-        self.area(ends[near], fill=BODY_TOP)
+        self.area(ends[near], fill=fills[1], edge=edge)
+
+    def solid(self, frame: RigidTransform, radius: float, length: float, colour: tuple[float, float, float]) -> None:
+        """A cylinder of a colour, darker towards its sides: red, green and blue in 0..1."""
+        number = len(self.elements)
+        tips = [_seen(frame, (0.0, 0.0, side * length / 2)) for side in (-1, 1)]
+        (x0, y0), (x1, y1) = map(self.at, tips)
+        along = math.hypot(x1 - x0, y1 - y0) or 1.0
+        across = (-(y1 - y0) / along, (x1 - x0) / along) if along > FINEST else (1.0, 0.0)
+        half, (x, y) = radius * self.camera.scale, self.at(frame.translation)
+        ends = (x - half * across[0], y - half * across[1], x + half * across[0], y + half * across[1])
+        left, top, right, bottom = map(_number, ends)
+        stops = "".join(
+            f'<stop offset="{at:g}" stop-color="{_shade(colour, light)}"/>'
+            for at, light in ((0, 0.62), (0.4, 1.12), (1, 0.55))
+        )
+        self.elements.append(
+            f'<linearGradient id="c{number}" gradientUnits="userSpaceOnUse" x1="{left}" y1="{top}" '
+            f'x2="{right}" y2="{bottom}">'
+            f"{stops}</linearGradient>"
+        )
+        self.cylinder(
+            frame,
+            radius,
+            length,
+            fills=(f"url(#c{number})", _shade(colour, 1.05)),
+            edge=_shade(colour, 0.5),
+            corners=20,
+        )
 
     def triad(self, frame: RigidTransform, size: float, *, width: float = 2.5, head: float = 9) -> None:
         """The axes of a frame, those behind first."""
@@ -152,6 +199,15 @@ class Drawing:
     def words(self, place: Point, text: str, *, size: float = 14, colour: str = FAINT, anchor: str = "middle") -> None:
         """Plain words at a place of the picture."""
         self._text(place, escape(text), style=f'fill="{colour}"', size=size, anchor=anchor)
+
+    def code(self, place: Point, lines: Iterable[str], *, size: float = 12, leading: float = 17) -> None:
+        """Lines of a file in a fixed-width font, the first at a place of the picture."""
+        x, y = place
+        for number, line in enumerate(lines):
+            self.elements.append(
+                f'<text x="{_number(x)}" y="{_number(y + number * leading)}" font-size="{size:g}" xml:space="preserve" '
+                f'font-family="{FIXED_WIDTH}" fill="{INK}">{escape(line, quote=False)}</text>'
+            )
 
     def _text(self, place: Point, content: str, *, style: str, size: float, anchor: str) -> None:
         x, y = place
@@ -210,6 +266,11 @@ def _hull(points: list[Point]) -> list[Point]:
             chain.append(point)
         chains += chain[:-1]
     return chains
+
+
+def _shade(colour: tuple[float, float, float], light: float) -> str:
+    """A colour, darker or lighter, as #rrggbb."""
+    return "#" + "".join(f"{min(255, round(255 * part * light)):02x}" for part in colour)
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:

@@ -13,7 +13,9 @@ from dh2urdf.kinematics import dh_transform, row_transform
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate, scale
+from diagram import pipeline
 from drawing import FAINT, INK, X_COLOUR, Z_COLOUR, Camera, Drawing, axis_tip, svg
+from gallery import gallery
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -255,6 +257,8 @@ PICTURES: dict[str, Callable[[], str]] = {
     "dh-modified.svg": modified_row,
     "frames.svg": frames,
     "alpha-swap.svg": swap,
+    "pipeline.svg": pipeline,
+    **gallery(),
 }
 
 if __name__ == "__main__":

@@ -1,17 +1,18 @@
 """What mkdocs calls while it builds the site: it puts what is generated into the pages.
 
-A page says where: a line ``<!-- generated: NAME -->`` is replaced by what `GENERATORS` has under the name. So a page
-stands in the repository with its own words, and nothing that could become untrue.
+A page says where: a line ``<!-- generated: NAME -->`` is replaced by what `GENERATORS` has under the name. So the
+repository holds the words of a page, and nothing that could become untrue.
 """
 
 from __future__ import annotations
 
 import re
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import command_pages
 import hook_pages
+import root_pages
 import schema_pages
 import stage_pages
 
@@ -19,12 +20,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 GENERATORS: dict[str, Callable[[], str]] = {
+    "changelog": partial(root_pages.root_page, "CHANGELOG.md"),
     "commands": command_pages.commands,
+    "contributing": partial(root_pages.root_page, "CONTRIBUTING.md"),
     "hooks": hook_pages.hooks,
     "interface version": hook_pages.interface_version,
     "manifest schema": schema_pages.manifest,
     "report schema": schema_pages.report,
     "run file schema": schema_pages.run_file,
+    "security policy": partial(root_pages.root_page, "SECURITY.md"),
     "stages": stage_pages.stages,
 }
 PLACE = re.compile(r"^<!-- generated: (?P<name>.+) -->$", re.MULTILINE)

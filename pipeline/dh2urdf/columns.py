@@ -61,7 +61,7 @@ class ManipulatorColumns:
 
     def pick(self, index: int) -> Manipulator:
         """One of them, as it was."""
-        table = replaced(self.table, lambda numbers: float(numbers[index]))
+        table = member(self.table, index)
         mark = self.marks[index]
         rows = [
             replace(row, mark=replace(mark, line=place[0], column=place[1], place=place[2])) if mark and place else row
@@ -105,7 +105,7 @@ class RobotColumns:
 
     def pick(self, index: int) -> Robot:
         """One of them."""
-        robot = replaced(self.robot, lambda numbers: float(numbers[index]))
+        robot = member(self.robot, index)
         missing = {shape for shape, present in self.present.items() if not present[index]}
         links = [
             replace(
@@ -209,10 +209,38 @@ def replaced(record: T, change: Callable[[Any], Any]) -> T:
     return cast("T", replace_unchecked(value, **changed)) if changed else record
 
 
+def stacked(records: Sequence[T]) -> T:
+    """One record for several that differ in numbers only: a float that not all of them have alike is a column.
+
+    Texts and all else are those of the first record.
+
+    Raises:
+        ValueError: they have different structures.
+    """
+    first: Any = records[0]
+    kind: Any = type(first)
+    if any(type(other) is not kind for other in records):
+        raise ValueError(f"not each of these records has a {kind.__name__} in the same place")
+    if kind is float:
+        return cast("T", column(records))
+    if isinstance(first, tuple):
+        items = [stacked(own) for own in zip(*cast("Any", records), strict=True)]
+        return cast("T", kind(*items) if hasattr(first, "_fields") else tuple(items))
+    if names := _field_names(kind):
+        changes = {name: stacked([getattr(record, name) for record in records]) for name in names}
+        return cast("T", replace_unchecked(first, **changes))
+    return cast("T", first)
+
+
 @cache
 def _field_names(kind: Any) -> tuple[str, ...]:  # noqa: ANN401 - any type
     """The fields of a record; none of what is no record."""
     return tuple(field.name for field in fields(kind)) if is_dataclass(kind) else ()
+
+
+def member(record: T, index: int) -> T:
+    """One of the members of a record whose numbers are columns."""
+    return replaced(record, lambda numbers: float(numbers[index]))
 
 
 def columns_of(record: object) -> list[Any]:

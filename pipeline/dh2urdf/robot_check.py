@@ -12,7 +12,7 @@ import re
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.columns import columns_of, replaced
+from dh2urdf.columns import columns_of, member
 from dh2urdf.formula_check import formula_problems
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import inertia_problem, is_sound
@@ -83,7 +83,7 @@ def sure_columns(robot: Robot, names: Sequence[str]) -> Condition:
             sure &= _is_sure_link(link)
     if sure.any():
         index = int(sure.argmax())
-        one = replaced(robot, lambda numbers: float(numbers[index]))
+        one = member(robot, index)
         sure &= not check_robot(replace(one, name=names[index]))
     return sure
 

@@ -23,6 +23,7 @@ from dh2urdf._stage_defaults import (
     option_poses,
 )
 from dh2urdf.columns import ManipulatorColumns, RobotColumns
+from dh2urdf.foreign_robot import Follower, ForeignRobot
 from dh2urdf.inspections import (
     PACKAGE_FILE,
     SEVERITIES,
@@ -53,6 +54,8 @@ __all__ = [
     "Executor",
     "Expansion",
     "Finding",
+    "Follower",
+    "ForeignRobot",
     "Inspection",
     "Kind",
     "LoadReport",
@@ -181,6 +184,9 @@ class Edit(Generic[O]):
         edit_robot: the changed robot. What a person should know of the change is added to its `notices`.
         keeps_kinematics: whether `edit_robot` keeps T(base_link → tool0) with these options. Where it does not, the
             proof reports the difference and fails nothing, and the robot has no table any more.
+        accepts_columns: whether both functions also accept records whose numbers are columns (`dh2urdf.columns`), and
+            make of them, to the last bit, what they make of each alone. A run then edits many arms at once. The copies
+            are made by `dh2urdf.unchecked_records.changed`, and conditions are asked by `dh2urdf.elementwise.agreed`.
 
     Both functions raise `dh2urdf.errors.EditError` where they refuse what they are given. A robot that breaks a rule
     after `edit_robot` is refused with the name of the edit.
@@ -192,6 +198,7 @@ class Edit(Generic[O]):
     edit_table: Callable[[Manipulator, O], Manipulator] | None = None
     edit_robot: Callable[[Robot, O], Robot] | None = None
     keeps_kinematics: Callable[[O], bool] = always
+    accepts_columns: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,7 +230,8 @@ class Emitter(Generic[O]):
             nothing itself: the pipeline writes all of them whole, or none.
         read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
             every run compares its kinematics with the DH product. None where the format cannot be read.
-        read_foreign: the same of a file of unknown origin: `dh2urdf view`. None where `read_back` only reads.
+        read_foreign: what a file of unknown origin holds: `dh2urdf view`. A `Robot`, or a `ForeignRobot` where there is
+            more to it, such as joints that follow others. None where `read_back` only reads.
         expandable: whether files of the format hold macros: `read_foreign` and `check` then also take an `Expansion`.
         finds_packages: whether `check` takes an `Expansion` though files hold no macros: for its `package_paths`.
         in_folders: the names of the folders in which its files of a stem lie, as those of a ROS package do. Then
@@ -257,7 +265,7 @@ class Emitter(Generic[O]):
     options: type[O]
     suffixes: tuple[str, ...]
     read_back: Callable[[Path], Robot] | None = None
-    read_foreign: Callable[..., Robot] | None = None
+    read_foreign: Callable[..., Robot | ForeignRobot] | None = None
     expandable: bool = False
     finds_packages: bool = False
     in_folders: Callable[[str, O], Iterable[str]] | None = None

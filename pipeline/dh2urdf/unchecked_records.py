@@ -1,15 +1,17 @@
 """The records of a robot without their checks, for stages that have computed the values themselves.
 
 Each function takes what the class of the same name takes, and keeps it as it is: a float has to be a float, and a
-vector a tuple of floats. Whatever somebody else handed over belongs into the class, which checks it.
+vector a tuple of floats. Whatever somebody else handed over belongs into the class, which checks it. `changed` is
+`dataclasses.replace` without checks, for the records of a table too: columns of numbers stay as they are.
 """
 
 from __future__ import annotations
 
 from dh2urdf.manipulator import Inertia, Limits
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Visual
-from dh2urdf.validation.coercion import unchecked
+from dh2urdf.validation.coercion import replace_unchecked, unchecked
 
+changed = replace_unchecked
 collision = unchecked(Collision)
 inertia = unchecked(Inertia)
 inertial = unchecked(Inertial)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import trimesh
 
 from dh2urdf.studio.viewing import View, load_figures
@@ -35,6 +37,12 @@ def test_a_cell_and_an_arm_in_one_scene(
         poses = view.drawing.poses(view.q)
         for name in ("pair/left_tool0", "pair/right_tool0", "panda/tool0"):
             tab.wait_for_pose(name, poses[names.index(name)])
+        name, content = tab.save("Scene as glTF (GLB)")
+        assert name == "pair-panda.glb"
+        scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
+        for link in ("pair/right_tool0", "panda/tool0"):
+            x, up, y = scene.graph[link][0][:3, 3]  # y is up in glTF
+            assert np.abs(np.subtract((x, -y, up), poses[names.index(link)].translation)).max() < 1e-6
         page.get_by_text("collision", exact=True).click()
         script = """() => {
             let count = 0;
@@ -118,7 +126,7 @@ def test_makers_meshes_look_like_their_robot(
         tab = new_tab(address)
         page = tab.page
         page.goto(address)
-        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 9")
+        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 8")  # a finger follows the other
         tab.wait_for_triangles(100_000)
         assert page.get_by_text("not found").count() == 0
         page.close()

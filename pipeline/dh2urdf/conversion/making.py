@@ -86,7 +86,7 @@ def edited_table(manipulator: Manipulator, edits: Iterable[Call[Edit[Any]]]) -> 
         if call.stage.edit_table is not None:
             with blaming(call):
                 table = a_record(call.stage.edit_table(table, call.options), Manipulator)
-                _refuse_new_name(table.name, manipulator.name)
+                refuse_new_name(table.name, manipulator.name)
     return table
 
 
@@ -120,20 +120,27 @@ def _robot_of(
         if call.stage.edit_robot is not None:
             with blaming(call):
                 changed = a_robot(call.stage.edit_robot(robot, call.options), call)
-                _refuse_new_name(changed.name, robot.name)
+                refuse_new_name(changed.name, robot.name)
             robot, found = changed, _found_wrong(changed, table.mark, after=call)
             known = known if keeps_kinematics(call) else None
-    new = [notice.about(robot=table.name) for notice in table.notices if notice not in original.notices]
-    comment = "; ".join(filter(None, (robot.comment, _told(edits))))
+    new = [notice.about(robot=table.name) for notice in new_notices(table, original)]
+    comment = with_edits(robot.comment, edits)
     return replace(robot, notices=(*new, *robot.notices, *found), manipulator=known, comment=comment)
 
 
-def _told(edits: Sequence[Call[Edit[Any]]]) -> str:
-    """What a file says of edits, so that a reader sees that it is not the table's arm as it was."""
-    return f"edited by {', '.join(call.stage.name for call in edits)}" if edits else ""
+def new_notices(table: Manipulator, original: Manipulator) -> list[Problem]:
+    """What the edits of a table have noticed."""
+    return [notice for notice in table.notices if notice not in original.notices]
 
 
-def _refuse_new_name(name: str, before: str) -> None:
+def with_edits(comment: str, edits: Sequence[Call[Edit[Any]]]) -> str:
+    """A comment that also names the edits, so that a reader of the file knows that the table was changed."""
+    named = f"edited by {', '.join(call.stage.name for call in edits)}" if edits else ""
+    return "; ".join(filter(None, (comment, named)))
+
+
+def refuse_new_name(name: str, before: str) -> None:
+    """Raises a ValueError where an edit has changed a name."""
     if name != before:
         raise ValueError(f"it changed the name {before!r:.60} to {name!r:.60}; files are named before edits are made")
 

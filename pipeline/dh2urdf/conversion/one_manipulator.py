@@ -96,9 +96,10 @@ class Recipe:
 
     @property
     def makes_many_at_once(self) -> bool:
-        """Whether all stages that make files have a form for many manipulators at once; edits have none."""
+        """Whether all stages that make files have a form for many manipulators at once."""
         has_form = self.transform.stage.transform_columns is not None
-        return has_form and not self.edits and all(call.stage.emit_columns for call in self.emitters)
+        edits = all(call.stage.accepts_columns for call in self.edits)
+        return has_form and edits and all(call.stage.emit_columns for call in self.emitters)
 
     @property
     def keeps_kinematics(self) -> bool:

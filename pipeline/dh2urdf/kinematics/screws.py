@@ -50,7 +50,7 @@ MOST_STATES = 4096
 
 
 class Screw(NamedTuple):
-    """The axis of a joint at q = 0.
+    """The axis of a joint at some q.
 
     Attributes:
         direction: unit vector, in the direction that the joint counts.
@@ -94,21 +94,31 @@ class Alignment:
     offsets: tuple[float, ...]
 
 
-def screws_of_chain(chain: KinematicChain) -> list[Screw]:
-    """The axes of a chain's moving joints, in the frame of its root."""
+def screws_of_chain(chain: KinematicChain, q: Sequence[float] | None = None) -> list[Screw]:
+    """The axes of a chain's moving joints, in the frame of its root.
+
+    Args:
+        chain: the chain.
+        q: one value per moving joint [rad or m]; zero without it.
+    """
     compiled = CompiledChain()
     compile_joints(compiled, chain.joints, with_axes=True)
     moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
-    frames = [frame.transform for frame in compiled.walk(values_of([0.0] * len(moving)))]
+    frames = [frame.transform for frame in compiled.walk(values_of(q or [0.0] * len(moving)))]
     return [
         Screw(rotate(frame.rotation, joint.axis), frame.translation, joint.type is JointType.PRISMATIC)
         for joint, frame in zip(moving, frames, strict=True)
     ]
 
 
-def screws_of_table(manipulator: Manipulator) -> list[Screw]:
-    """The axes of a table's moving joints, in the frame of its base link."""
-    frames = dh_frames(manipulator, (0.0,) * len(manipulator.moving_rows))
+def screws_of_table(manipulator: Manipulator, q: Sequence[float] | None = None) -> list[Screw]:
+    """The axes of a table's moving joints, in the frame of its base link.
+
+    Args:
+        manipulator: the table.
+        q: one value per moving joint [rad or m]; zero without it.
+    """
+    frames = dh_frames(manipulator, q or (0.0,) * len(manipulator.moving_rows))
     # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
     before = manipulator.convention is Convention.STANDARD
     return [
@@ -116,6 +126,15 @@ def screws_of_table(manipulator: Manipulator) -> list[Screw]:
         for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True)
         if row.type is not JointType.FIXED
     ]
+
+
+def axis_error(given: Screw, wanted: Screw) -> tuple[float, float]:
+    """How far the point of an axis is from another axis [m], and the angle between the two [rad].
+
+    The distance of an axis that slides is 0: only its direction counts.
+    """
+    away = _across(wanted.direction, subtract(given.point, wanted.point))
+    return (0.0 if wanted.slides else norm(away)), _angle(given.direction, wanted.direction)
 
 
 class _State(NamedTuple):

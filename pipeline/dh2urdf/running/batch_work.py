@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import orjson
 
-from dh2urdf.conversion.making import make_item
+from dh2urdf.conversion.column_edits import edited_robots, edited_tables
+from dh2urdf.conversion.making import make_item, new_notices
 from dh2urdf.conversion.one_manipulator import Written, emit_robot, with_copies, with_notices
 from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
+from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.isolation.watchdog import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
@@ -120,11 +122,21 @@ class Work(BatchContent):
         outcomes: dict[int, Outcome] = {}
         try:
             with timed(self.seconds, "transform"):
-                groups = transform_columns(self.recipe.transform, columns)
+                edited = edited_tables(columns, self.recipe.edits)
+                groups = transform_columns(self.recipe.transform, edited)
             for members, made in groups:
-                robots = replace(made, robot=with_copies(made.robot, self.recipe))
-                some = columns if len(members) == len(columns) else columns.take(members)
-                outcomes.update(self._alike([places[member] for member in members], some, robots))
+                own = [places[member] for member in members]
+                try:
+                    with timed(self.seconds, "transform"):
+                        robots = edited_robots(made, self.recipe.edits, new_notices(edited.table, columns.table))
+                except DividedError as divided:
+                    outcomes.update(self._halves(own, columns.take(members), divided))
+                    continue
+                robots = replace(robots, robot=with_copies(robots.robot, self.recipe))
+                some = edited if len(members) == len(edited) else edited.take(members)
+                outcomes.update(self._alike(own, some, robots))
+        except DividedError as divided:
+            return self._halves(places, columns, divided)
         except StageError as error:
             (problem,) = error.problems
             notice = replace(problem, severity="notice", message=f"{problem.message}; it was made by itself")
@@ -132,6 +144,15 @@ class Work(BatchContent):
             return {}
         except ManipulatorError:
             return {}
+        return outcomes
+
+    def _halves(self, places: list[int], columns: ManipulatorColumns, divided: DividedError) -> dict[int, Outcome]:
+        """The outcomes of manipulators of which an edit makes different things, each kind by itself."""
+        outcomes: dict[int, Outcome] = {}
+        for wanted in (True, False):
+            members = [member for member, goes in enumerate(divided.condition) if bool(goes) is wanted]
+            if 0 < len(members) < len(places):
+                outcomes.update(self._group([places[member] for member in members], columns.take(members)))
         return outcomes
 
     def _alike(self, places: list[int], columns: ManipulatorColumns, robots: RobotColumns) -> dict[int, Outcome]:

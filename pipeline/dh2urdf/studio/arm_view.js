@@ -112,7 +112,10 @@ export default {
     };
     for (const geometry of Object.values(this.geometries)) geometry.computeBoundingBox();
     this.reach = 1;
+    this.floor = 0; // where the ground is [m]
     this.row = null;
+    this.link = null; // the name of a node that stands out, instead of those of a row
+    this.hidden = new Set(); // names of nodes
     this.own = false; // whether a person looks at a part of the arm, and wants to go on looking there
   },
 
@@ -171,9 +174,11 @@ export default {
       this.nodes = drawing.nodes.map((node, number) => this.node(node, number));
       for (const node of this.nodes) this.arm.add(node);
       this.move(poses);
+      if (!this.waiting) this.settle();
       const another = Math.abs(Math.log(this.reach / this.fitted)) > 0.5;
       if (another || (!this.own && !this.seen())) this.fit(true);
-      this.highlight(this.row);
+      this.hide(this.hidden);
+      this.highlight(this.row, this.link);
       this.$el.shown = (this.$el.shown ?? 0) + 1;
     },
 
@@ -192,18 +197,18 @@ export default {
       this.draw();
     },
 
-    node({ name, row, label, layer, parts }, number) {
+    node({ name, row, label, layer, rooted, parts }, number) {
       const node = new THREE.Group();
       node.name = name;
       node.matrixAutoUpdate = false;
-      node.userData.row = row;
+      node.userData = { row, rooted };
       for (const part of parts) node.add(this.part(part, number));
       if (label) node.add(this.label(label, layer, `arm-view-${layer}-label`));
       return node;
     },
 
     material(shape, layer, colour, opacity, number) {
-      const sign = layer === "frames" || layer === "axes"; // not a thing: not lit, and seen through the link that it is in
+      const sign = ["frames", "axes", "masses"].includes(layer); // not a thing: not lit, and seen through the link that it is in
       return new (sign ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial)({
         color: shape === "frame" ? 0xffffff : new THREE.Color(...colour).convertSRGBToLinear(),
         vertexColors: shape === "frame",
@@ -226,7 +231,7 @@ export default {
       const [x, y, z] = shape === "box" ? size.map((side) => Math.max(side, thin)) : shape === "cylinder" ? [Math.max(size[0], thin), Math.max(size[0], thin), size[1]] : size.length === 3 ? size : Array(3).fill(size[0]);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(x, y, z));
-      mesh.renderOrder = { axes: 1, frames: 3 }[layer] ?? 0; // strokes are between them
+      mesh.renderOrder = { axes: 1, masses: 1, frames: 3 }[layer] ?? 0; // strokes are between them
       mesh.userData = { layer, shared: true }; // its geometry is that of all parts of its shape
       mesh.visible = this.layers.has(layer);
       return mesh;
@@ -256,11 +261,24 @@ export default {
       return group;
     },
 
+    // The ground is where a robot stands: at its root or, if what its root holds goes deeper, below its lowest link.
+    settle() {
+      const lowest = (nodes) => {
+        const box = new THREE.Box3();
+        for (const node of nodes) node.traverse((part) => part.isMesh && part.userData.layer === "links" && box.expandByObject(part));
+        return box.isEmpty() ? 0 : box.min.z;
+      };
+      const deep = lowest(this.nodes.filter(({ userData }) => userData.rooted)) < -0.05 * this.reach;
+      this.floor = deep ? Math.min(0, lowest(this.nodes)) : 0;
+      this.grid(this.reach);
+    },
+
     // A part of a mesh file is there; after the last one the camera sees all, if a person has not turned it meanwhile.
     arrived() {
       this.loaded += 1;
       if (this.loaded < this.waiting) return;
       this.waiting = this.loaded = 0;
+      this.settle();
       if (!this.own && !this.seen()) this.fit(true);
     },
 
@@ -311,18 +329,26 @@ export default {
       this.draw();
     },
 
-    // The link and the frame of a row stand out; null for none.
-    highlight(row) {
+    // The nodes of these names are not shown.
+    hide(names) {
+      this.hidden = new Set(names);
+      for (const node of this.nodes) node.visible = !this.hidden.has(node.name);
+      this.draw();
+    },
+
+    // The link and the frame of a row stand out, or the node of a name; null for none.
+    highlight(row, link = null) {
       this.row = row;
+      this.link = link;
       for (const tube of this.strokes.children) this.emphasise(tube);
       for (const node of this.nodes) {
-        const on = row !== null && node.userData.row === row;
+        const on = link === null ? row !== null && node.userData.row === row : node.name === link;
         node.traverse((object) => {
           if (object.isMesh && object.userData.layer === "links") {
             object.material.emissive = on ? HIGHLIGHT : new THREE.Color(0);
             object.material.emissiveIntensity = on ? 0.5 : 1;
           } else if (object.isMesh && object.userData.layer === "frames") {
-            object.material.opacity = row === null || on ? 1 : 0.35;
+            object.material.opacity = (row === null && link === null) || on ? 1 : 0.35;
           } else if (object.userData.element) {
             object.userData.element.classList.toggle("arm-view-picked", on);
             delete object.userData.size; // it is bold now, or no longer
@@ -352,14 +378,11 @@ export default {
       const seen = this.camera.position.clone().sub(this.controls.target).normalize();
       const away = keep && seen.lengthSq() ? seen : FROM, right = new THREE.Vector3().crossVectors(this.camera.up, away).normalize();
       const up = new THREE.Vector3().crossVectors(away, right);
-      const { clientWidth: width, clientHeight: height } = this.$el;
-      const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
-      const room = [[right, wide * (1 - (2 * MARGIN) / (width || 1e3))], [up, tall * (1 - (2 * MARGIN) / (height || 1e3))]];
       // A camera at c sees p where |(p - c)·right| <= t (c - p)·away, and so for up: for each of the two directions two
       // planes, which the outermost points push away. The nearest c that satisfies all of them is to be had at once.
       const points = this.points();
       let distance = -Infinity;
-      const sides = room.map(([direction, slope]) => {
+      const sides = this.margins(right, up).map(([direction, slope]) => {
         const [one, other] = [1, -1].map((sign) => Math.max(...points.map((p) => sign * p.dot(direction) + slope * p.dot(away))));
         distance = Math.max(distance, (one + other) / (2 * slope));
         return direction.clone().multiplyScalar((one - other) / 2);
@@ -406,7 +429,7 @@ export default {
       const half = Math.ceil((1.6 * reach) / step) * step;
       const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), 0x7c8ba1, 0xc3cfdd);
       grid.rotateX(Math.PI / 2);
-      grid.position.z = -0.001 * reach;
+      grid.position.z = this.floor - 0.001 * reach;
       this.ground.add(grid);
     },
 
@@ -420,7 +443,7 @@ export default {
       for (const { userData: own } of labels) own.size ??= [own.element.offsetWidth, own.element.offsetHeight]; // all at once
       const { clientWidth, clientHeight } = this.$el, taken = [];
       for (const label of labels) {
-        const place = label.visible && this.room(label, clientWidth, clientHeight, taken);
+        const place = label.visible && label.parent.visible && this.room(label, clientWidth, clientHeight, taken);
         if (place) taken.push(place);
         const { style } = label.userData.element;
         style.visibility = place ? "visible" : "hidden";
@@ -454,15 +477,26 @@ export default {
       return caster;
     },
 
-    // The scene as it is on the screen, twice as fine, as a file: with its labels; without the ground, if that is to be
-    // transparent.
+    // The scene as it is on the screen, twice as fine, as a file; without the ground, if that is to be transparent.
     savePicture(name, transparent) {
-      const { clientWidth: width, clientHeight: height } = this.$el, fine = 2;
+      const fine = 2;
+      this.renderer.setPixelRatio(fine);
+      const sheet = this.pictured(fine, transparent);
+      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      this.draw();
+      const link = document.createElement("a");
+      link.download = `${name}.png`;
+      link.href = sheet.toDataURL("image/png");
+      link.click();
+    },
+
+    // The scene with its labels, on a canvas of so many pixels for one of the screen.
+    pictured(fine, transparent) {
+      const { clientWidth: width, clientHeight: height } = this.$el;
       const sheet = document.createElement("canvas");
-      [sheet.width, sheet.height] = [fine * width, fine * height];
+      [sheet.width, sheet.height] = [Math.round(fine * width), Math.round(fine * height)];
       const pen = sheet.getContext("2d");
       this.ground.visible = !transparent;
-      this.renderer.setPixelRatio(fine);
       this.renderer.render(this.scene, this.camera);
       if (!transparent) {
         pen.fillStyle = "#fff";
@@ -470,9 +504,7 @@ export default {
       }
       pen.drawImage(this.renderer.domElement, 0, 0, sheet.width, sheet.height);
       this.ground.visible = true;
-      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-      this.draw();
-      pen.scale(fine, fine);
+      pen.scale(sheet.width / width, sheet.height / height);
       pen.textBaseline = "middle";
       const origin = this.$el.getBoundingClientRect();
       for (const label of this.sheet.children) {
@@ -485,10 +517,54 @@ export default {
         pen.fillStyle = style.color;
         pen.fillText(label.textContent, x + parseFloat(style.paddingLeft), y + box.height / 2);
       }
-      const link = document.createElement("a");
-      link.download = `${name}.png`;
-      link.href = sheet.toDataURL("image/png");
-      link.click();
+      return sheet;
+    },
+
+    // A frame of a turn of the camera about the arm, as a data address: from where it looks now, a share of the turn on,
+    // with a longer side of at most so many pixels. After the last one null ends the turn, and the camera is back.
+    turn(share, largest) {
+      const { camera, controls } = this, z = new THREE.Vector3(0, 0, 1);
+      if (share === null) {
+        if (this.turning) camera.position.copy(this.turning.position), controls.target.copy(this.turning.target), controls.update();
+        this.turning = null;
+        return this.draw();
+      }
+      if (!this.turning) {
+        const [position, target] = [camera.position.clone(), controls.target.clone()];
+        this.turning = { position, target, ...(this.own ? { middle: target, distance: position.distanceTo(target) } : this.round()) };
+        this.turning.fine = Math.min(1, largest / Math.max(this.$el.clientWidth, this.$el.clientHeight));
+      }
+      const { position, target, middle, distance, fine } = this.turning;
+      const away = position.clone().sub(target).setLength(distance).applyAxisAngle(z, 2 * Math.PI * share);
+      controls.target.copy(middle);
+      camera.position.copy(middle).add(away);
+      controls.update();
+      this.scene.updateMatrixWorld();
+      camera.updateMatrixWorld();
+      this.place();
+      return this.pictured(fine, false).toDataURL("image/png");
+    },
+
+    // The middle of the arm, and the distance from which the camera sees all of it on a turn about that.
+    round() {
+      const points = this.points(), middle = new THREE.Box3().setFromPoints(points).getCenter(new THREE.Vector3());
+      for (const point of points) point.sub(middle);
+      const away = this.camera.position.clone().sub(this.controls.target).normalize(), z = this.camera.up;
+      let distance = 0.3 * this.reach;
+      for (let step = 0; step < 36; step++) {
+        away.applyAxisAngle(z, Math.PI / 18);
+        const right = new THREE.Vector3().crossVectors(z, away).normalize(), up = new THREE.Vector3().crossVectors(away, right);
+        for (const [direction, slope] of this.margins(right, up))
+          for (const point of points) distance = Math.max(distance, Math.abs(point.dot(direction)) / slope + point.dot(away));
+      }
+      return { middle, distance };
+    },
+
+    // Directions of the picture, each with the slope of the rays at its margin.
+    margins(right, up) {
+      const { clientWidth: width, clientHeight: height } = this.$el;
+      const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
+      return [[right, wide * (1 - (2 * MARGIN) / (width || 1e3))], [up, tall * (1 - (2 * MARGIN) / (height || 1e3))]];
     },
 
     // Points of tool0, three numbers each, in place of those before.
@@ -554,10 +630,11 @@ export default {
     },
 
     pick(event) {
-      const hit = this.ray(event).intersectObjects(this.nodes, true).find(({ object }) => object.visible && object.isMesh);
+      const shown = this.nodes.filter((node) => node.visible);
+      const hit = this.ray(event).intersectObjects(shown, true).find(({ object }) => object.visible && object.isMesh);
       let node = hit?.object;
       while (node && node.userData.row === undefined) node = node.parent;
-      this.$emit("pick", { row: node?.userData.row ?? null });
+      this.$emit("pick", { row: node?.userData.row ?? null, node: node?.name ?? null });
     },
 
     // The camera by keyboard: arrows turn it about what it looks at, + and - move it, 0 sees all.

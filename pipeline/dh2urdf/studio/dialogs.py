@@ -250,7 +250,7 @@ async def save(session: Session, kind: str, name: str) -> None:
     missing: list[str] = []
     try:
         for file in await run.io_bound(make) or ():
-            _hand_over(file)
+            hand_over(file)
         if missing:
             warn(f"Not in the zip, as the format cannot hold this table: {', '.join(missing)}. Save one to see why.")
     except Dh2UrdfError as error:
@@ -266,7 +266,7 @@ async def generate(session: Session) -> None:
         await show_error("The URDF cannot be generated yet", error)
         return
     if file is not None:  # as it is while the server ends
-        _hand_over(file)
+        hand_over(file)
 
 
 def _made(session: Session) -> str:
@@ -274,7 +274,8 @@ def _made(session: Session) -> str:
     return session.variant if session.variant in session.variants else session.variants[0]
 
 
-def _hand_over(file: Saved) -> None:
+def hand_over(file: Saved) -> None:
+    """Downloads a file, and tells its size and how right it is."""
     ui.download.content(file.content, file.name)
     told = f"{file.name}, {len(file.content) / 1000:.1f} kB"
     if file.proof is not None:

@@ -3,8 +3,11 @@
 export default {
   template: `
     <div class="joint-sliders" :aria-busy="busy">
-      <label v-for="(joint, index) in joints" :key="joint.name" class="joint-slider" :title="joint.name">
-        <span class="joint-slider-name">{{ joint.name }}</span>
+      <template v-for="(joint, index) in joints" :key="joint.name">
+      <button v-if="folds && joint.group !== joints[index - 1]?.group" type="button" class="joint-sliders-fold"
+              :aria-expanded="!folded[joint.group]" @click="folded[joint.group] = !folded[joint.group]">{{ folded[joint.group] ? "▸" : "▾" }} {{ joint.group }}</button>
+      <label v-show="!folds || !folded[joint.group]" class="joint-slider" :title="joint.name">
+        <span class="joint-slider-name">{{ folds ? joint.name.slice(joint.group.length + 1) : joint.name }}</span>
         <input type="range" step="any" :min="joint.lower" :max="joint.upper" :value="values[index]"
                :aria-label="joint.name" :aria-valuetext="text(index) + ' ' + joint.unit"
                @input="set(index, $event.target.valueAsNumber)" @keydown="step(index, $event)" />
@@ -13,11 +16,18 @@ export default {
                @input="typed[index] = $event.target.value" @change="enter(index, $event.target.value)" />
         <span class="joint-slider-unit">{{ joint.unit }}</span>
       </label>
+      </template>
     </div>`,
 
-  // typed: numbers that are not finished yet; busy: values are sent and not answered yet; refused: which box holds
+  // folded: robots whose sliders are folded away, where there are several; typed: numbers that are not finished yet; busy: values are sent and not answered yet; refused: which box holds
   // something that is no joint value, and why
-  data: () => ({ joints: [], values: [], typed: {}, busy: false, refused: null, why: "" }),
+  data: () => ({ joints: [], values: [], folded: {}, typed: {}, busy: false, refused: null, why: "" }),
+
+  computed: {
+    folds() {
+      return new Set(this.joints.map(({ group }) => group)).size > 1;
+    },
+  },
 
   created() {
     this.pending = false;

@@ -29,12 +29,14 @@ class Slider:
         lower: smallest value [rad or m].
         upper: largest value [rad or m].
         unit: the unit of what is shown.
+        group: the robot that the joint belongs to, where there are several.
     """
 
     name: str
     lower: float
     upper: float
     unit: Unit
+    group: str = ""
 
     def shown(self, value: float) -> float:
         """A joint value [rad or m] in the unit of the slider."""
@@ -57,7 +59,9 @@ class Slider:
         return min(max(value, self.lower), self.upper) if math.isfinite(value) else self.inside(0.0)
 
 
-def sliders(joints: Sequence[Joint], length_unit: str = "m", angle_unit: str = "rad") -> tuple[Slider, ...]:
+def sliders(
+    joints: Sequence[Joint], length_unit: str = "m", angle_unit: str = "rad", group: str = ""
+) -> tuple[Slider, ...]:
     """The sliders of some joints; a continuous joint has a turn."""
     found = []
     for joint in joints:
@@ -65,9 +69,8 @@ def sliders(joints: Sequence[Joint], length_unit: str = "m", angle_unit: str = "
         unit = UNITS[length_unit if joint.type is JointType.PRISMATIC else angle_unit]
         if lower is None or upper is None or joint.type is JointType.CONTINUOUS:
             lower, upper = -_TURN, _TURN
-        found.append(
-            Slider(name=joint.name, lower=max(lower, -LARGEST_SAMPLE), upper=min(upper, LARGEST_SAMPLE), unit=unit)
-        )
+        lower, upper = max(lower, -LARGEST_SAMPLE), min(upper, LARGEST_SAMPLE)
+        found.append(Slider(name=joint.name, lower=lower, upper=upper, unit=unit, group=group))
     return tuple(found)
 
 

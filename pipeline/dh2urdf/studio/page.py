@@ -7,30 +7,29 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from dh2urdf.manipulator import Convention
 from dh2urdf.studio import dialogs, joints, words
-from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.editing import edits, pasting
-from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
-from dh2urdf.studio.editing.session import BOTH
+from dh2urdf.studio.layout.head import StudioHead
+from dh2urdf.studio.layout.scene_bar import SceneBar
+from dh2urdf.studio.layout.table_bar import EndFields, TableBar
 from dh2urdf.studio.panels import sharing
+from dh2urdf.studio.panels.comparing import ComparingPanel
 from dh2urdf.studio.panels.lesson import LessonPanel
 from dh2urdf.studio.panels.measuring import MeasuringPanel
 from dh2urdf.studio.panels.poses import PosesPanel
 from dh2urdf.studio.panels.target import TargetPanel
 from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
-from dh2urdf.studio.widgets import ArmView, JointSliders, lay_views
+from dh2urdf.studio.widgets import ArmView, JointSliders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from dh2urdf.manipulator import Convention
     from dh2urdf.studio.editing.reading import CellProblem
     from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
-
-_QUIET = "flat dense no-caps"
 
 
 class StudioPage:
@@ -43,13 +42,20 @@ class StudioPage:
     def __init__(self, session: Session) -> None:
         """Lays the page out; `show` fills it."""
         self.session = session
-        self._filling = False
         ui.on_exception(dialogs.show_fault)
         ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
         ui.on("dh-generate", self._generate)
         with ui.element("div").classes("studio"):
             with ui.element("header").classes("studio-head"):
-                self._lay_head()
+                self._head = StudioHead(
+                    session,
+                    on_name=lambda name: self._say(name=name),
+                    on_undo=lambda: self._do(session.undo),
+                    on_redo=lambda: self._do(session.redo),
+                    on_new=self._new,
+                    on_open=self._open,
+                    on_generate=self._generate,
+                )
             with ui.element("section").classes("studio-table").props('aria-label="DH table"'):
                 self._lay_table()
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
@@ -59,51 +65,20 @@ class StudioPage:
 
     # --- Layout -------------------------------------------------------------------------------------------------------
 
-    def _lay_head(self) -> None:
-        ui.html("<b>dh2urdf</b> studio", sanitize=False, tag="h1").classes("studio-title")
-        self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm"')
-        self._name.classes("studio-name").on("change", lambda: self._say(name=self._name.value or ""))
-        self._undo = ui.button(icon="undo", on_click=lambda: self._do(self.session.undo))
-        self._undo.props(f'{_QUIET} color=white aria-label="undo"')
-        self._undo.tooltip("undo (Ctrl+Z)")
-        self._redo = ui.button(icon="redo", on_click=lambda: self._do(self.session.redo))
-        self._redo.props(f'{_QUIET} color=white aria-label="redo"')
-        self._redo.tooltip("redo (Ctrl+Shift+Z)")
-        ui.element("div").classes("studio-space")
-        ui.button("New", on_click=self._new).props(f"{_QUIET} color=white")
-        ui.button("Open", icon="folder_open", on_click=self._open).props(f"{_QUIET} color=white")
-        with ui.button("Save", icon="save").props(f"{_QUIET} color=white"), ui.menu():
-            for kind, name, told in dialogs.savings(self.session.catalog):
-                ui.menu_item(told, on_click=lambda kind=kind, name=name: dialogs.save(self.session, kind, name))
-            self._menu = ui.element("div")
-        generate = ui.button("Generate", icon="precision_manufacturing", on_click=self._generate)
-        generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
-
     def _lay_table(self) -> None:
-        with ui.element("div").classes("studio-row"):
-            with ui.element("div").classes("studio-group"):
-                ui.label("axes").classes("studio-caption")
-                self._axes = ui.number(min=0, precision=0, format="%d")
-                self._axes.props('dense outlined autofocus aria-label="number of axes"').classes("studio-axes")
-                self._axes.on("keydown.enter", self._resize).on("change", self._resize)
-            with ui.element("div").classes("studio-group"):
-                self._convention = ui.toggle([str(kind) for kind in Convention], on_change=self._choose_convention)
-                self._convention.props('dense unelevated no-caps toggle-color=primary aria-label="convention"')
-            with ui.element("div").classes("studio-group"):
-                self._length = ui.toggle(list(LENGTH_UNITS), on_change=self._choose_units)
-                self._length.props('dense unelevated no-caps aria-label="unit of lengths"')
-                self._angle = ui.toggle(list(ANGLE_UNITS), on_change=self._choose_units)
-                self._angle.props('dense unelevated no-caps aria-label="unit of angles"')
-            with ui.element("div").classes("studio-group"):
-                for icon, told, act in (
-                    ("add", "add a row below (Alt+Insert)", self._add_row),
-                    ("remove", "remove the row (Alt+Delete)", self._remove_row),
-                    ("arrow_upward", "move the row up (Alt+↑)", lambda: self._move_row(-1)),
-                    ("arrow_downward", "move the row down (Alt+↓)", lambda: self._move_row(1)),
-                    ("view_column", "show all columns, or those in use", self._all_columns),
-                ):
-                    button = ui.button(icon=icon, on_click=act).props(f'flat dense round size=sm aria-label="{told}"')
-                    button.tooltip(told)
+        self._bar = TableBar(
+            self.session,
+            on_axes=self._resize,
+            on_convention=self._choose_convention,
+            on_units=self._choose_units,
+            acts={
+                "add": self._add_row,
+                "remove": self._remove_row,
+                "up": lambda: self._move_row(-1),
+                "down": lambda: self._move_row(1),
+                "columns": self._all_columns,
+            },
+        )
         self._table = TableGrid(
             on_edit=self._edited,
             on_typing=self._typing,
@@ -120,42 +95,22 @@ class StudioPage:
             PosesPanel(self.session, self._show_pose),
             MeasuringPanel(self.session, self._show_pose, self._show_cloud),
             LessonPanel(self.session, self._show_pose),
+            ComparingPanel(self.session, self._show_arm),
         )
         self._problems = ProblemList(on_click=self._go_to)
-        with ui.element("div").classes("studio-ends"):
-            self._ends: dict[str, ui.input] = {}
-            placed, carried = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}", "{mass: 2.5, com: [0, 0, 0.05]}"
-            for key, told, example in (
-                ("base", "base_link to the first DH frame", placed),
-                ("tool", "last DH frame to tool0", placed),
-                ("payload", "what the arm carries at tool0", carried),
-            ):
-                field = ui.input(placeholder=example)
-                field.props(f'dense outlined prefix="{key}" aria-label="{key}"')
-                field.on("change", lambda key=key: self._say(**{key: self._ends[key].value or ""}))
-                field.tooltip(told)
-                self._ends[key] = field
+        self._ends = EndFields(self.session, self._say)
 
     def _lay_scene(self) -> None:
-        with ui.element("div").classes("studio-bar"):
-            self._layers = {
-                layer: ui.checkbox(told, on_change=self._choose_layers).props("dense size=xs")
-                for layer, told in LAYERS.items()
-            }
-            names = self.session.variants
-            both = {BOTH: "side by side"} if len(names) > 1 else {}
-            self._variant = ui.toggle({name: name for name in names} | both, on_change=self._choose_variant)
-            self._variant.props('dense unelevated no-caps aria-label="variant"').set_visibility(bool(both))
-            fit = ui.button(icon="center_focus_strong", on_click=self._see_all)
-            fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
-            lay_views(lambda: self._view)
-            for panel in self._panels:
-                switch = ui.button(icon=panel.ICON, on_click=panel.switch)
-                switch.props(f'flat dense round size=sm aria-label="{panel.TITLE}"').tooltip(panel.TITLE)
+        self._layers = SceneBar(
+            self.session,
+            self._panels,
+            on_layers=self._choose_layers,
+            on_variant=self._choose_variant,
+            scene=lambda: self._view,
+        )
         self._remark = ui.label().classes("studio-bar studio-remark")
         self._view = ArmView(on_pick=self._picked_in_scene, on_aim=self._target.drag)
-        with self._menu:
-            sharing.lay_items(self.session, self._view)
+        self._head.share(self._view)
         with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
             ui.html(
                 "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
@@ -197,26 +152,12 @@ class StudioPage:
 
     def _show_words(self) -> None:
         """Everything but cells and arm."""
-        session, table = self.session, self.session.table
-        self._filling = True
-        self._name.set_value(table.name)
-        self._axes.set_value(len(table.rows) or None)
-        self._convention.set_value(table.convention or None)
-        self._length.set_value(table.length_unit)
-        self._angle.set_value(table.angle_unit)
-        for key, field in self._ends.items():
-            field.set_value(getattr(table, key))
-        for layer, box in self._layers.items():
-            box.set_value(layer in session.layers)
-        self._variant.set_value(session.variant)
-        self._filling = False
-        self._undo.set_enabled(session.history.can_undo)
-        self._redo.set_enabled(session.history.can_redo)
-        self._empty.set_visibility(not table.rows)
+        self._head.show()
+        self._bar.show()
+        self._layers.show()
+        self._empty.set_visibility(not self.session.table.rows)
         self._keep()
-        wrong = self._problems.show(session)
-        for key, field in self._ends.items():
-            field.props(f"error={'true' if key in wrong else 'false'} no-error-icon hide-bottom-space")
+        self._ends.show(wrong=self._problems.show(self.session))
 
     def _show_arm(self) -> None:
         session = self.session
@@ -292,12 +233,11 @@ class StudioPage:
         elif answer == "table" and not isinstance(found, str):
             await self._show_opened(await dialogs.choose(found))
 
-    def _resize(self) -> None:
-        count = self._axes.value
+    def _resize(self, count: float | None) -> None:
         if count is None or count < 0:  # an emptied field is no answer, and takes no rows away
             self._show_words()
             return
-        if int(count) == len(self.session.table.rows) or self._filling:
+        if int(count) == len(self.session.table.rows):
             return
         if count > edits.MOST_ROWS:
             dialogs.warn(
@@ -366,11 +306,8 @@ class StudioPage:
         if found.row is not None:
             self._table.focus(found.row, found.field if found.field in self.session.columns else "a", edit=True)
 
-    async def _choose_convention(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+    async def _choose_convention(self, convention: Convention) -> None:
         session = self.session
-        if self._filling or not event.value or event.value == session.table.convention:
-            return
-        convention = Convention(event.value)
         convert: bool | None = False
         if session.table.convention and edits.begun(session.table):
             convert = await dialogs.ask_convention(convention, possible=session.convertible is not None)
@@ -379,38 +316,29 @@ class StudioPage:
         self.show(all_cells=True)
         self._invite()
 
-    async def _choose_units(self) -> None:
+    async def _choose_units(self, length: str, angle: str) -> None:
         session = self.session
-        units = self._length.value, self._angle.value
-        if self._filling or units == (session.table.length_unit, session.table.angle_unit):
-            return
         convert: bool | None = False
         if edits.begun(session.table):
-            convert = await dialogs.ask_units(*units, possible=session.convertible is not None)
+            convert = await dialogs.ask_units(length, angle, possible=session.convertible is not None)
         if convert is not None:
-            session.set_units(*units, convert=convert)
+            session.set_units(length, angle, convert=convert)
         self.show(all_cells=True)
 
-    def _choose_layers(self) -> None:
-        if self._filling:
-            return
-        self.session.layers = frozenset(layer for layer, box in self._layers.items() if box.value)
+    def _choose_layers(self, layers: frozenset[str]) -> None:
+        self.session.layers = layers
         self._show_pose()
 
-    def _choose_variant(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        if not self._filling:
-            self.session.show_variant(event.value)
-            self._show_arm()
-            self._see_all()
+    def _choose_variant(self, variant: str) -> None:
+        self.session.show_variant(variant)
+        self._show_arm()
+        self._view.fit()
 
     def _show_handle(self, *, shown: bool) -> None:
         self._view.show_handle(shown=shown)
 
     def _show_cloud(self, points: Any) -> None:  # noqa: ANN401 - an array of shape (n, 3)
         self._view.show_cloud(points)
-
-    def _see_all(self) -> None:
-        self._view.fit()
 
     def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
         self.session.move(poses(self.session.sliders))
@@ -427,7 +355,7 @@ class StudioPage:
         if table is not None:
             self.session.open(table)
             self.show(all_cells=True)
-            self._see_all()
+            self._view.fit()
 
     def _new(self) -> None:
         self.session.open(type(self.session.table)(name="arm"))

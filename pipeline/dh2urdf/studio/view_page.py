@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -10,12 +11,15 @@ from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing, words
 from dh2urdf.studio.drawing.scene import LAYERS
+from dh2urdf.studio.panels import sharing
+from dh2urdf.studio.robot_tree import RobotTree
 from dh2urdf.studio.widgets import ArmView, JointSliders, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from dh2urdf.studio.viewing import View
+    from dh2urdf.studio.widgets import ShownScene
 
 MOST_TIPS = 12
 """Ends of arms whose poses are told."""
@@ -32,15 +36,30 @@ class ViewPage:
             with ui.element("header").classes("studio-head"):
                 ui.html("<b>dh2urdf</b> view", sanitize=False, tag="h1").classes("studio-title")
                 ui.label(viewing.told(view.figures))
+                ui.element("div").classes("studio-space")
+                with ui.button("Save", icon="save").props("flat dense no-caps color=white"):
+                    menu = ui.menu()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
                 with ui.element("div").classes("studio-row"):
                     for told, poses in (("zero", joints.zero), ("random pose", joints.anywhere)):
                         button = ui.button(told, on_click=lambda poses=poses: self._move_to(poses))
                         button.props("outline dense no-caps size=sm")
                 self._sliders = JointSliders(on_values=self._moved)
-                self._numbers = ui.html(sanitize=False).classes("studio-numbers")
+                with _fold("links"):
+                    self._tree = RobotTree(on_pick=self._pick, on_hide=self._hide)
+                with _fold("ends of the arms"):
+                    self._numbers = ui.html(sanitize=False).classes("studio-numbers")
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
                 self._lay_scene()
+            with menu:
+                sharing.lay_scene_items(self._scene, self._shown)
+
+    def _shown(self) -> ShownScene:
+        """What is on the screen now."""
+        view = self.view
+        nodes = [replace(node, parts=()) if node.name in view.hidden else node for node in view.drawing.nodes]
+        drawing = replace(view.drawing, nodes=tuple(nodes))
+        return viewing.told(view.figures).replace(", ", "-"), drawing, view.q, view.layers
 
     def _lay_scene(self) -> None:
         with ui.element("div").classes("studio-bar"):
@@ -63,14 +82,25 @@ class ViewPage:
             told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
             remark = ui.label(f"{told}: {words.some_of(unseen)}").classes("studio-bar studio-remark")
             remark.tooltip("\n".join(unseen[:50]))
-        self._scene = ArmView(on_pick=self._highlight, on_undrawn=dialogs.warn)
+        self._scene = ArmView(on_pick=lambda _: None, on_undrawn=dialogs.warn, on_pick_node=self._picked_in_scene)
 
-    def _highlight(self, row: int | None) -> None:
-        self._scene.highlight(row)
+    def _picked_in_scene(self, node: str | None) -> None:
+        self._pick(node)
+        self._tree.pick(self.view.picked)
+
+    def _pick(self, node: str | None) -> None:
+        self.view.picked = node
+        self._scene.highlight(None, node)
+
+    def _hide(self, nodes: frozenset[str]) -> None:
+        self.view.hidden = nodes
+        self._scene.hide(nodes)
 
     async def start(self) -> None:
         """Shows the view for the first time."""
         self._scene.set_layers(self.view.layers)
+        self._tree.show(self.view.figures, self.view.hidden)
+        self._scene.hide(self.view.hidden)
         self._show()
         self._scene.fit()
 
@@ -120,3 +150,10 @@ class ViewPage:
     def _moved(self, values: Mapping[str, float]) -> None:
         self.view.move(values)
         self._show_pose()
+
+
+def _fold(told: str) -> ui.element:
+    """Lay out a part of the page that can be folded."""
+    with ui.element("details").classes("studio-fold").props("open") as fold, ui.element("summary"):
+        ui.label(told)
+    return fold

@@ -11,6 +11,7 @@ from dh2urdf.conversion.making import make_item, make_robot
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError, ManipulatorError
+from dh2urdf.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.kinematics.chain import link_poses
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.plugin_system.calls import blaming, default_call
@@ -96,17 +97,36 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
             arm = _accepted(item)
             yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
         return
+    yield description(path, catalog, expansion)
+
+
+def description(path: Path, catalog: Catalog, expansion: Expansion | None = None) -> Figure:
+    """The robot of a robot description.
+
+    Args:
+        path: the file.
+        catalog: the emitters that there are.
+        expansion: how it is expanded, where it holds macros, and where its packages are.
+
+    Raises:
+        InputError: no emitter reads files of its format, or it cannot be read.
+        ManipulatorError: it is no robot.
+    """
     emitter = catalog.emitter_for(path)
     if (reading := emitter.read_foreign or emitter.read_back) is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
     given = expanded_with(emitter, expansion, path) if emitter.expandable else ()
     with blaming(default_call(catalog, emitter), "read_foreign" if emitter.read_foreign else "read_back"):
-        robot = a_whole_record(reading(path, *given), Robot)
+        read = a_whole_record(reading(path, *given), ForeignRobot, Robot)
+    found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
+    robot = found.robot
     packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))
-    find = mesh_finder(path.resolve().parent, packages)
+    find = mesh_finder(found.folder or path.resolve().parent, packages)
     addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(robot))
     files = {address: file for address in addresses if (file := find(address))}
-    yield Figure(robot=robot, title=robot.name or path.stem, files=files)
+    followers = following(found.followers, [joint.name for joint in robot.moving_joints])
+    title = robot.name.strip() or path.stem
+    return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose)
 
 
 def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
@@ -159,21 +179,40 @@ class View:
         apart: whether the robots stand side by side, or all at one place.
         as_in_ros: whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
         sliders: the joints of all robots.
-        q: their values by name [rad or m].
+        followers: the joints that follow others, by name: they have no slider.
+        q: the values of all joints by name [rad or m].
         drawing: the robots, as they are drawn.
+        hidden: the links that are not shown, by the names of their nodes.
+        picked: the link that stands out, by the name of its node.
     """
 
     def __init__(self, figures: Sequence[Figure]) -> None:
         self.figures = tuple(figures)
         self.layers: frozenset[str] = frozenset(("links", "axes"))
         self.apart, self.as_in_ros = True, True
-        moving = [
-            replace(joint, name=figure.name + joint.name) for figure in figures for joint in figure.robot.moving_joints
-        ]
-        self.sliders: tuple[Slider, ...] = joints.sliders(moving, angle_unit="deg")
-        self.q = joints.zero(self.sliders)
+        self.followers = {
+            figure.name + name: follower._replace(leader=figure.name + follower.leader)
+            for figure in figures
+            for name, follower in figure.followers.items()
+        }
+        self.sliders: tuple[Slider, ...] = tuple(
+            slider for figure in figures for slider in self._sliders_of(figure) if slider.name not in self.followers
+        )
+        self.q = self._followed(joints.zero(self.sliders))
         self.drawing = Drawing()
+        self.hidden: frozenset[str] = frozenset()
+        self.picked: str | None = None
         self.place()
+        if self.drawing.meshes:  # which joint axes would only lie on
+            self.layers = frozenset(("links",))
+
+    @staticmethod
+    def _sliders_of(figure: Figure) -> tuple[Slider, ...]:
+        named = [replace(joint, name=figure.name + joint.name) for joint in figure.robot.moving_joints]
+        return joints.sliders(named, angle_unit="deg", group=figure.title)
+
+    def _followed(self, values: Mapping[str, float]) -> dict[str, float]:
+        return with_followers(values, self.followers)
 
     def copy(self) -> View:
         """Another view of the same robots."""
@@ -200,8 +239,8 @@ class View:
         }
 
     def move(self, values: Mapping[str, float]) -> None:
-        """Joint values by name [rad or m]; they are kept inside the limits."""
-        self.q = joints.kept({**self.q, **values}, self.sliders)
+        """Joint values by name [rad or m]; they are kept inside the limits, and followers follow."""
+        self.q = self._followed(joints.kept({**self.q, **values}, self.sliders))
 
     def tips(self) -> Iterator[tuple[str, RigidTransform]]:
         """The links at the ends, with their poses in the robots' roots."""

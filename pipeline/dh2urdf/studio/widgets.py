@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nicegui import ui
 from nicegui.element import Element
@@ -14,7 +14,7 @@ from dh2urdf.quantities.units import QuantityError
 from dh2urdf.studio.drawing.scene import poses_as_json
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from dh2urdf.studio.drawing.strokes import Stroke
     from dh2urdf.studio.joints import Slider
 
+ShownScene: TypeAlias = "tuple[str, Drawing, Mapping[str, float], Collection[str]]"
+"""The name of a scene, what is drawn, joint values by name [rad or m], and the layers that are shown."""
 _STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
 """What an arrow key moves a slider by, in its unit."""
 _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
@@ -42,9 +44,12 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         on_pick: Callable[[int | None], None],
         on_undrawn: Callable[[str], None] | None = None,
         on_aim: Callable[..., None] | None = None,
+        on_pick_node: Callable[[str | None], None] | None = None,
     ) -> None:
         super().__init__()
         self.on("pick", lambda event: on_pick(event.args["row"]))
+        if on_pick_node is not None:
+            self.on("pick", lambda event: on_pick_node(event.args["node"]))
         if on_aim is not None:
             self.on("aim", lambda event: self._aimed(on_aim, event.args))
         if on_undrawn is not None:
@@ -62,13 +67,33 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         """What is shown."""
         self.run_method("setLayers", sorted(layers))
 
-    def highlight(self, row: int | None) -> None:
-        """The link and the frame of a row stand out."""
-        self.run_method("highlight", row)
+    def highlight(self, row: int | None, node: str | None = None) -> None:
+        """The link and the frame of a row stand out, or a node by its name."""
+        self.run_method("highlight", row, node)
+
+    def hide(self, nodes: Iterable[str]) -> None:
+        """These nodes are not shown, by their names; all others are."""
+        self.run_method("hide", sorted(nodes))
 
     def save_picture(self, name: str, *, transparent: bool) -> None:
         """Hands the scene over as the browser draws it, as a PNG of twice the size; with or without the ground."""
         self.run_method("savePicture", safe_stem(name or "arm"), transparent)
+
+    async def turn(self, frames: int, largest: int) -> AsyncIterator[str]:
+        """Frames of a turn of the camera about the arm, as data addresses of PNGs; the camera is back afterwards.
+
+        Args:
+            frames: their number.
+            largest: the longer side of a frame, at most [px].
+
+        Raises:
+            TimeoutError: the page does not answer.
+        """
+        try:
+            for number in range(frames):
+                yield str(await self.run_method("turn", number / frames, largest, timeout=30.0))
+        finally:
+            self.run_method("turn", None)
 
     def show_cloud(self, points: NDArray[np.float64]) -> None:
         """Points of shape (n, 3) [m] in place of those before, to a micrometre."""
@@ -146,6 +171,7 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
         unit = slider.unit.symbol
         return {
             "name": slider.name,
+            "group": slider.group,
             "lower": slider.shown(slider.lower),
             "upper": slider.shown(slider.upper),
             "unit": "°" if slider.unit.degrees else unit,

@@ -136,7 +136,7 @@ class TransformContract(StageContract):
             return  # It makes them one by one.
         clause = self.test_many_at_once_are_the_same
         for manipulator in self._manipulators():
-            arms = [_stretched(manipulator, factor) for factor in (1.0, 1.1, 4 / 3)]
+            arms = [stretched(manipulator, factor) for factor in (1.0, 1.1, 4 / 3)]
             ((_, columns),) = in_columns(arms)
             for places, robots in self.stage.transform_columns(columns, self.given()) or ():
                 for number, place in enumerate(places):
@@ -155,7 +155,7 @@ class TransformContract(StageContract):
         return self.stage.transform(manipulator, self.given())
 
 
-def _stretched(manipulator: Manipulator, factor: float) -> Manipulator:
+def stretched(manipulator: Manipulator, factor: float) -> Manipulator:
     """An arm of another size."""
     rows = tuple(replace(row, a=row.a * factor, d=row.d * factor) for row in manipulator.rows)
     return replace(manipulator, name=f"{manipulator.name}_{factor:.3g}", rows=rows)

@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import InputError
+from dh2urdf.foreign_robot import Follower, with_followers
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import norm
@@ -25,14 +26,6 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint
 
 FLOATING, PLANAR = "floating", "planar"
-
-
-class Follower(NamedTuple):
-    """What a joint that mimics another does: multiplier · value of the leader + offset."""
-
-    leader: str
-    multiplier: float = 1.0
-    offset: float = 0.0
 
 
 State = Mapping[str, float | tuple[float, float, float, float]]
@@ -103,7 +96,7 @@ class Mechanism:
             follower = self.followers.get(joint.name)
             if follower is None or not self.moves(joint):
                 continue
-            if not (math.isfinite(follower.multiplier) and math.isfinite(follower.offset)):
+            if not follower.is_finite:
                 message = "the multiplier or the offset of the mimic element is not a finite number"
                 yield self._problem(message, joint, accepted="finite numbers")
             if follower.leader not in moving or self._circles(joint.name):
@@ -127,26 +120,18 @@ class Mechanism:
 
     def default_state(self) -> State:
         """Where the joints start."""
-        return self._followed({joint.name: self._start(joint) for joint in self._driven()})
+        return with_followers({joint.name: self._start(joint) for joint in self._driven()}, self._moved())
 
     def random_state(self, random: Random) -> State:
         """A state within the limits."""
-        return self._followed({joint.name: self._anywhere(joint, random) for joint in self._driven()})
+        return with_followers({joint.name: self._anywhere(joint, random) for joint in self._driven()}, self._moved())
 
     def _driven(self) -> list[Joint]:
         return [joint for joint in self.robot.joints if self.moves(joint) and joint.name not in self.followers]
 
-    def _followed(self, values: dict[str, float | tuple[float, float, float, float]]) -> State:
-        for joint in self.robot.joints:
-            name, way = joint.name, []
-            while name not in values and name in self.followers:
-                way.append(name)
-                name = self.followers[name].leader
-            for each in reversed(way):
-                leader, multiplier, offset = self.followers[each]
-                value = values[leader]
-                values[each] = multiplier * value + offset if isinstance(value, float) else value
-        return values
+    def _moved(self) -> dict[str, Follower]:
+        moving = (joint.name for joint in self.robot.joints if self.moves(joint))
+        return {name: self.followers[name] for name in moving if name in self.followers}
 
     def _start(self, joint: Joint) -> float | tuple[float, float, float, float]:
         if self.loose.get(joint.name) == FLOATING:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import ProofError, TableError
+from dh2urdf.foreign_robot import Follower
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf_plugins.collision_pairs.mechanism import Follower
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
 from dh2urdf_plugins.read_back.xml_files import tree_of
@@ -56,17 +56,26 @@ class Description:
     notices: tuple[Problem, ...] = ()
 
 
-def urdf_description(path: Path) -> Description:
+def urdf_description(path: Path, *, colours: bool = False) -> Description:
     """The description of a URDF file.
+
+    Args:
+        path: the file.
+        colours: whether the robot has the materials of the file; a table has no place for them.
 
     Raises:
         TableError: it cannot be read, or is not the URDF of a robot.
     """
-    return _of_urdf(read_bytes(path, TableError, limit=LARGEST), path, str(path))
+    return _of_urdf(read_bytes(path, TableError, limit=LARGEST), path, str(path), colours=colours)
 
 
-def xacro_description(path: Path, expansion: Expansion) -> Description:
+def xacro_description(path: Path, expansion: Expansion, *, colours: bool = False) -> Description:
     """The description of a xacro file of unknown origin, expanded where it can do no harm.
+
+    Args:
+        path: the file.
+        expansion: the values of its arguments, and the packages that it may read.
+        colours: as of `urdf_description`.
 
     Raises:
         TableError: it cannot be expanded, or what comes out is not the URDF of a robot.
@@ -78,7 +87,7 @@ def xacro_description(path: Path, expansion: Expansion) -> Description:
         content = expand_foreign(path, expansion).content
     except ProofError as error:
         raise TableError(error.problems) from error
-    return _of_urdf(content, path, f"{path} (expanded)")
+    return _of_urdf(content, path, f"{path} (expanded)", colours=colours)
 
 
 def sdf_description(path: Path) -> Description:
@@ -103,8 +112,9 @@ def mjcf_description(path: Path) -> Description:
     )
 
 
-def _of_urdf(content: bytes, path: Path, file: str) -> Description:
-    return _described(content, path, file, _Format(tree_of, urdf_reader.robot_of, _urdf_extras))
+def _of_urdf(content: bytes, path: Path, file: str, *, colours: bool) -> Description:
+    extras = partial(_urdf_extras, colours=colours)
+    return _described(content, path, file, _Format(tree_of, urdf_reader.robot_of, extras))
 
 
 @dataclass(slots=True)
@@ -112,6 +122,7 @@ class _Extras:
     """What a tree holds besides its robot."""
 
     folder: Path
+    file: str
     followers: dict[str, Follower] = field(default_factory=dict)
     loose: dict[str, str] = field(default_factory=dict)
     rounded: list[Rounded] = field(default_factory=list)
@@ -126,7 +137,7 @@ class _Format(NamedTuple):
 
 
 def _described(content: bytes, path: Path, file: str, form: _Format) -> Description:
-    extras = _Extras(path.absolute().parent)
+    extras = _Extras(path.absolute().parent, file)
     try:
         root = form.tree_of(content, file)
         meant = form.extras_of(root, extras)
@@ -147,7 +158,7 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
         raise TableError(problem.about(mark=Mark(file=file)) for problem in problems) from error
 
 
-def _urdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
+def _urdf_extras(root: etree._Element, extras: _Extras, *, colours: bool) -> etree._Element:
     """Takes from a URDF what no table has a place for, and returns it as its angles were meant."""
     root.set("name", root.get("name", ""))
     for joint in root.iterchildren("joint"):
@@ -157,8 +168,9 @@ def _urdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
         if (word := joint.get("type")) in _LOOSE:
             extras.loose[name] = word
             joint.set("type", "fixed")
+    defined = {each.get("name") for each in root.iter("material") if len(each)} if colours else set()
     for material in [*root.iter("material")]:  # colours, which may be defined nowhere
-        if (parent := material.getparent()) is not None:
+        if (parent := material.getparent()) is not None and material.get("name") not in defined:
             parent.remove(material)
     meant = deepcopy(root)
     for origin in meant.iter("origin"):
@@ -184,7 +196,7 @@ def _number(text: str) -> float:
 def _sdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
     for joint in root.iter("joint"):
         if (mimic := joint.find("axis/mimic")) is not None:
-            extras.followers[joint.get("name", "")] = Follower(mimic.get("joint", ""))
+            extras.followers[joint.get("name", "")] = _sdf_follower(mimic)
     meant = deepcopy(root)
     for pose in meant.iter("pose"):
         words, found = repaired(pose.text or "", pose.sourceline, first=3)  # type: ignore[arg-type]  # wrong in the stubs
@@ -194,9 +206,20 @@ def _sdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
     return meant
 
 
+def _sdf_follower(mimic: etree._Element) -> Follower:
+    """Multiplier · (value of the leader - reference) + offset: http://sdformat.org/spec?ver=1.11&elem=joint."""
+    multiplier, offset, reference = (
+        _number(mimic.findtext(tag, default))
+        for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
+    )
+    return Follower(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
+
+
 def _mjcf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
+    places = mjcf_reader.references(root, extras.file) if root.find("equality/joint") is not None else {}
     for joint in root.iterfind("equality/joint"):
-        extras.followers[joint.get("joint1", "")] = Follower(joint.get("joint2", ""))
+        if joint.get("active") != "false":
+            extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, places)
     compiler = root.find("compiler")
     if compiler is None:
         return root
@@ -210,3 +233,15 @@ def _mjcf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
             element.set("euler", words)
             extras.rounded += found
     return meant
+
+
+def _mjcf_follower(joint: etree._Element, places: Mapping[str, float]) -> Follower:
+    """How a joint of an MJCF follows another: a polynomial of the distance from the reference values of both.
+
+    https://mujoco.readthedocs.io/en/stable/XMLreference.html#equality-joint
+    """
+    leader = joint.get("joint2", "")
+    constant, factor, *higher = [*map(_number, joint.get("polycoef", "0 1 0 0 0").split()), 0.0, 0.0][:5]
+    multiplier = nan if any(higher) else factor
+    own = places.get(joint.get("joint1", ""), 0.0)
+    return Follower(leader, multiplier, own + constant - multiplier * places.get(leader, 0.0))

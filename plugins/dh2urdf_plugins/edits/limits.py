@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from dh2urdf.elementwise import agreed, is_column
 from dh2urdf.errors import EditError
 from dh2urdf.manipulator import JointType
+from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Edit
+from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Limits, Manipulator
@@ -60,20 +63,25 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
         if name not in names
     ]
     rows = []
+    is_changed = False
     for row in manipulator.rows:
         is_meant = row.type is not JointType.FIXED and (not options.joints or row.joint in options.joints)
         limits = _limited(row.limits, options) if is_meant else row.limits
-        if None not in (limits.lower, limits.upper) and not limits.lower < limits.upper:  # type: ignore[operator]
+        if limits.lower is not None and limits.upper is not None and not agreed(limits.lower < limits.upper):
             problems.append(_nothing_left(row, options))
             limits = row.limits
-        rows.append(replace(row, limits=limits))
+        is_changed |= any(
+            new is not old and not agreed(new == old)
+            for new, old in ((getattr(limits, name), getattr(row.limits, name)) for name in LIMITS)
+        )
+        rows.append(changed(row, limits=limits))
     if problems:
         raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
     notices = manipulator.notices
-    if tuple(rows) == manipulator.rows:
+    if not is_changed:
         message = "the edit `limits` changes no limit of this arm"
         notices = (*notices, Problem(message=message, severity="notice", field="edits"))
-    return replace(manipulator, rows=tuple(rows), notices=notices)
+    return changed(manipulator, rows=tuple(rows), notices=notices)
 
 
 def _limited(limits: Limits, options: LimitsOptions) -> Limits:
@@ -94,10 +102,14 @@ def _nothing_left(row: DHRow, options: LimitsOptions) -> Problem:
     return Problem(
         message=f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`",
         field="edits",
-        found=f"{row.limits.lower:g} to {row.limits.upper:g}, with a margin of {options.margin:g}",
+        found=f"{_first(row.limits.lower):g} to {_first(row.limits.upper):g}, with a margin of {options.margin:g}",
         accepted="a margin of less than half of the range",
         suggestion="`joints` names those that are meant: a margin is in rad for joints that turn, in m for others",
     )
+
+
+def _first(number: Any) -> float:  # noqa: ANN401 - a float or a column
+    return float(number[0]) if is_column(number) else number
 
 
 EDIT = Edit(
@@ -105,4 +117,5 @@ EDIT = Edit(
     summary="narrower or wider limits of joints: factors of range, speed and effort, and a margin at both ends",
     options=LimitsOptions,
     edit_table=edit_table,
+    accepts_columns=True,
 )

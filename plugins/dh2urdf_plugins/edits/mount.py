@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.elementwise import agreed
 from dh2urdf.errors import EditError
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import placed, solid
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.robot import Robot
+    from dh2urdf.rotations import RigidTransform
 
 _OPTICAL: Vec3 = (-math.pi / 2, 0.0, -math.pi / 2)
 """REP 103: z forward, x right, y down, in a body frame of x forward, y left, z up."""
@@ -91,18 +93,27 @@ def _with(robot: Robot, link: Link, parent: str, origin: Origin) -> Robot:
     A frame without mass is fixed to the nearest link with a mass, at the same place: simulators refuse or drop chains
     of links that weigh nothing, such as tool0 and a frame on it.
     """
-    weighs = {each.name: bool(each.inertial and each.inertial.mass) for each in robot.links}
+    links = {each.name: each for each in robot.links}
     above = {joint.child: joint for joint in robot.joints}
-    pose = origin.transform
-    is_frame = not (link.inertial and link.inertial.mass)
-    while is_frame and not weighs[parent]:
+    pose = given = origin.transform
+    is_frame = not _weighs(link)
+    while is_frame and not _weighs(links[parent]):
         joint = above.get(parent)
         if joint is None or joint.type is not JointType.FIXED:
             break
         parent, pose = joint.parent, joint.origin.transform @ pose
-    at = origin if pose == origin.transform else Origin(xyz=pose.translation, rpy=pose.rpy)
+    at = origin if _same(pose, given) else Origin(xyz=pose.translation, rpy=pose.rpy)
     fixed = Joint(name=f"{link.name}_joint", type=JointType.FIXED, parent=parent, child=link.name, origin=at)
     return replace(robot, links=(*robot.links, link), joints=(*robot.joints, fixed))
+
+
+def _same(pose: RigidTransform, other: RigidTransform) -> bool:
+    numbers = zip((*pose.translation, *pose.rotation), (*other.translation, *other.rotation), strict=True)
+    return all(agreed(mine == its) for mine, its in numbers)
+
+
+def _weighs(link: Link) -> bool:
+    return link.inertial is not None and agreed(link.inertial.mass != 0.0)
 
 
 def _problems(robot: Robot, options: MountOptions) -> Iterator[Problem]:
@@ -148,4 +159,5 @@ EDIT = Edit(
     summary="a link on a fixed joint: the frame of a camera or of another sensor, with a box or without",
     options=MountOptions,
     edit_robot=edit_robot,
+    accepts_columns=True,
 )

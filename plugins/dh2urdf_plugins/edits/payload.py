@@ -17,6 +17,7 @@ from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import Vec3
 from dh2urdf.source import Problem
 from dh2urdf.stages import Edit
+from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
@@ -72,7 +73,7 @@ def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator
             )
         )
     new = Payload(mass=options.mass, com=options.com, inertia=_inertia(options))
-    return replace(manipulator, payload=_joined(manipulator, manipulator.payload, new))
+    return changed(manipulator, payload=_joined(manipulator, manipulator.payload, new))
 
 
 def _joined(manipulator: Manipulator, old: Payload | None, new: Payload) -> Payload:
@@ -119,4 +120,5 @@ EDIT = Edit(
     summary="something that the arm carries at tool0: mass, centre of mass and inertia",
     options=PayloadOptions,
     edit_table=edit_table,
+    accepts_columns=True,
 )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.errors import EditError
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Edit
+from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -67,12 +68,12 @@ def edit_table(manipulator: Manipulator, options: RenameOptions) -> Manipulator:
     if problems:
         raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
     named = zip(manipulator.rows, joints, links, strict=True)
-    rows = tuple(replace(row, joint=joint, link=link) for row, joint, link in named)
+    rows = tuple(changed(row, joint=joint, link=link) for row, joint, link in named)
     notices = manipulator.notices
-    if rows == manipulator.rows:
+    if all((new.joint, new.link) == (old.joint, old.link) for new, old in zip(rows, manipulator.rows, strict=True)):
         message = "the edit `rename` changes no name of this arm"
         notices = (*notices, Problem(message=message, severity="notice", field="edits"))
-    return replace(manipulator, rows=rows, notices=notices)
+    return changed(manipulator, rows=rows, notices=notices)
 
 
 def _problems(what: str, before: Sequence[str], after: Sequence[str]) -> Iterator[Problem]:
@@ -94,4 +95,5 @@ EDIT = Edit(
     summary="other names of joints and links: a prefix, or a pattern and its replacement",
     options=RenameOptions,
     edit_table=edit_table,
+    accepts_columns=True,
 )

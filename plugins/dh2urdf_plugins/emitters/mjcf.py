@@ -19,6 +19,7 @@ from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.descriptions.foreign import foreign_mjcf
 from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
 from dh2urdf_plugins.read_back.mjcf_reader import read_mjcf
 
@@ -312,6 +313,7 @@ EMITTER = Emitter(
     options=MjcfOptions,
     emit=emit,
     read_back=read_mjcf,
+    read_foreign=foreign_mjcf,
     check=check,
     descriptions=descriptions,
 )

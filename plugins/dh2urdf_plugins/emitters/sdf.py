@@ -21,6 +21,7 @@ from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.base_bodies import notices_for_gazebo, with_base_bodies
+from dh2urdf_plugins.descriptions.foreign import foreign_sdf
 from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
 from dh2urdf_plugins.read_back.sdf_reader import read_sdf
 
@@ -269,6 +270,7 @@ EMITTER = Emitter(
     options=SdfOptions,
     emit=emit,
     read_back=read_sdf,
+    read_foreign=foreign_sdf,
     notices=notices,
     check=check,
     descriptions=descriptions,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.descriptions.foreign import foreign_urdf
 from dh2urdf_plugins.emitters.profiles import (
     PROFILE_HELP,
     PROFILES,
@@ -123,6 +124,7 @@ EMITTER = Emitter(
     options=UrdfOptions,
     emit=emit,
     read_back=read_urdf,
+    read_foreign=foreign_urdf,
     emit_columns=emit_columns,
     read_columns=scan_columns,
     check=check,

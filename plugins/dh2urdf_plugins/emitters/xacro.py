@@ -28,6 +28,7 @@ from dh2urdf.quantities import format_number
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf_plugins.descriptions.foreign import foreign_xacro
 from dh2urdf_plugins.emitters.profiles import (
     PROFILE_HELP,
     PROFILES,
@@ -45,7 +46,7 @@ from dh2urdf_plugins.emitters.urdf_tree import (
     append_robot,
     serialise,
 )
-from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro, read_xacro
+from dh2urdf_plugins.read_back.xacro_reader import read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -359,7 +360,7 @@ EMITTER = Emitter(
     options=XacroOptions,
     emit=emit,
     read_back=read_xacro,
-    read_foreign=read_foreign_xacro,
+    read_foreign=foreign_xacro,
     expandable=True,
     one_file=one_file,
     costly_proof=True,

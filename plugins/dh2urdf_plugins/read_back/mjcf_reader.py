@@ -84,6 +84,15 @@ def robot_of(root: etree._Element, file: str) -> Robot:
     return _Reader(root, file).robot()
 
 
+def references(root: etree._Element, file: str) -> dict[str, float]:
+    """The reference values of the joints of a tree of elements, by name [rad or m].
+
+    Raises:
+        ProofError: as of `robot_of`.
+    """
+    return _Reader(root, file).references()
+
+
 class _Reader:
     """Reads one tree."""
 
@@ -117,6 +126,15 @@ class _Reader:
                 links.append(Link(name=name))
                 joints.append(_fixed(name, holder, self._pose(element)))
         return Robot(name=self._root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
+
+    def references(self) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for element in self._root.iterfind("worldbody//joint"):
+            attributes = self._attributes(element)
+            found[attributes.get("name", "")] = self._reference(
+                element, attributes, self._motion(element, attributes)[0]
+            )
+        return found
 
     # Default classes
 
@@ -155,9 +173,8 @@ class _Reader:
             attributes = self._attributes(element)
             anchor = self._vector(element, attributes, "pos", ZERO)
             kind, axis = self._motion(element, attributes)
-            (ref,) = self._numbers(element, attributes, "ref", (0.0,))
             # At the reference value the body is where it is written, so at 0 it has moved back by that value.
-            back = _moved(kind, axis, -ref * (1.0 if kind is JointType.PRISMATIC else self._angle))
+            back = _moved(kind, axis, -self._reference(element, attributes, kind))
             direct = number == len(moving) and anchor == ZERO
             child = name if direct else f"{name} after joint {number}"
             origin = pose @ RigidTransform(IDENTITY_ROTATION, anchor) @ back
@@ -166,6 +183,10 @@ class _Reader:
         if not held or held[-1].child != name:
             held.append(_fixed(name, holder, pose))
         return held
+
+    def _reference(self, element: etree._Element, attributes: dict[str, str], kind: JointType) -> float:
+        (reference,) = self._numbers(element, attributes, "ref", (0.0,))
+        return reference * (1.0 if kind is JointType.PRISMATIC else self._angle)
 
     def _motion(self, element: etree._Element, attributes: dict[str, str]) -> tuple[JointType, Vec3]:
         """How a joint moves, and about or along which unit vector."""

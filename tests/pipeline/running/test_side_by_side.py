@@ -75,3 +75,62 @@ def test_names_that_many_have_are_numbered_at_once() -> None:
     found = [stems.claim("robot")[0] for _ in range(2000)]
     assert found == ["robot", *(f"robot-{number}" for number in range(2, 2001))]
     assert Counted.asked < 20_000
+
+
+LIMITED = """# convention: standard
+joint, a, alpha, d, lower, upper
+one, 0.4, 0, 0.1, -1, 1
+two, 0.3, pi/2, 0, -2, 2
+three, 0.2, 0, 0.1, -2, 2
+"""
+VARIATIONS = """
+variations:
+  of: arm
+  count: 60
+  seed: 4
+  vary:
+    - {joints: all, field: d, uniform: [0.05, 0.3]}
+    - {joints: two, field: upper, uniform: [-1.9, 2]}
+"""
+EDITS = """
+edits:
+  - {stage: payload, options: {mass: 2, radius: 0.05}}
+  - {stage: limits, options: {margin: 0.2, effort: 0.5, joints: [two]}}
+  - {stage: rename, options: {prefix: my_}}
+  - {stage: mount, options: {name: camera, parent: flange, xyz: [0.1, 0, 0], rpy: [0, pi/3, 0], optical: true}}
+  - {stage: rename, options: {pattern: none, replacement: one}}
+"""
+
+
+def test_edited_arms_are_what_they_are_by_themselves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same rows and bytes; those whose range is too narrow for the margin fail alone, with the edit's message."""
+    by_themselves: list[int] = []
+    one = Work._one
+
+    def noted(self: Work, place: int) -> Any:
+        by_themselves.append(place)
+        return one(self, place)
+
+    monkeypatch.setattr(Work, "_one", noted)
+    (tmp_path / "arm.csv").write_text(LIMITED)
+    found = []
+    for emitters in ("[urdf]", "[urdf, xacro]"):
+        run_file = tmp_path / "run.yaml"
+        run_file.write_text(
+            f"inputs: arm.csv\nemitters: {emitters}\noutput: out\nreport: {{html: false}}\n"
+            f"execution: {{options: {{workers: 1}}}}\nsample: {{first: 0}}\n{VARIATIONS}{EDITS}"
+        )
+        by_themselves.clear()
+        rows = dh2urdf.run(run_file)["manipulators"]
+        failed = [number for number, row in enumerate(rows) if row["status"] == "failed"]
+        if emitters == "[urdf]":
+            assert 0 < len(failed) < 20
+            assert len(by_themselves) == len(failed)  # They are looked at again, to say why.
+        files = {row["name"]: (tmp_path / "out" / f"{row['name']}.urdf").read_bytes() for row in rows if row["files"]}
+        told = {row["name"]: [*map(str, row["notices"]), *map(str, row["errors"])] for row in rows}
+        proofs = {row["name"]: row["proof"].get("urdf") is not None for row in rows}
+        found.append((files, told, proofs))
+    assert len(by_themselves) == 61
+    assert found[0] == found[1]
+    assert all("nothing is left of the range" in told[-1] for told in [found[0][1][rows[n]["name"]] for n in failed])
+    assert sum("changes no name" in str(each) for each in found[0][1].values()) == 61 - len(failed)

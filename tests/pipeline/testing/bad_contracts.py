@@ -9,6 +9,7 @@ import bad_lab
 import subtle_lab
 
 from dh2urdf.testing import (
+    EditContract,
     EmitterContract,
     ExecutorContract,
     LoaderContract,
@@ -96,6 +97,13 @@ TestLogging = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transfo
 TestForcing = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_by_force)
 TestCarelessTransform = of(TransformContract, bad_lab.TRANSFORM, transform=bad_lab.transform_carelessly)
 TestOneForAll = of(TransformContract, bad_lab.TRANSFORM, transform_columns=bad_lab.transform_columns)
+
+# Edits
+TestRenamingArms = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_name)
+TestLooseRobots = of(EditContract, bad_lab.EDIT, edit_robot=bad_lab.edit_loosely)
+TestMovingTool = of(EditContract, bad_lab.EDIT, edit_robot=bad_lab.edit_tool)
+TestCarelessEdit = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_carelessly)
+TestFirstForAll = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_first, accepts_columns=True)
 
 # Emitters
 TestThroughC = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_through_c)

@@ -17,8 +17,10 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.provenance import Said
+from dh2urdf.robot import Link, Origin
 from dh2urdf.source import Mark
 from dh2urdf.stages import (
+    Edit,
     EmittedFile,
     Emitter,
     Executor,
@@ -31,6 +33,7 @@ from dh2urdf.stages import (
     Transform,
 )
 from dh2urdf.testing import plain_robot
+from dh2urdf.unchecked_records import changed
 from dh2urdf_plugins.readers.table import read_table
 
 if TYPE_CHECKING:
@@ -214,6 +217,42 @@ def transform_columns(columns: Any, options: Any) -> Any:
 
 
 TRANSFORM = Transform(name="bad", summary="bad", transform=transform, options=NoOptions)
+
+# --- Edits
+
+
+def edit_table(manipulator: Manipulator, _options: Any) -> Manipulator:
+    return manipulator
+
+
+def edit_name(manipulator: Manipulator, _options: Any) -> Manipulator:
+    return replace(manipulator, name=f"{manipulator.name}_2")
+
+
+def edit_loosely(robot: Robot, _options: Any) -> Robot:
+    return replace(robot, links=(*robot.links, Link(name="loose")))
+
+
+def edit_tool(robot: Robot, _options: Any) -> Robot:
+    last = robot.joints[-1]
+    return replace(robot, joints=(*robot.joints[:-1], replace(last, origin=Origin(xyz=(0.0, 0.0, 0.25)))))
+
+
+def edit_carelessly(manipulator: Manipulator, _options: Any) -> Manipulator:
+    for row in manipulator.rows:
+        if row.mass is not None:
+            math.sqrt(row.mass)
+    return manipulator
+
+
+def edit_by_first(manipulator: Manipulator, _options: Any) -> Manipulator:
+    def first(number: Any) -> Any:
+        return float(number[0]) if hasattr(number, "ndim") else number
+
+    return changed(manipulator, rows=tuple(changed(row, d=first(row.d)) for row in manipulator.rows))
+
+
+EDIT = Edit(name="bad", summary="bad", options=NoOptions, edit_table=edit_table)
 
 # --- Emitters
 

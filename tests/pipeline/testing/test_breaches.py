@@ -11,11 +11,18 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from dh2urdf.testing import EmitterContract, ExecutorContract, LoaderContract, ReaderContract, TransformContract
+from dh2urdf.testing import (
+    EditContract,
+    EmitterContract,
+    ExecutorContract,
+    LoaderContract,
+    ReaderContract,
+    TransformContract,
+)
 from dh2urdf.testing.stage_contract import StageContract
 
 HERE = Path(__file__).parent
-CONTRACTS = (ReaderContract, TransformContract, EmitterContract, LoaderContract, ExecutorContract)
+CONTRACTS = (ReaderContract, TransformContract, EditContract, EmitterContract, LoaderContract, ExecutorContract)
 
 BREACHES = [
     ("TestNameless", "test_record", "the name 'My Emitter'"),
@@ -55,6 +62,12 @@ BREACHES = [
     ("TestForcing", "test_keeps_its_input", "name is once 'ur5' and once 'mine'"),
     ("TestCarelessTransform", "test_raises_documented_errors_only", "ValueError: math domain error at a body of nega"),
     ("TestOneForAll", "test_many_at_once_are_the_same", "joints[2].origin.xyz[2] is once"),
+    # Edits
+    ("TestRenamingArms", "test_returns_what_it_was_given", "with the name 'ur5_2' for the Manipulator 'ur5'"),
+    ("TestLooseRobots", "test_robots_stay_what_readers_take", "of the arm 'ur5': "),
+    ("TestMovingTool", "test_keeps_the_kinematics", "tool0 of 'ur5' is off by 0.25 m"),
+    ("TestCarelessEdit", "test_raises_documented_errors_only", "ValueError: math domain error at a body of negative"),
+    ("TestFirstForAll", "test_many_at_once_are_the_same", "rows[0].d is once"),
     # Emitters
     ("TestThroughC", "test_writes_nothing_itself", "left the file arm-7.xml"),
     ("TestMoving", "test_writes_nothing_itself", "os.chdir of .."),

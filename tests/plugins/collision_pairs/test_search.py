@@ -11,9 +11,10 @@ import pytest
 
 import dh2urdf
 from dh2urdf.errors import InputError
+from dh2urdf.foreign_robot import Follower
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.robot import Box, Collision, Joint, Link, Mesh, Origin, Robot, Sphere
-from dh2urdf_plugins.collision_pairs.mechanism import Follower, Mechanism
+from dh2urdf_plugins.collision_pairs.mechanism import Mechanism
 from dh2urdf_plugins.collision_pairs.options import PairOptions
 from dh2urdf_plugins.collision_pairs.search import collision_pairs, robot_pairs
 from dh2urdf_plugins.emitters import mjcf

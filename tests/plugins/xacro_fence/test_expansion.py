@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 import dh2urdf
-from dh2urdf.errors import CrashError, InputError, ProofError
+from dh2urdf.errors import CrashError, InputError, ProofError, TableError
 from dh2urdf.isolation.child_process import run_in_child
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Expansion
 from dh2urdf.studio.viewing import load_figures
+from dh2urdf_plugins.descriptions.foreign import foreign_xacro
 from dh2urdf_plugins.lint.inspection import inspect_xacro
 from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
@@ -132,6 +133,8 @@ def test_check_and_view_read_foreign_files_behind_the_fence(package: Path, name:
     assert SECRET not in finding.message
     with pytest.raises(ProofError, match="xacro cannot expand it"):
         read_foreign_xacro(path)
+    with pytest.raises(TableError, match="xacro cannot expand it"):
+        foreign_xacro(path)
 
 
 @pytest.mark.parametrize("name", [name for name in ATTACKS if name not in ("macros", "loops")])  # these take seconds

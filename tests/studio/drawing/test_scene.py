@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+import trimesh
 
 from dh2urdf.kinematics.chain import as_matrices, forward_kinematics, joint_variables
 from dh2urdf.manipulator import Convention, Inertia, JointType
@@ -126,21 +127,36 @@ def test_a_link_with_nothing_to_draw_is_sticks() -> None:
 
 
 def test_a_mass_is_the_ellipsoid_of_its_inertia() -> None:
-    """Of an even ellipsoid with half axes 0.1, 0.2 and 0.3 m, turned: the very ellipsoid."""
-    half, mass = np.array([0.1, 0.2, 0.3]), 2.0
+    """Of an ellipsoid of steel, whose mass and tensor trimesh integrates over triangles: the very ellipsoid.
+
+    Its 20,480 triangles lie inside it, so they enclose a little less.
+    """
     turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-    tensor = turn @ np.diag([mass / 5 * (sum(half**2) - axis**2) for axis in half]) @ turn.T
-    inertia = Inertia(
-        ixx=tensor[0, 0], iyy=tensor[1, 1], izz=tensor[2, 2], ixy=tensor[0, 1], ixz=tensor[0, 2], iyz=tensor[1, 2]
-    )
-    inertial = Inertial(mass=mass, com=(1.0, 2.0, 3.0), inertia=inertia)
+    body = trimesh.creation.icosphere(subdivisions=5)
+    body.apply_transform(np.diag([0.1, 0.2, 0.3, 1.0]))
+    body.apply_transform(np.block([[turn, np.array([[1.0], [2.0], [3.0]])], [np.zeros((1, 3)), np.ones((1, 1))]]))
+    body.density = 7850.0
+    t = body.moment_inertia
+    inertia = Inertia(ixx=t[0, 0], iyy=t[1, 1], izz=t[2, 2], ixy=t[0, 1], ixz=t[0, 2], iyz=t[1, 2])
+    inertial = Inertial(mass=body.mass, com=tuple(body.center_mass), inertia=inertia)
     drawing = Drawing.of([Figure(robot=Robot(name="x", links=(Link(name="base", inertial=inertial),), joints=()))])
-    ((part,),) = ([part for part in node.parts if part.layer == "masses"] for node in drawing.nodes)
-    assert part.pose.translation == (1.0, 2.0, 3.0)
-    axes = np.reshape(part.pose.rotation, (3, 3))
+    parts = {part.layer: part for node in drawing.nodes for part in node.parts}
+    assert parts["masses"].pose.translation == pytest.approx((1.0, 2.0, 3.0))
+    drawn = parts["inertias"]
+    assert drawn.pose.translation == pytest.approx((1.0, 2.0, 3.0))
+    axes = np.reshape(drawn.pose.rotation, (3, 3))
     assert np.linalg.det(axes) == pytest.approx(1.0)
-    drawn = axes @ np.diag(np.square(part.size)) @ axes.T
-    assert drawn == pytest.approx(turn @ np.diag(half**2) @ turn.T)
+    assert sorted(drawn.size) == pytest.approx([0.1, 0.2, 0.3], rel=1e-3)
+    assert axes @ np.diag(np.square(drawn.size)) @ axes.T == pytest.approx(
+        turn @ np.diag([0.01, 0.04, 0.09]) @ turn.T, abs=1e-4
+    )
+
+
+def test_an_inertia_that_no_body_has_is_no_ellipsoid() -> None:
+    """Its centre of mass is drawn all the same."""
+    inertial = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=3.0))
+    drawing = Drawing.of([Figure(robot=Robot(name="x", links=(Link(name="base", inertial=inertial),), joints=()))])
+    assert {part.layer for node in drawing.nodes for part in node.parts} == {"masses"}
 
 
 def test_links_in_any_order_are_drawn() -> None:

@@ -108,3 +108,16 @@ def test_a_run_file_is_no_table(catalog: Catalog) -> None:
     """It is told what it is, and where its robots are shown."""
     with pytest.raises(InputError, match=r"ur5\.yaml: error: this is a run file, not a table\n.*`dh2urdf view`"):
         open_tables(TABLES.parent / "ur5.yaml", catalog)
+
+
+def test_a_description_with_several_chains(catalog: Catalog) -> None:
+    """None of its leaves has a usual name, so each chain is a table that can be chosen."""
+    links = "".join(f"<link name='{name}'/>" for name in ("trunk", "left", "right"))
+    joint = (
+        "<joint name='{0}_joint' type='continuous'><parent link='trunk'/><child link='{0}'/><axis xyz='0 0 1'/></joint>"
+    )
+    text = f"<robot name='tree'>{links}{joint.format('left')}{joint.format('right')}</robot>"
+    opened = tables_of("tree.urdf", text.encode(), catalog)
+    assert not isinstance(opened, str)
+    assert [each.table.name for each in opened] == ["tree_left", "tree_right"]
+    assert [each.table.rows[0]["joint"] for each in opened] == ["left_joint", "right_joint"]

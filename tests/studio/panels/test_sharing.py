@@ -6,14 +6,19 @@ import base64
 import io
 import json
 import zlib
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
+from dh2urdf.kinematics.chain import as_matrices, forward_kinematics
 from dh2urdf.studio import gallery
+from dh2urdf.studio.drawing.turntable import FRAMES, LARGEST
 from dh2urdf.studio.editing.keeping import kept_table
+from dh2urdf.studio.editing.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -111,3 +116,43 @@ def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
     drawn = clear[..., 3] == 255
     same = np.abs(plain[drawn].astype(int) - clear[drawn]).max(axis=1) < 8
     assert same.mean() > 0.99
+
+
+def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+    """A GIF of a whole turn, all of the arm in every frame, and the camera is back; a GLB of the pose on the screen."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    tab.set_sliders([0.3, -1.2, 0.9, 0.4, -0.5, 0.2])
+    camera = "document.querySelector('.arm-view').camera.position.toArray()"
+    before = page.evaluate(camera)
+    name, content = tab.save("Turntable (GIF)")
+    assert name == "ur5.gif"
+    moving = Image.open(io.BytesIO(content))
+    assert moving.n_frames == FRAMES
+    assert moving.info["loop"] == 0
+    assert LARGEST - 40 < max(moving.size) <= LARGEST
+    view = page.locator(".arm-view").bounding_box()
+    assert moving.width / moving.height == pytest.approx(view["width"] / view["height"], abs=0.01)
+    frames = []
+    for number in range(moving.n_frames):
+        moving.seek(number)
+        frames.append(np.asarray(moving.convert("RGB")).astype(int))
+    for one, other in pairwise([*frames, frames[0]]):
+        assert 0.002 < (np.abs(one - other).max(axis=2) > 30).mean() < 0.5
+    quarter = FRAMES // 4
+    assert (np.abs(frames[0] - frames[quarter]).max(axis=2) > 30).mean() > 0.02
+    for frame in frames:
+        orange = (np.abs(frame - (242, 158, 18)).max(axis=2) < 25).nonzero()  # joint axes
+        assert min(len(orange[0]), orange[0].min(), orange[1].min()) > 5
+        assert orange[0].max() < moving.height - 5
+        assert orange[1].max() < moving.width - 5
+    assert page.evaluate(camera) == pytest.approx(before)
+    name, content = tab.save("Scene as glTF (GLB)")
+    assert name == "ur5.glb"
+    scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
+    arm = Session(catalog, gallery.exhibit("ur5.csv", catalog)).arm
+    assert arm is not None
+    y_up = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+    expected = y_up @ as_matrices(forward_kinematics(arm.manipulator, tab.sliders()))
+    assert np.abs(scene.graph["tool0"][0] - expected).max() < 1e-6

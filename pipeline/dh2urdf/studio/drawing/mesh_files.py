@@ -13,8 +13,12 @@ from dh2urdf.errors import OutputError
 from dh2urdf.meshes import FORMATS, REMEDY, read_parts
 from dh2urdf.rotations import Vec3
 from dh2urdf.source import Problem, shown
+from dh2urdf.studio.drawing.solids import Surface
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.meshes.triangles import Part
     from dh2urdf.robot import Mesh
 
 SUFFIXES = (*FORMATS, ".glb", ".gltf")
@@ -71,12 +75,48 @@ def triangles(mesh: DrawnMesh) -> bytes:
     Raises:
         OutputError: the file cannot be read, or holds no triangles.
     """
+    import numpy as np
+
+    told, bodies = [], []
+    for part in _parts(mesh):
+        corners, normals = _corners(part.vertices, part.faces)
+        packed = np.zeros((len(normals), 4), dtype=np.int8)
+        packed[:, :3] = np.rint(127 * normals)
+        told.append({"rgba": part.rgba, "corners": len(corners)})
+        bodies += [corners.tobytes(), packed.tobytes()]
+    header = json.dumps({"parts": told}).encode()
+    header += b" " * (-len(header) % 4)
+    return b"".join([struct.pack("<I", len(header)), header, *bodies])
+
+
+def surfaces(mesh: DrawnMesh) -> Iterator[tuple[tuple[float, float, float, float] | None, Surface]]:
+    """The same triangles, for files: the surface of each part with its colour, corners that are alike once.
+
+    Raises:
+        OutputError: the file cannot be read, or holds no triangles.
+    """
+    import numpy as np
+
+    for part in _parts(mesh):
+        positions, normals = _corners(part.vertices, part.faces)
+        normals[~normals.any(axis=1)] = (0.0, 0.0, 1.0)  # of triangles without an area
+        both = np.concatenate([positions, normals.round(3)], axis=1, dtype="<f4") + np.float32(0.0)  # no -0
+        _, first, corners = np.unique(both.view("V24").ravel(), return_index=True, return_inverse=True)
+        yield part.rgba, Surface(positions[first], _unit(normals[first]), corners)
+
+
+def _parts(mesh: DrawnMesh) -> list[Part]:
+    """What a file holds.
+
+    Raises:
+        OutputError: the file cannot be read, or holds no triangles.
+    """
     name = shown(mesh.path.name)
     try:
         if mesh.path.stat().st_size > LARGEST:
             raise OutputError(Problem(message=f"{name} is larger than {LARGEST // 2**20} MB"))
         content = mesh.path.read_bytes()
-        parts = read_parts(content, mesh.path.suffix.lower(), mesh.scale, as_in_ros=mesh.as_in_ros)
+        return read_parts(content, mesh.path.suffix.lower(), mesh.scale, as_in_ros=mesh.as_in_ros)
     except OSError as error:
         raise OutputError(Problem(message=f"{name} cannot be read: {error.strerror}")) from error
     except ImportError as error:
@@ -86,18 +126,10 @@ def triangles(mesh: DrawnMesh) -> bytes:
         raise
     except Exception as error:
         raise OutputError(Problem(message=f"{name} cannot be read: {str(error)[:200]}")) from error
-    told, bodies = [], []
-    for part in parts:
-        corners, normals = _corners(part.vertices, part.faces)
-        told.append({"rgba": part.rgba, "corners": len(corners)})
-        bodies += [corners.tobytes(), normals.tobytes()]
-    header = json.dumps({"parts": told}).encode()
-    header += b" " * (-len(header) % 4)
-    return b"".join([struct.pack("<I", len(header)), header, *bodies])
 
 
 def _corners(vertices: Any, faces: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays
-    """Positions and normals of the corners of all triangles.
+    """Positions and unit normals of the corners of all triangles; the normals of triangles without an area are 0.
 
     A corner has the mean of the normals of the triangles that meet there, weighted by their areas, without those that
     are at an edge from its own one.
@@ -118,9 +150,7 @@ def _corners(vertices: Any, faces: Any) -> tuple[Any, Any]:  # noqa: ANN401 - ar
             near, own = areas[corners // 3], flat[corners // 3]
             smooth = own @ own.transpose(0, 2, 1) > _SMOOTH
             normals[corners.reshape(-1)] = (smooth @ near).reshape(-1, 3)
-    packed = np.zeros((len(normals), 4), dtype=np.int8)
-    packed[:, :3] = np.rint(127 * _unit(normals))
-    return triangles.reshape(-1, 3).astype("<f4"), packed
+    return triangles.reshape(-1, 3).astype("<f4"), _unit(normals)
 
 
 def _unit(vectors: Any) -> Any:  # noqa: ANN401 - arrays (N, 3)

@@ -10,13 +10,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
+from dh2urdf.foreign_robot import Follower
 from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, link_poses
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
-from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
+from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
+from dh2urdf.studio.drawing.masses import mass_parts
 from dh2urdf.studio.drawing.mesh_files import DrawnMesh, drawn_mesh
+from dh2urdf.studio.drawing.parts import GREY, Colour, SceneNode, ScenePart, towards
 from dh2urdf.studio.drawing.strokes import Stroke, strokes
 from dh2urdf.table_text import TableText
 
@@ -25,23 +28,20 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Geometry, Link, Material
 
-Colour: TypeAlias = tuple[float, float, float]
-"""Red, green, blue in 0..1."""
-
 LAYERS = {
     "links": "links",
     "axes": "joint axes",
     "frames": "frames",
     "parameters": "a α d θ",
     "collision": "collision",
-    "masses": "masses",
+    "masses": "centres of mass",
+    "inertias": "inertias",
 }
 """What can be shown and hidden, and what a person calls it."""
 
-GREY: Colour = (0.72, 0.74, 0.77)
 COLLISION: Colour = (0.85, 0.2, 0.45)
-MASS: Colour = (0.45, 0.3, 0.75)
 PAPER: Colour = (0.45, 0.24, 0.72)
+BESIDE: Colour = (0.03, 0.55, 0.42)
 AXIS_COLOURS: Mapping[JointType, Colour] = {
     JointType.REVOLUTE: (0.95, 0.62, 0.07),
     JointType.CONTINUOUS: (0.95, 0.62, 0.07),
@@ -56,49 +56,6 @@ _DIGITS = 9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ScenePart:
-    """A body of a node.
-
-    Attributes:
-        shape: ``box`` (size x, y, z), ``cylinder`` (radius, length), ``sphere`` (radius, or three half axes), ``frame``
-            (length) or ``mesh`` (none).
-        size: its sizes [m].
-        pose: where it is in the node.
-        layer: with what it is shown, one of `LAYERS`.
-        colour: its colour; None for those of a mesh file.
-        opacity: 1 for what cannot be looked through.
-        mesh: the mesh file.
-    """
-
-    shape: str
-    size: tuple[float, ...]
-    pose: RigidTransform = IDENTITY
-    layer: str = "links"
-    colour: Colour | None = GREY
-    opacity: float = 1.0
-    mesh: DrawnMesh | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SceneNode:
-    """A rigid thing.
-
-    Attributes:
-        name: what it is called: a link's name, or ``frame 3``.
-        row: number of the row of the table that it belongs to, counted from 0.
-        parts: its bodies.
-        label: a text that stands at its origin.
-        layer: with what the label is shown.
-    """
-
-    name: str
-    row: int | None = None
-    parts: tuple[ScenePart, ...] = ()
-    label: str = ""
-    layer: str = "frames"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
     """One robot in the scene.
 
@@ -108,11 +65,14 @@ class Figure:
         name: what stands before the names of its nodes.
         place: where its root is.
         tint: a colour in place of its own ones.
+        opacity: less than 1 for a robot that is looked through, to see another one at its place.
         typed: the table as it was typed, whose texts and units stand at its parameters.
         title: a text that stands at its root.
         link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
         files: the files that the addresses of its meshes mean.
         as_in_ros: whether the axis up of their COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
+        followers: the joints that follow another one, by name.
+        loose: the types of joints that no table has, which are fixed in the robot, by the name of the joint.
     """
 
     robot: Robot
@@ -121,10 +81,13 @@ class Figure:
     name: str = ""
     place: RigidTransform = IDENTITY
     tint: Colour | None = None
+    opacity: float = 1.0
     title: str = ""
     link_frames: bool = True
     files: Mapping[str, Path] = field(default_factory=dict)
     as_in_ros: bool = True
+    followers: Mapping[str, Follower] = field(default_factory=dict)
+    loose: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -192,6 +155,7 @@ class Drawing:
                     "row": node.row,
                     "label": node.label,
                     "layer": node.layer,
+                    "rooted": node.rooted,
                     "parts": [
                         {
                             "shape": part.shape,
@@ -249,28 +213,43 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     robot, table = figure.robot, figure.manipulator
     rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
     above = {joint.child: joint for joint in robot.joints}
+    rooted = frozenset() if table else _held_by_the_root(robot)
     size = _frame_size(max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach, robot)
     for link in robot.links:
         joint = above.get(link.name)
         row = rows.get(joint.name) if joint else None
         bodies = list(_bodies(link, figure))
         if not any(part.layer == "links" for part in bodies):
-            bodies += _sticks(link, robot, figure.tint, 0.15 * size)
-        parts = [*bodies, *_mass(link), *(_axis(joint, size) if joint else ())]
+            bodies += _sticks(link, figure, 0.15 * size)
+        parts = [*bodies, *mass_parts(link, 0.2 * size), *(_axis(joint, size) if joint else ())]
         is_flange = link.name == FLANGE
         is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
         if is_frame:  # The flange's is smaller: tool0 often stands where it does.
             parts.append(ScenePart(shape="frame", size=(0.6 * size if is_flange else size,), layer="frames"))
-        label = link.name if is_frame else ""
+        label, layer = link.name if is_frame else "", "frames"
         if joint is None and figure.title:
-            yield SceneNode(name=figure.name + link.name, parts=tuple(parts), label=figure.title, layer="links")
-        else:
-            yield SceneNode(name=figure.name + link.name, row=row, parts=tuple(parts), label=label)
+            label, layer = figure.title, "links"
+        yield SceneNode(
+            name=figure.name + link.name,
+            row=row,
+            parts=tuple(parts),
+            label=label,
+            layer=layer,
+            rooted=link.name in rooted,
+        )
     if table is not None:
         for number in range(len(table.rows) + 1):
             part = ScenePart(shape="frame", size=(size,), layer="frames")
             row = number - 1 if number else None
             yield SceneNode(name=f"{figure.name}frame {number}", row=row, parts=(part,), label=f"{{{number}}}")
+
+
+def _held_by_the_root(robot: Robot) -> frozenset[str]:
+    """The links that no joint moves."""
+    moved = {joint.child for joint in robot.moving_joints}
+    while more := {joint.child for joint in robot.joints if joint.parent in moved} - moved:
+        moved |= more
+    return frozenset(link.name for link in robot.links if link.name not in moved)
 
 
 def _frame_size(reach: float, robot: Robot) -> float:
@@ -285,6 +264,7 @@ def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
         if part is not None:
             colour, opacity = _colour(visual.material, figure.tint)
             plain = GREY if part.mesh is None else None
+            opacity *= figure.opacity
             yield replace(part, pose=visual.origin.transform, colour=colour or plain, opacity=opacity)
     for collision in link.collisions:
         part = _part(collision.geometry, figure)
@@ -293,33 +273,14 @@ def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
             yield replace(part, pose=pose, layer="collision", colour=COLLISION, opacity=0.45)
 
 
-def _sticks(link: Link, robot: Robot, tint: Colour | None, radius: float) -> Iterator[ScenePart]:
+def _sticks(link: Link, figure: Figure, radius: float) -> Iterator[ScenePart]:
     """The skeleton of a link that has nothing to draw: from its own origin to those of the joints that it holds."""
-    for joint in robot.joints:
+    colour, opacity = figure.tint or GREY, figure.opacity
+    for joint in figure.robot.joints:
         length = norm(joint.origin.xyz)
         if joint.parent == link.name and length > 0.0:
             pose = RigidTransform(towards(joint.origin.xyz), scale(0.5, joint.origin.xyz))
-            yield ScenePart(shape="cylinder", size=(radius, length), pose=pose, colour=tint or GREY)
-
-
-def _mass(link: Link) -> Iterator[ScenePart]:
-    """The centre of mass, and the ellipsoid of even density that has the inertia of a link."""
-    inertial = link.inertial
-    if inertial is None or not inertial.mass > 0.0:
-        return
-    import numpy as np
-
-    i = inertial.inertia
-    tensor = [[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]]
-    moments, axes = np.linalg.eigh(tensor)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 2] *= -1.0
-    squares = 2.5 / inertial.mass * (moments.sum() - 2.0 * moments)  # of the half axes: I1 = m (b² + c²) / 5
-    if not squares.min() >= 0.0:
-        return  # no body has such an inertia
-    half_axes = tuple(float(axis) for axis in np.sqrt(squares))
-    pose = RigidTransform(tuple(map(float, axes.ravel())), inertial.com)  # type: ignore[arg-type]  # nine of them
-    yield ScenePart(shape="sphere", size=half_axes, pose=pose, layer="masses", colour=MASS, opacity=0.5)
+            yield ScenePart(shape="cylinder", size=(radius, length), pose=pose, colour=colour, opacity=opacity)
 
 
 def meshes_of(robot: Robot) -> Iterator[Mesh]:
@@ -362,16 +323,6 @@ def _axis(joint: Joint, size: float) -> Iterator[ScenePart]:
         yield ScenePart(
             shape="cylinder", size=(0.035 * size, _AXIS_LENGTH * size), pose=pose, layer="axes", colour=colour
         )
-
-
-def towards(direction: Vec3) -> Rotation:
-    """A rotation that turns z into a direction."""
-    z = scale(1.0 / norm(direction), direction)
-    helper = X_AXIS if abs(z[0]) < 0.9 else Y_AXIS  # noqa: PLR2004 - any that is not nearly parallel
-    y = cross(z, helper)
-    y = scale(1.0 / norm(y), y)
-    x = cross(y, z)
-    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
 
 
 # --- Poses ------------------------------------------------------------------------------------------------------------

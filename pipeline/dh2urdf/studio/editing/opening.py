@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from contextlib import contextmanager
 from dataclasses import fields, replace
 from itertools import islice
 from pathlib import Path
@@ -18,13 +19,16 @@ from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.studio.editing.reading import read_whole
+from dh2urdf.studio.viewing import description
 from dh2urdf.table_text import FIELDS, TableText, table_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
+    from dh2urdf.studio.drawing.scene import Figure
 
 
 class Opened(NamedTuple):
@@ -64,7 +68,7 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
             )
         )
     reader = catalog.reader_for(path)
-    items = list(islice(read_items(default_call(catalog, reader), path), most))
+    items = list(islice(_items(path, default_call(catalog, reader)), most))
     arms = [item for item in items if isinstance(item, Manipulator)]
     typed = _typed(path, reader, catalog, most)
     if arms:
@@ -78,20 +82,51 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
     )
 
 
+def _items(path: Path, call: Call[Reader[Any]]) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a file; of a description with several chains, of which none is the usual one, all of them."""
+    try:
+        yield from read_items(call, path)
+    except InputError as error:
+        if call.stage.leaves is None or not any(problem.field == "tip_link" for problem in error.problems):
+            raise
+        yield from read_items(replace(call, options=replace(call.options, tip_link="*")), path)
+
+
 def tables_of(name: str, content: bytes, catalog: Catalog, most: int | None = None) -> tuple[Opened, ...] | str:
     """The tables of a file by its name and bytes, or what is wrong with it, without the folder that it was read in."""
-
-    def without_folder(text: str) -> str:
-        return text.replace(f"{folder}{os.sep}", "")
-
-    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
-        path = Path(folder) / Path(name).name
+    with given_file(name, content) as path:
         try:
-            path.write_bytes(content)
             opened = open_tables(path, catalog, most)
         except Dh2UrdfError as error:
-            return without_folder(str(error))
-        return tuple(each._replace(notices=tuple(map(without_folder, each.notices))) for each in opened)
+            return _without_folder(str(error), path)
+        return tuple(
+            each._replace(notices=tuple(_without_folder(notice, path) for notice in each.notices)) for each in opened
+        )
+
+
+def description_of(name: str, content: bytes, catalog: Catalog) -> Figure | str:
+    """The robot of a description by its name and bytes, or what is wrong with it.
+
+    Its meshes are not at hand: a link that has nothing else is drawn as sticks.
+    """
+    with given_file(name, content) as path:
+        try:
+            return replace(description(path, catalog), title=Path(name).name, files={})
+        except Dh2UrdfError as error:
+            return _without_folder(str(error), path)
+
+
+@contextmanager
+def given_file(name: str, content: bytes) -> Iterator[Path]:
+    """A file that a browser sent, in a folder of its own, until the end of the block."""
+    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
+        path = Path(folder) / Path(name).name
+        path.write_bytes(content)
+        yield path
+
+
+def _without_folder(text: str, path: Path) -> str:
+    return text.replace(f"{path.parent}{os.sep}", "")
 
 
 def _typed(path: Path, reader: Reader[Any], catalog: Catalog, most: int | None) -> dict[str, TableText]:

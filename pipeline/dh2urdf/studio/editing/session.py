@@ -28,6 +28,7 @@ from dh2urdf.studio.drawing.motions import moving_frame
 from dh2urdf.studio.drawing.scene import FRAME_SIZE, PAPER, Drawing, Figure, extent
 from dh2urdf.studio.drawing.strokes import Stroke
 from dh2urdf.studio.editing import conversions, edits
+from dh2urdf.studio.editing.comparing import Beside, beside
 from dh2urdf.studio.editing.history import History
 from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read, variants
 from dh2urdf.table_text import FIELDS, TableText
@@ -86,6 +87,7 @@ class Session:
         lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
         poses: joint values that a person has stored, by name [rad or m].
         measured: the names of the two frames between which is measured; None where nothing is.
+        beside: the description that lies upon the arm, compared with it; None where there is none.
         problems_of_making: why no arm can be made of a table that can be read.
     """
 
@@ -104,6 +106,8 @@ class Session:
         self.lesson: float | None = None
         self.poses: list[dict[str, float]] = []
         self.measured: tuple[str, str] | None = None
+        self.beside: Beside | None = None
+        self._described: tuple[Figure, str, str] | None = None
         self.reading = Reading(table=self.table)
         self.problems_of_making: tuple[CellProblem, ...] = ()
         self._before_preview: tuple[OpenArm | None] | None = None
@@ -202,6 +206,11 @@ class Session:
     def convertible(self) -> Manipulator | None:
         """The arm that a conversion would keep; None while something is wrong with the table or missing from it."""
         return self.reading.manipulator if self.reading.is_whole else None
+
+    def lay_beside(self, figure: Figure | None, base_link: str = "", tip_link: str = "") -> None:
+        """Lays a description upon the arm, or takes it away; an empty name of a link stands for the likeliest one."""
+        self._described = None if figure is None else (figure, base_link, tip_link)
+        self._draw()
 
     # --- The arm ------------------------------------------------------------------------------------------------------
 
@@ -321,6 +330,7 @@ class Session:
         return True
 
     def _draw(self) -> None:
+        self.beside = None
         if self.arm is None:
             self.drawing, self.sliders = Drawing(), ()
             return
@@ -344,6 +354,10 @@ class Session:
                     link_frames=False,
                 )
             )
+        if self._described is not None:
+            described, base, tip = self._described
+            self.beside = beside(described, arm.manipulator, arm.robot, base_link=base, tip_link=tip)
+            figures.append(self.beside.figure)
         self.drawing = Drawing.of(figures)
         table = arm.table
         self.sliders = joints.sliders(arm.robot.moving_joints, table.length_unit, table.angle_unit)
@@ -351,5 +365,8 @@ class Session:
 
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""
-        beside = f"{self.variants[-1]}/"
-        return {**self.q, **{beside + name: value for name, value in self.q.items()}}
+        variant = f"{self.variants[-1]}/"
+        values = {**self.q, **{variant + name: value for name, value in self.q.items()}}
+        if self.beside is None or self.arm is None:
+            return values
+        return {**values, **self.beside.named_values(self._vector(self.arm.manipulator))}

@@ -1,27 +1,79 @@
-"""What can be taken along beside files: a link that holds the table, and a picture of the scene."""
+"""What can be taken along beside files: a link that holds the table; the scene as a picture, a turntable or glTF."""
 
 from __future__ import annotations
 
 import json
+from functools import partial
 from typing import TYPE_CHECKING
 
-from nicegui import ui
+from nicegui import run, ui
 
+from dh2urdf.errors import Dh2UrdfError
+from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.studio import dialogs
+from dh2urdf.studio.drawing import turntable
+from dh2urdf.studio.drawing.scene_file import glb
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.studio.editing.save import Saved
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from dh2urdf.studio.editing.session import Session
-    from dh2urdf.studio.widgets import ArmView
+    from dh2urdf.studio.widgets import ArmView, ShownScene
     from dh2urdf.table_text import TableText
 
 
 def lay_items(session: Session, view: ArmView) -> None:
-    """Lay out the entries of the menu."""
-    ui.menu_item("Picture (PNG)", on_click=lambda: view.save_picture(session.table.name, transparent=False))
-    transparent = "Picture with a transparent ground"
-    ui.menu_item(transparent, on_click=lambda: view.save_picture(session.table.name, transparent=True))
+    """Lay out the entries of the studio's menu."""
+    lay_scene_items(view, lambda: (session.table.name, session.drawing, session.joint_values(), session.layers))
     ui.menu_item("Link with this table", on_click=lambda: show_link(session.table))
+
+
+def lay_scene_items(view: ArmView, scene: Callable[[], ShownScene]) -> None:
+    """Lay out the entries of a menu that take the scene along.
+
+    Args:
+        view: what shows it.
+        scene: gives its name, and what is shown of it now.
+    """
+    for told, transparent in (("Picture (PNG)", False), ("Picture with a transparent ground", True)):
+        ui.menu_item(told, on_click=partial(_save_picture, view, scene, transparent=transparent))
+    ui.menu_item("Turntable (GIF)", on_click=partial(_save_turntable, view, scene))
+    ui.menu_item("Scene as glTF (GLB)", on_click=partial(_save_scene, scene))
+
+
+def _save_picture(view: ArmView, scene: Callable[[], ShownScene], *, transparent: bool) -> None:
+    view.save_picture(scene()[0], transparent=transparent)
+
+
+async def _save_turntable(view: ArmView, scene: Callable[[], ShownScene]) -> None:
+    """Hand over a turn about the arm: the page draws the frames, and what they are made into is made here."""
+    name = safe_stem(scene()[0] or "arm")
+    note = ui.notification("turntable", spinner=True, timeout=None)
+    try:
+        frames = []
+        async for frame in view.turn(turntable.FRAMES, turntable.LARGEST):
+            frames.append(frame)
+            note.message = f"turntable: frame {len(frames)} of {turntable.FRAMES}"
+        made = await run.io_bound(turntable.gif, frames)
+        if made is not None:  # as it is while the server ends
+            dialogs.hand_over(Saved(name=f"{name}.gif", content=made))
+    except Dh2UrdfError as error:
+        await dialogs.show_error("The turntable cannot be made", error)
+    finally:
+        note.dismiss()
+
+
+async def _save_scene(scene: Callable[[], ShownScene]) -> None:
+    """Hand over the robots as they are shown, in the pose on the screen."""
+    name, drawing, q, layers = scene()
+    try:
+        made = await run.io_bound(glb, drawing, q, layers, name or "arm")
+        if made is not None:  # as it is while the server ends
+            dialogs.hand_over(Saved(name=f"{safe_stem(name or 'arm')}.glb", content=made))
+    except Dh2UrdfError as error:
+        await dialogs.show_error("The scene cannot be written", error)
 
 
 async def show_link(table: TableText) -> None:

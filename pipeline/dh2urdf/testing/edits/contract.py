@@ -5,6 +5,8 @@ from __future__ import annotations
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from dh2urdf.columns import member, stacked
+from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import EditError, PluginError
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof import TOLERANCE
@@ -13,7 +15,8 @@ from dh2urdf.robot_check import check_robot
 from dh2urdf.testing.oracle import difference, robot_pose, table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
-from dh2urdf.testing.transform_contract import POSES, impossible
+from dh2urdf.testing.transform_contract import POSES, impossible, stretched
+from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -65,10 +68,8 @@ class EditContract(StageContract):
                 )
 
     def test_keeps_the_kinematics(self) -> None:
-        """Where the record claims it, T(base_link → tool0) after the edit of the robot is the DH product of the table.
-
-        Of an edit that also changes the table, it is the table after that change.
-        """
+        """Where the record claims it, T(base_link → tool0) after the edit of the robot is the table's DH product."""
+        # Of an edit that also changes the table, it is the table after that change.
         if self.stage.edit_robot is None or not self.stage.keeps_kinematics(self.given()):
             return  # The edited table is the truth; or the proof reports the difference, and fails nothing.
         for manipulator in self._manipulators():
@@ -128,6 +129,22 @@ class EditContract(StageContract):
                     remedy="check the numbers and names first, and raise EditError with a Problem for each fault",
                 )
 
+    def test_many_at_once_are_the_same(self) -> None:
+        """Where it accepts columns, it makes of many arms at once, to the last bit, what it makes of each alone."""
+        if not self.stage.accepts_columns:
+            return  # A run edits its arms one by one.
+        clause = self.test_many_at_once_are_the_same
+        for manipulator in self._manipulators():
+            for function, arms in self._work_of([stretched(manipulator, factor) for factor in (1.0, 1.1, 4 / 3)]):
+                try:
+                    many = function(stacked(arms), self.given())
+                except DividedError:
+                    continue  # The run makes groups of them that go the same way.
+                for number, arm in enumerate(arms):
+                    alone = function(arm, self.given())
+                    one = replace_unchecked(member(many, number), name=alone.name)
+                    self.same(clause, one, alone, whole=False)
+
     # --- What the clauses use
 
     @classmethod
@@ -137,10 +154,15 @@ class EditContract(StageContract):
 
     def _work(self, *others: Manipulator) -> Iterator[tuple[Callable[[Any, Any], Any], list[Any]]]:
         """The functions of the edit, each with what it is tested with; other tables go to that of tables."""
+        yield from self._work_of(self._manipulators(), others)
+
+    def _work_of(
+        self, manipulators: Sequence[Manipulator], others: Sequence[Manipulator] = ()
+    ) -> Iterator[tuple[Callable[[Any, Any], Any], list[Any]]]:
         if self.stage.edit_table is not None:
-            yield self.stage.edit_table, [*self._manipulators(), *others]
+            yield self.stage.edit_table, [*manipulators, *others]
         if self.stage.edit_robot is not None:
-            yield self.stage.edit_robot, [plain_robot(self._edited_table(each)) for each in self._manipulators()]
+            yield self.stage.edit_robot, [plain_robot(self._edited_table(each)) for each in manipulators]
 
     def _edited_table(self, manipulator: Manipulator) -> Manipulator:
         return self.stage.edit_table(manipulator, self.given()) if self.stage.edit_table else manipulator

@@ -1,0 +1,86 @@
+"""The bar above the scene: what is shown, which variant of the arm, from where, and the panels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from nicegui import ui
+
+from dh2urdf.studio.drawing.scene import LAYERS
+from dh2urdf.studio.editing.session import BOTH
+from dh2urdf.studio.widgets import lay_views
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from dh2urdf.studio.editing.session import Session
+    from dh2urdf.studio.widgets import ArmView
+
+
+class ScenePanel(Protocol):
+    """A panel below the table, which a button of the bar opens and closes."""
+
+    ICON: str
+    TITLE: str
+
+    def switch(self) -> None:
+        """Open the panel, or close it."""
+
+    def show(self) -> None:
+        """Show the session as it is now."""
+
+
+class SceneBar:
+    """The bar above the scene.
+
+    Args:
+        session: the session.
+        panels: the panels, for each of which there is a button.
+        on_layers: takes the layers that are to be shown.
+        on_variant: takes the variant that is to be shown.
+        scene: gives the scene, once it is laid out.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        panels: Iterable[ScenePanel],
+        *,
+        on_layers: Callable[[frozenset[str]], None],
+        on_variant: Callable[[str], None],
+        scene: Callable[[], ArmView],
+    ) -> None:
+        self._session = session
+        self._filling = False
+        self._on_layers, self._on_variant = on_layers, on_variant
+        with ui.element("div").classes("studio-bar"):
+            self._layers = {
+                layer: ui.checkbox(told, on_change=self._choose_layers).props("dense size=xs")
+                for layer, told in LAYERS.items()
+            }
+            names = session.variants
+            both = {BOTH: "side by side"} if len(names) > 1 else {}
+            self._variant = ui.toggle({name: name for name in names} | both, on_change=self._choose_variant)
+            self._variant.props('dense unelevated no-caps aria-label="variant"').set_visibility(bool(both))
+            fit = ui.button(icon="center_focus_strong", on_click=lambda: scene().fit())
+            fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
+            lay_views(scene)
+            for panel in panels:
+                switch = ui.button(icon=panel.ICON, on_click=panel.switch)
+                switch.props(f'flat dense round size=sm aria-label="{panel.TITLE}"').tooltip(panel.TITLE)
+
+    def show(self) -> None:
+        """Show which layers and which variant the session has."""
+        self._filling = True
+        for layer, box in self._layers.items():
+            box.set_value(layer in self._session.layers)
+        self._variant.set_value(self._session.variant)
+        self._filling = False
+
+    def _choose_layers(self) -> None:
+        if not self._filling:
+            self._on_layers(frozenset(layer for layer, box in self._layers.items() if box.value))
+
+    def _choose_variant(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        if not self._filling:
+            self._on_variant(event.value)

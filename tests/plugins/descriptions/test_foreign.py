@@ -1,0 +1,98 @@
+"""Descriptions of unknown origin as they are shown: joints that follow others, colours, and what no table has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from dh2urdf.foreign_robot import Follower, following, with_followers
+from dh2urdf.kinematics.chain import as_matrices, link_poses
+from dh2urdf_plugins.descriptions.foreign import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+GRIPPER = """<robot {attributes}>
+  <material name="blue"><color rgba="0 0 1 1"/></material>
+  <link name="base_link"><visual><geometry><box size="1 1 1"/></geometry><material name="blue"/></visual></link>
+  <link name="one"><visual><geometry><box size="1 1 1"/></geometry><material name="nowhere"/></visual></link>
+  <link name="two"/><link name="ball"/>
+  <joint name="a" type="revolute"><parent link="base_link"/><child link="one"/><origin xyz="0.1 0 0.3"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="b" type="revolute"><parent link="one"/><child link="two"/><origin xyz="0 0.2 0"/>
+    <axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/>
+    <mimic joint="a" multiplier="-2" offset="0.25"/></joint>
+  <joint name="c" type="floating"><parent link="two"/><child link="ball"/></joint>
+</robot>"""
+
+
+@pytest.mark.parametrize("suffix", [".urdf", ".urdf.xacro"])
+def test_a_urdf_that_no_table_holds(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"gripper{suffix}"
+    path.write_text(GRIPPER.format(attributes="name='gripper'" if "xacro" in suffix else ""))
+    found = foreign_urdf(path) if suffix == ".urdf" else foreign_xacro(path)
+    assert found.followers == {"b": Follower("a", -2.0, 0.25)}
+    assert found.loose == {"c": "floating"}
+    base, one, *_ = found.robot.links
+    assert base.visuals[0].material
+    assert base.visuals[0].material.rgba == (0.0, 0.0, 1.0, 1.0)
+    assert one.visuals[0].material is None
+
+
+def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:
+    """Pinocchio reads the mimic element itself."""
+    pinocchio = pytest.importorskip("pinocchio")
+    path = tmp_path / "gripper.urdf"
+    path.write_text(GRIPPER.format(attributes="name='gripper'").replace("floating", "fixed"))
+    found = foreign_urdf(path)
+    followers = following(found.followers, ["a", "b"])
+    poses = link_poses(found.robot, with_followers({"a": 0.7}, followers))
+    model = pinocchio.buildModelFromUrdf(str(path), True)  # with mimic joints
+    data = model.createData()
+    pinocchio.framesForwardKinematics(model, data, np.array([0.7]))
+    held = data.oMf[model.getFrameId("two")].homogeneous
+    assert as_matrices(poses["two"]) == pytest.approx(held, abs=1e-12)
+
+
+FOLLOWING = """<mujoco><compiler angle="{angle}" meshdir="assets"/><worldbody>
+  <body name="one"><joint name="a" axis="0 0 1" ref="{a}"/><geom size="0.1"/>
+  <body name="two" pos="0 0.2 0"><joint name="b" axis="0 1 0" ref="{b}"/><geom size="0.1"/></body></body>
+  <body name="three"><joint name="c"/><joint name="d" axis="1 0 0"/><geom size="0.1"/></body></worldbody>
+  <equality><joint joint1="b" joint2="a" polycoef="0.25 -2 0 0 0"/><joint joint1="c" joint2="a" polycoef="0 1 0.5 0 0"/>
+  <joint joint1="d" joint2="a" active="false"/></equality></mujoco>"""
+
+
+@pytest.mark.parametrize(("angle", "a", "b"), [("radian", 0.3, -0.2), ("degree", 20, 10)])
+def test_a_joint_equality_is_kept_where_mujoco_wants_it(tmp_path: Path, angle: str, a: float, b: float) -> None:
+    """MuJoCo finds nothing to correct; what is no straight line, or not active, moves by itself."""
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "gripper.xml"
+    path.write_text(FOLLOWING.format(angle=angle, a=a, b=b))
+    found = foreign_mjcf(path)
+    assert found.folder == tmp_path / "assets"
+    followers = following(found.followers, [joint.name for joint in found.robot.moving_joints])
+    assert set(followers) == {"b"}
+    values = with_followers({"a": 0.7}, followers)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    for name, value in values.items():
+        data.joint(name).qpos = value
+    mujoco.mj_forward(model, data)
+    assert abs(data.efc_pos[0]) < 1e-12
+
+
+def test_an_sdf_mimic(tmp_path: Path) -> None:
+    """-2 (a - 0.1) + 0.05."""
+    path = tmp_path / "gripper.sdf"
+    path.write_text(
+        "<sdf version='1.11'><model name='g'><link name='base'/><link name='one'/><link name='two'/>"
+        "<joint name='w' type='fixed'><parent>world</parent><child>base</child></joint>"
+        "<joint name='a' type='continuous'><parent>base</parent><child>one</child><axis><xyz>0 0 1</xyz></axis></joint>"
+        "<joint name='b' type='continuous'><parent>one</parent><child>two</child><axis><xyz>0 0 1</xyz>"
+        "<mimic joint='a'><multiplier>-2</multiplier><offset>0.05</offset><reference>0.1</reference></mimic>"
+        "</axis></joint></model></sdf>"
+    )
+    followers = foreign_sdf(path).followers
+    assert with_followers({"a": 0.4}, followers)["b"] == pytest.approx(-0.55)

@@ -1,0 +1,55 @@
+"""A description beside the table, in a real browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import dh2urdf
+import dh2urdf.studio
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+UR5 = Path(dh2urdf.studio.__file__).parent / "arms" / "ur5.csv"
+COUNT = "document.querySelector('.arm-view').scene.children[0].children.filter(node => node.name.startsWith('description/')).length"
+
+
+def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
+    """The arm's own URDF with an elbow that stands 3 mm off: the table of differences, and the two arms in one place."""
+    text = dh2urdf.convert(UR5).text
+    assert text.count('xyz="0 0 0.089159"') == 1
+    path = tmp_path / "measured.urdf"
+    path.write_text(text.replace('xyz="0 0 0.089159"', 'xyz="0 0 0.092159"'))
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    page.get_by_role("button", name="compare with a robot description").click()
+    with page.expect_file_chooser() as choosing:
+        page.get_by_role("button", name="Open a description").click()
+    choosing.value.set_files(path)
+    table = page.locator(".studio-differences")
+    table.wait_for()
+    rows = [row.split("\t") for row in table.inner_text().splitlines()]
+    assert rows[0][-4:] == ["mm now", "° now", "mm at most", "° at most"]
+    assert [row[0] for row in rows[1:3]] == ["axis of shoulder_pan_joint", "axis of shoulder_lift_joint"]
+    assert [row[1:] for row in rows[1:3]] == [["0", "0", "0", "0"], ["3", "0", "3", "0"]]
+    assert rows[-1] == ["tool0 and tool0", "3", "0", "3", "0"]
+    told = page.locator(".studio-compared").inner_text()
+    assert "measured.urdf: base_link to tool0, 6 moving joints" in told
+    assert "With these entries the table is the same arm:\nbase: {xyz: [0, 0, 0.003], rpy: [0, 0, 0]}" in told
+
+    # They move together, and the panel takes the description along when it closes.
+    tab.press("random pose")
+    script = """() => {
+        const {scene} = document.querySelector('.arm-view');
+        scene.updateMatrixWorld();
+        const [one, other] = ['tool0', 'description/tool0'].map(name => scene.getObjectByName(name).matrixWorld.elements);
+        return one.every((x, i) => Math.abs(other[i] - x - (i === 14 ? 0.003 : 0)) < 1e-6);
+    }"""
+    page.wait_for_function(script)
+    page.get_by_label("tip link of the description").click()
+    page.get_by_role("option", name="link_3", exact=True).click()
+    page.get_by_text("the description has 3 moving joints on this chain, the table 6").wait_for()
+    page.get_by_role("button", name="compare with a robot description").click()
+    page.wait_for_function(f"{COUNT} === 0")

@@ -1,0 +1,111 @@
+"""The tree of robots, links and what they consist of, driven by keyboard and mouse; sliders folded by robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+UR5 = Path(__file__).parents[2] / "configs" / "tables" / "ur5.csv"
+GRIPPER = """<robot name="gripper">
+  <link name="palm"><inertial><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>
+  <link name="left"><visual><geometry><box size="0.05 0.02 0.2"/></geometry></visual></link>
+  <link name="right"><visual><geometry><box size="0.05 0.02 0.2"/></geometry></visual></link>
+  <joint name="l" type="prismatic"><parent link="palm"/><child link="left"/><origin xyz="0 0.02 0.15"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.08" effort="1" velocity="1"/></joint>
+  <joint name="r" type="prismatic"><parent link="palm"/><child link="right"/><origin xyz="0 -0.02 0.15"/><axis xyz="0 1 0"/>
+    <limit lower="-0.08" upper="0" effort="1" velocity="1"/><mimic joint="l" multiplier="-1"/></joint>
+</robot>
+"""
+GLOWS = """name => {
+    let on = false;
+    document.querySelector('.arm-view').scene.getObjectByName(name).traverse(part => on ||= part.material?.emissive?.getHex() > 0);
+    return on;
+}"""
+HIDDEN = "name => document.querySelector('.arm-view')?.scene?.getObjectByName(name)?.visible === false"
+LAYER = """layer => {
+    const found = [];
+    document.querySelector('.arm-view').scene.traverse(part => part.userData.layer === layer && part.visible && found.push(part.parent.name));
+    return found;
+}"""
+
+
+def test_links_are_picked_hidden_and_unfolded(
+    new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path
+) -> None:
+    """By keys alone, and back from the scene; a joint that follows another moves with it and has no slider."""
+    (tmp_path / "gripper.urdf").write_text(GRIPPER)
+    with serving("view", tmp_path / "gripper.urdf", UR5) as address:
+        tab = new_tab(address)
+        page = tab.page
+        page.goto(address)
+        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 7")
+        page.get_by_role("button", name="at one place").click()
+
+        # A follower.
+        page.get_by_label("gripper/l in m").fill("0.05")
+        page.get_by_label("gripper/l in m").press("Enter")
+        script = """y => {
+            const {scene} = document.querySelector('.arm-view');
+            return ['left', 'right'].every((name, i) =>
+                Math.abs(scene.getObjectByName('gripper/' + name).matrix.elements[13] - (i ? -y : y)) < 1e-9);
+        }"""
+        page.wait_for_function(script, arg=0.07)
+
+        # The sliders of a robot fold.
+        assert page.locator(".joint-slider:visible").count() == 7
+        page.get_by_role("button", name="ur5").click()
+        assert page.locator(".joint-slider:visible").count() == 1
+
+        # The tree, by keys: one tab stop.
+        tree = page.get_by_role("tree", name="Robots")
+        assert tree.locator("[tabindex='0']").count() == 1
+        items = tree.get_by_role("treeitem")
+        assert items.all_inner_texts() == ["gripper (3)", "ur5 (10)"]
+        tree.locator("[tabindex='0']").focus()
+        for key in ("ArrowRight", "ArrowRight", "ArrowDown", "ArrowDown", "ArrowRight", "ArrowRight"):
+            page.keyboard.press(key)
+        focused = page.locator("*:focus")
+        follows = "joint r: prismatic along (0, 1, 0), -0.08 m to 0 m, follows -1 · l"
+        assert focused.inner_text().replace("\xa0", " ").replace("\n", "") == follows
+        page.keyboard.press("ArrowLeft")
+        assert focused.inner_text() == "right"
+        page.keyboard.press("Enter")
+        page.wait_for_function(GLOWS, arg="gripper/right")
+        assert not page.evaluate(GLOWS, "gripper/left")
+        assert focused.get_attribute("aria-selected") == "true"
+        page.keyboard.press("Space")
+        page.wait_for_function(HIDDEN, arg="gripper/right")
+        assert focused.get_attribute("aria-checked") == "false"
+        assert items.nth(0).get_attribute("aria-checked") == "mixed"
+
+        # From the scene into the tree: nothing that is hidden can be picked.
+        page.evaluate(
+            """() => {
+                const view = document.querySelector('.arm-view');
+                const node = view.scene.getObjectByName('gripper/left');
+                const at = node.position.clone().setFromMatrixPosition(node.matrixWorld).project(view.camera);
+                const canvas = view.querySelector('canvas'), box = canvas.getBoundingClientRect();
+                const [x, y] = [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height];
+                canvas.dispatchEvent(new MouseEvent('dblclick', {clientX: x, clientY: y, bubbles: true}));
+            }"""
+        )
+        page.wait_for_function(GLOWS, arg="gripper/left")
+        page.locator(".robot-tree [aria-selected=true]", has_text="left").wait_for()
+
+        # Centres of mass, and inertias, on request.
+        assert page.evaluate(LAYER, "masses") == page.evaluate(LAYER, "inertias") == []
+        page.get_by_text("centres of mass", exact=True).click()
+        page.get_by_text("inertias", exact=True).click()
+        for layer in ("masses", "inertias"):
+            script = f"layer => ({LAYER})(layer).filter(name => name.startsWith('gripper')).join() === 'gripper/palm'"
+            page.wait_for_function(script, arg=layer)
+
+        # What is hidden stays hidden in another drawing and after a reload.
+        page.get_by_role("button", name="side by side").click()
+        page.reload()
+        page.wait_for_function(HIDDEN, arg="gripper/right")
+        page.close()

@@ -1,0 +1,40 @@
+"""Joints that follow others."""
+
+from __future__ import annotations
+
+from math import inf, nan
+
+import pytest
+
+from dh2urdf.foreign_robot import Follower, following, with_followers
+
+
+def test_a_chain_of_followers_in_any_order() -> None:
+    followers = {"c": Follower("b", -1.0, 0.5), "b": Follower("a", 2.0), "d": Follower("a")}
+    assert following(followers, ["d", "c", "b", "a"]) == followers
+    found = with_followers({"a": 0.25, "b": 9.0}, followers)
+    assert found == {"a": 0.25, "b": 0.5, "c": 0.0, "d": 0.25}
+
+
+@pytest.mark.parametrize(
+    "followers",
+    [
+        {"b": Follower("c"), "c": Follower("b")},
+        {"b": Follower("b")},
+        {"b": Follower("gone")},
+        {"b": Follower("")},
+        {"b": Follower("a", nan)},
+        {"b": Follower("a", 1.0, inf)},
+        {"b": Follower("c"), "c": Follower("gone")},
+    ],
+)
+def test_what_cannot_follow_moves_by_itself(followers: dict[str, Follower]) -> None:
+    assert following(followers, ["a", "b", "c"]) == {}
+
+
+def test_a_fixed_joint_follows_nothing_and_leads_nothing() -> None:
+    assert following({"b": Follower("a"), "a": Follower("c")}, ["b", "c"]) == {}
+
+
+def test_an_orientation_is_passed_on() -> None:
+    assert with_followers({"a": (0.0, 0.0, 0.0, 1.0)}, {"b": Follower("a", 2.0)})["b"] == (0.0, 0.0, 0.0, 1.0)

@@ -46,7 +46,7 @@ def main(begin: bytes, end: bytes) -> None:
     function: Any = None
     while (call := received.get()) is not None:
         os.write(2, begin)
-        function, answer = _answer(function, *call)
+        function, answer = answer_call(function, *call)
         for stream in (sys.stdout, sys.stderr):
             with contextlib.suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
                 stream.flush()
@@ -81,7 +81,7 @@ def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
         os._exit(1)
 
 
-def _answer(function: Any, given: bytes | None, args: bytes | None) -> tuple[Any, tuple[Any, ...]]:  # noqa: ANN401 - whatever is called
+def answer_call(function: Any, given: bytes | None, args: bytes | None) -> tuple[Any, tuple[Any, ...]]:  # noqa: ANN401 - whatever is called
     """The function of a call, and what came of it. SIGTERM ends the call, which takes away what it was writing."""
     try:
         if given is not None:

@@ -21,6 +21,7 @@ from dh2urdf.plugin_system.options import make_options
 from dh2urdf.testing.breach import breach
 from dh2urdf.testing.catalogs import catalog_of
 from dh2urdf.testing.comparing import difference
+from dh2urdf.testing.forks import LIGHT_HOST
 from dh2urdf.testing.witness import witnessed
 
 if TYPE_CHECKING:
@@ -193,7 +194,7 @@ class StageContract:
         place = self.plugin or self._installed_as()
         try:
             options = pickle.dumps(self.given())  # Pickled here: the child is to see what their module imports.
-            loaded = witnessed(_registered, place, self.kind, self.stage.name, options).value
+            loaded = witnessed(_registered, place, self.kind, self.stage.name, options, modules=LIGHT_HOST).value
         except Exception as error:  # noqa: BLE001 - whatever an author's module raises
             self.breach(
                 self.test_registering_imports_nothing_heavy,

@@ -4,7 +4,7 @@ What Python writes is seen where it happens. What a C library writes is not, so 
 which is also that of temporary files, and what lies there afterwards was left behind.
 
 A child of its own, because what watches cannot be taken off again, and because another seed for the hashes of texts
-shows whether the order of a set has got into the result.
+shows whether the order of a set has got into the result. `dh2urdf.testing.forks` has the children.
 """
 
 from __future__ import annotations
@@ -25,15 +25,13 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 from uuid import uuid4
 
 from dh2urdf.errors import CrashError
-from dh2urdf.isolation.child_process import run_in_child
+from dh2urdf.testing.forks import HOST, MARK, environment, forking_interpreter, in_new_interpreter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
 T = TypeVar("T")
 
-PATIENCE = 300.0
-"""How long a stage may take in a test [s]."""
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _CHANGES = frozenset(
     {"os.chdir", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.link", "os.symlink", "os.truncate", "os.chmod"}
@@ -41,8 +39,6 @@ _CHANGES = frozenset(
 _STARTS = frozenset({"subprocess.Popen", "os.system", "os.fork", "os.forkpty", "os.exec", "os.posix_spawn", "os.spawn"})
 _GLANCES = 100
 """How often a process without a command line is looked at again."""
-_MARK = "DH2URDF_CONTRACT"
-"""Environment variable by which a process, and whatever it starts, is known."""
 _HELPERS = re.compile(r"from multiprocessing\.(resource_tracker|forkserver) import main")
 """Processes of `multiprocessing` itself: there is one for each interpreter, which ends with it."""
 
@@ -67,22 +63,31 @@ class Testimony(Generic[T]):
         return (*self.deeds, *(f"left {what}" for what in self.left))
 
 
-def witnessed(function: Callable[..., T], *args: Any, seed: int = 0) -> Testimony[T]:  # noqa: ANN401 - any arguments
+def witnessed(function: Callable[..., T], *args: Any, seed: int = 0, modules: tuple[str, ...] = HOST) -> Testimony[T]:  # noqa: ANN401 - any arguments
     """Calls a function in a child process and says what it did there.
 
     Args:
         function: a function of a module that can be imported by name.
         args: its arguments; they and the value must be picklable.
         seed: the seed for the hashes of texts.
+        modules: what the child may have imported before.
 
     Raises:
         CrashError: the child crashed, hung or left, cannot import the function, or cannot send what it returned.
         Exception: whatever the function raised.
     """
-    with marked() as mark, tempfile.TemporaryDirectory(prefix="dh2urdf-", ignore_cleanup_errors=True) as folder:
-        told = {"PYTHONHASHSEED": str(seed), "TMPDIR": folder, "TEMP": folder, "TMP": folder}
-        with _environment(told):
-            return run_in_child(_watched, function, args, mark, folder, timeout=PATIENCE, who="the stage").value
+    kept = forking_interpreter(seed, modules)
+    with (
+        tempfile.TemporaryDirectory(prefix="dh2urdf-", ignore_cleanup_errors=True) as folder,
+        environment({"TMPDIR": folder, "TEMP": folder, "TMP": folder}),
+    ):
+        if kept is None:
+            with marked() as mark:
+                return in_new_interpreter(_watched, (function, args, mark, folder), seed)
+        try:
+            return kept.call(_watched, (function, args, kept.mark, folder))
+        finally:
+            _end(set(processes(kept.mark)) - {kept.number})
 
 
 class _Process(NamedTuple):
@@ -119,11 +124,15 @@ def _descendants(mark: str) -> dict[int, str]:
 
 
 def _without_helpers(running: dict[int, _Process]) -> dict[int, str]:
-    """The command lines of processes, without this one and what `multiprocessing` has started for itself in it."""
+    """The command lines of processes.
+
+    Without this one, the one that it was forked from, and what `multiprocessing` has started for itself in it.
+    """
     return {
         number: process.command
         for number, process in running.items()
-        if number != os.getpid() and not (process.parent == os.getpid() and _HELPERS.search(process.command))
+        if number not in (os.getpid(), os.getppid())
+        and not (process.parent == os.getpid() and _HELPERS.search(process.command))
     }
 
 
@@ -133,7 +142,7 @@ def _running(mark: str) -> dict[int, _Process]:
     if Path("/proc/self/environ").exists():
         for folder in Path("/proc").glob("[0-9]*"):
             try:
-                has_mark = f"{_MARK}={mark}".encode() in (folder / "environ").read_bytes().split(b"\0")
+                has_mark = f"{MARK}={mark}".encode() in (folder / "environ").read_bytes().split(b"\0")
                 # The name before them, in brackets, may hold anything.
                 state, parent, *_ = (folder / "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
                 command = (folder / "cmdline").read_bytes().replace(b"\0", b" ").decode().strip()
@@ -147,8 +156,8 @@ def _running(mark: str) -> dict[int, _Process]:
         for line in listed.stdout.splitlines():
             number, parent, command = line.split(None, 2)
             if "ps axeww" not in command:
-                shown = command.partition(f" {_MARK}=")[0]
-                found[int(number)] = _Process(int(parent), shown, f"{_MARK}={mark}" in command)
+                shown = command.partition(f" {MARK}=")[0]
+                found[int(number)] = _Process(int(parent), shown, f"{MARK}={mark}" in command)
     return found
 
 
@@ -156,7 +165,7 @@ def _running(mark: str) -> dict[int, _Process]:
 def marked() -> Iterator[str]:
     """Gives everything that is started meanwhile a mark; ends what of it is left."""
     mark = uuid4().hex
-    with _environment({_MARK: mark}):
+    with environment({MARK: mark}):
         try:
             yield mark
         finally:
@@ -168,21 +177,6 @@ def _end(numbers: Iterable[int]) -> None:
     for number in numbers:
         with suppress(ProcessLookupError, PermissionError):
             os.kill(number, signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
-
-
-@contextmanager
-def _environment(variables: dict[str, str]) -> Iterator[None]:
-    """Environment variables for what is started meanwhile."""
-    before = {name: os.environ.get(name) for name in variables}
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
 
 
 def _watched(function: Callable[..., T], args: tuple[Any, ...], mark: str, folder: str) -> Testimony[T]:
@@ -227,5 +221,5 @@ def _deed(event: str, arguments: tuple[Any, ...]) -> str | None:
     if event in _CHANGES:
         return f"{event} of {arguments[0]}"
     if event in _STARTS:
-        return f"started a process ({event}): {arguments[0]}"
+        return f"started a process ({event}){f': {arguments[0]}' if arguments else ''}"
     return None

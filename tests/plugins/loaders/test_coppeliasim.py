@@ -3,7 +3,6 @@ from __future__ import annotations
 import math
 import re
 import socket
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import LoaderError, MissingDependencyError, MissingProgramError
+from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.robot import Collision, Mesh
 from dh2urdf_plugins.loaders.coppeliasim import loader as coppeliasim, turns
@@ -77,34 +76,10 @@ def refusal(peer: Any, request: LoadRequest) -> LoaderError:
     return caught.value
 
 
-def test_right_arm_is_confirmed(peer: Any, request_for: Any, planar: Any) -> None:
-    """An arm that was written right has its joints, masses and poses in CoppeliaSim."""
+def test_its_version_is_told(peer: Any, request_for: Any) -> None:
+    """As CoppeliaSim numbers itself; without an engine that is asked for there is no hold test."""
     report = run(peer, request_for())
-    assert (report.simulator, report.version, report.poses) == ("CoppeliaSim", "4.10.0.0", len(planar.poses))
-    assert report.position_error is not None
-    assert report.angle_error is not None
-    assert report.inertia_error is not None
-    assert report.position_error < 1e-12
-    assert report.angle_error < 1e-12
-    assert report.mass_error == 0.0
-    assert report.inertia_error < 1e-14
-    assert report.hold == {}
-
-
-def test_joints_are_reported_as_coppeliasim_has_them(peer: Any, request_for: Any) -> None:
-    """Types, limits and efforts are CoppeliaSim's; the axis, which is z in CoppeliaSim, is told in the link's frame."""
-    shoulder, _, slide, wrist = run(peer, request_for()).joints
-    assert shoulder == {
-        "name": "shoulder",
-        "type": "revolute",
-        "axis": (0.0, 1.0, 0.0),
-        "lower": -2.0,
-        "upper": 2.5,
-        "velocity": 3.0,
-        "effort": 60.0,
-    }
-    assert (slide["type"], slide["lower"], slide["upper"]) == ("prismatic", 0.05, pytest.approx(0.2, rel=1e-15))
-    assert (wrist["type"], wrist["axis"], wrist["lower"], wrist["upper"]) == ("continuous", (1.0, 0.0, 0.0), None, None)
+    assert (report.version, report.hold) == ("4.10.0.0", {})
 
 
 def test_links_without_mass_weigh_a_kilogram(peer: Any, request_for: Any) -> None:
@@ -255,30 +230,11 @@ def test_text_begins_with_a_declaration(
         assert run(server, request_for(text)).poses == len(planar.poses)
 
 
-@pytest.mark.parametrize(
-    ("written", "instead", "message"),
-    [
-        ('xyz="0.4 0 0"', 'xyz="0.401 0 0"', "tool0 in another place, 0.001 m"),
-        ('xyz="0.4 0 0"', 'xyz="-0.4 0 0"', "tool0 in another place, 0.8 m"),
-        ('<axis xyz="0 1 0"/>', '<axis xyz="0 -1 0"/>', r"axis \(0\.0, -1\.0, 0\.0\) where"),
-        ('type="continuous"', 'type="fixed"', "lost the joint"),
-        ('name="elbow"', 'name="knee"', "a joint that was not written"),
-        ('lower="-2" upper="2.5"', 'lower="-2" upper="2.6"', r"upper 2\.(6|59+\d) where 2\.5 was written"),
-        ('effort="60"', 'effort="61"', r"effort 61\.0 where 60\.0"),
-        ('velocity="0.5"', 'velocity="5"', r"velocity 5\.0 where 0\.5"),
-        ('mass value="1"', 'mass value="1.1"', r"another mass of the link 'forearm', by 0\.1 kg"),
-        ('xyz="0.2 0.01 0"', 'xyz="0.2 0.011 0"', r"another com of the link 'upper_arm', by 0\.001 m"),
-        ('ixy="0.0003"', 'ixy="-0.0003"', r"another inertia of the link 'upper_arm', by 0\.0006 kg·m²"),
-    ],
-)
-def test_another_arm_is_refused(
-    peer: Any, request_for: Any, planar_urdf: str, *, written: str, instead: str, message: str
-) -> None:
-    """A file that differs from the robot in a pose, joint or mass property is refused; the scene stays clean."""
-    assert written in planar_urdf
+def test_the_scene_stays_clean_of_an_arm_that_is_refused(peer: Any, request_for: Any, planar_urdf: str) -> None:
+    """Nothing of another arm is left."""
     before = dict(peer.scene.things)
-    with pytest.raises(LoaderError, match=message):
-        raise refusal(peer, request_for(planar_urdf.replace(written, instead, 1)))
+    message = str(refusal(peer, request_for(planar_urdf.replace('xyz="0.4 0 0"', 'xyz="0.401 0 0"', 1))))
+    assert "tool0 in another place, 0.001 m" in message
     assert peer.scene.things == before
 
 
@@ -297,13 +253,6 @@ def test_nothing_imported_is_an_error(peer: Any, request_for: Any) -> None:
 def test_text_that_is_not_xml_is_refused(peer: Any, request_for: Any, planar_urdf: str) -> None:
     """Before CoppeliaSim is given it."""
     assert "the file is not XML" in str(refusal(peer, request_for(planar_urdf[:400])))
-
-
-def test_missing_file_is_refused(peer: Any, request_for: Any, tmp_path: Path) -> None:
-    """A file that is not there is an error of this manipulator."""
-    request = request_for()
-    (tmp_path / "planar.urdf").unlink()
-    assert "cannot be read" in str(refusal(peer, request))
 
 
 def test_running_simulation_is_left_alone(peers: Any, request_for: Any) -> None:
@@ -350,23 +299,15 @@ def test_it_works_in_a_child_process(peer: Any, request_for: Any) -> None:
     assert report.output == ""
 
 
-def test_missing_client_names_the_extra(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without the client the error says what to install."""
-    monkeypatch.setitem(sys.modules, "coppeliasim_zmqremoteapi_client", None)
-    with pytest.raises(MissingDependencyError, match=r"pip install 'dh2urdf\[coppeliasim\]'"):
-        load(request_for(), CoppeliaSimOptions())
-
-
 def test_run_asks_for_the_client_before_it_begins() -> None:
     """Where the client is installed there is nothing to say before a run."""
     require(CoppeliaSimOptions())
 
 
-@pytest.mark.parametrize(("options", "message"), [({"poses": 0}, "from 1 on"), ({"port": 0}, "from 1 to 65535")])
-def test_options_are_checked(options: dict[str, int], message: str) -> None:
-    """There is at least one pose to measure, and a port that there can be."""
-    with pytest.raises(ValueError, match=message):
-        CoppeliaSimOptions(**options)
+def test_options_are_checked() -> None:
+    """There is a port that there can be."""
+    with pytest.raises(ValueError, match="from 1 to 65535"):
+        CoppeliaSimOptions(port=0)
 
 
 class TestHold:

@@ -45,43 +45,11 @@ def surprises(report: LoadReport) -> list[str]:
     return [finding.message for finding in report.findings if "Gazebo has no frame" not in finding.message]
 
 
-def test_right_arm_is_confirmed(request_for: Any, planar: Any) -> None:
-    """An arm that was written right has its joints, masses and poses in the SDF, to the last digits of a double."""
-    report = run(request_for())
-    assert (report.simulator, report.poses, report.hold) == ("sdformat", len(planar.poses), {})
-    assert re.fullmatch(r"\d+\.\d+\.\d+", report.version)
-    assert surprises(report) == []
-    assert report.position_error is not None
-    assert report.tolerance is not None
-    assert report.position_error < 1e-14 < report.tolerance < 1e-11
-    assert report.angle_error is not None
-    assert report.angle_error < 1e-14
-    assert report.mass == pytest.approx(6.7, rel=1e-15)
-    assert report.mass_error is not None
-    assert report.mass_error < 1e-14
-    assert report.inertia_error is not None
-    assert report.inertia_error < 1e-15
-
-
-def test_joints_are_reported_as_sdformat_has_them(request_for: Any) -> None:
-    """The report lists the moving joints; a joint whose limits are endless in the SDF is continuous."""
-    shoulder, _, slide, wrist = run(request_for()).joints
-    assert shoulder == {
-        "name": "shoulder",
-        "type": "revolute",
-        "axis": (0.0, 1.0, 0.0),
-        "lower": -2.0,
-        "upper": 2.5,
-        "velocity": 3.0,
-        "effort": 60.0,
-    }
-    assert (slide["type"], slide["lower"], slide["upper"]) == ("prismatic", 0.05, 0.2)
-    assert (wrist["type"], wrist["lower"], wrist["upper"], wrist["effort"]) == ("continuous", None, None, 10.0)
-
-
 def test_lumped_frames_are_a_finding(request_for: Any) -> None:
     """Links without mass that sdformat lumps into others are named: tool0 is measured at the link that carries it."""
-    (finding,) = run(request_for()).findings
+    report = run(request_for())
+    assert re.fullmatch(r"\d+\.\d+\.\d+", report.version)
+    (finding,) = report.findings
     assert finding.severity == "notice"
     assert finding.message.endswith("lumped into others: 'tool0' (in 'hand')")
 
@@ -118,31 +86,6 @@ TURNED = '    <origin xyz="0 0.1 0" rpy="0.3 0 0"/>\n    '
 
 
 @pytest.mark.parametrize(
-    ("written", "instead", "message"),
-    [
-        ('xyz="0.4 0 0"', 'xyz="0.401 0 0"', "tool0 in another place, 0.001 m"),
-        ('xyz="0.4 0 0"', 'xyz="-0.4 0 0"', "tool0 in another place, 0.8 m"),
-        ('<axis xyz="0 1 0"/>', '<axis xyz="0 -1 0"/>', r"axis \(0\.0, -1\.0, 0\.0\) where"),
-        ('<axis xyz="0 1 0"/>', '<axis xyz="0 2 0"/>', r"axis \(0\.0, 2\.0, 0\.0\) where"),
-        ('type="continuous"', 'type="fixed"', "lost the joint"),
-        ('name="elbow"', 'name="knee"', "a joint that was not written"),
-        ('lower="-2" upper="2.5"', 'lower="-2" upper="2.6"', r"upper 2\.6 where 2\.5 was written"),
-        ('effort="60"', 'effort="61"', r"effort 61\.0 where 60\.0"),
-        ('velocity="0.5"', 'velocity="5"', r"velocity 5\.0 where 0\.5"),
-        ('mass value="1"', 'mass value="1.1"', r"another mass of the link 'forearm', by 0\.1 kg"),
-        ('xyz="0.2 0.01 0"', 'xyz="0.2 0.011 0"', r"another com of the link 'upper_arm', by 0\.001 m"),
-        ('ixy="0.0003"', 'ixy="-0.0003"', r"another inertia of the link 'upper_arm', by 0\.0006 kg·m²"),
-    ],
-)
-def test_another_arm_is_refused(request_for: Any, planar: Any, *, written: str, instead: str, message: str) -> None:
-    """A file that differs from the robot in a pose, joint or mass property is refused, and the message says in what."""
-    assert written in planar.urdf
-    with pytest.raises(LoaderError, match=message) as caught:
-        load(request_for(planar.urdf.replace(written, instead)), OPTIONS)
-    assert caught.value.problems[0].robot == "planar"
-
-
-@pytest.mark.parametrize(
     ("written", "instead", "messages"),
     [
         ('name="elbow"', 'name="shoulder"', ["cannot convert", "'shoulder' is not unique"]),
@@ -167,12 +110,6 @@ def test_bad_file_is_refused_with_a_reason(
     assert "\x1b" not in text
 
 
-def test_missing_file_is_refused(request_for: Any, tmp_path: Path) -> None:
-    """A file that is not there is an error of this manipulator."""
-    request = replace(request_for(), path=tmp_path / "elsewhere.urdf")
-    assert "does not exist" in str(refusal(request))
-
-
 def test_warning_is_a_finding(request_for: Any, planar: Any) -> None:
     """What sdformat warns of and fixes, such as swapped limits, is a finding: others may not fix it."""
     text = planar.urdf.replace('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"')
@@ -193,15 +130,6 @@ def test_messages_are_told_once() -> None:
         ("error", "sdformat printed 'Error:   link 'a' is not unique. at line 178 in ./urdf_parser/src/model.cpp'"),
         ("notice", "sdformat printed 'Warning [Utils.cc:130] unused'"),
     ]
-
-
-def test_published_arms_are_confirmed(reference_robot: Any, published_request: Any) -> None:
-    """Every published arm is the same arm for Gazebo, and nothing is printed."""
-    report = load(published_request(reference_robot), OPTIONS)
-    assert report.poses == len(reference_robot.q)
-    assert report.position_error is not None
-    assert report.position_error < 1e-13
-    assert surprises(report) == []
 
 
 @pytest.mark.parametrize("name", ["rtb_Panda", "rtb_Stanford", "threelink3d_oblique"])
@@ -229,17 +157,6 @@ def test_loss_near_the_singular_pitch_is_foreseen(request_for: Any, planar: Any,
     assert precision(robot).angle <= report.angle_tolerance < (1.1e-12 if exact else 1e-7)
 
 
-@pytest.mark.parametrize(("config", "tips"), [("pair", 2), ("ur5_on_track", 2)])
-def test_cell_is_confirmed(cli: Any, tmp_path: Path, config: str, tips: int) -> None:
-    """A cell, whose root `world` is no link in SDF, is the same: every tool0 of every arm, riders too."""
-    cli("run", CONFIGS / f"{config}.yaml", "-o", tmp_path / "out", "--set", "loaders=[gazebo]")
-    records = json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))["manipulators"]
-    (cell,) = [record for record in records if record["name"] == config]
-    assert cell["status"] == "ok"
-    assert cell["loaders"]["gazebo"]["position_error"] < 1e-13
-    assert len(cell["proof"]["urdf"]["tips"]) == tips
-
-
 def test_missing_command_names_the_packages(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without sdformat's command the error says what to install, before a run and in it."""
     monkeypatch.setattr(shutil, "which", lambda _name: None)
@@ -258,12 +175,6 @@ def test_command_without_sdformat_is_passed_over(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(gazebo, "COMMANDS", ("gz",))
     with pytest.raises(MissingProgramError):
         find_command()
-
-
-def test_options_are_checked() -> None:
-    """There is at least one pose to measure."""
-    with pytest.raises(ValueError, match="from 1 on"):
-        GazeboOptions(poses=0)
 
 
 def test_a_centre_of_mass_far_from_its_link(cli: Any, tmp_path: Path) -> None:

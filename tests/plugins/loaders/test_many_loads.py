@@ -79,6 +79,7 @@ def children_started(monkeypatch: pytest.MonkeyPatch) -> list[Interpreter]:
 
 
 @pytest.mark.parametrize("loader", MANY, indirect=True)
+@pytest.mark.scale
 def test_the_last_load_reports_what_the_first_does(
     loader: Loader[Any], tmp_path: Path, children_started: list[Interpreter]
 ) -> None:
@@ -112,6 +113,7 @@ def test_a_file_is_read_anew(loader: Loader[Any], tmp_path: Path, children_start
 
 
 @pytest.mark.parametrize("loader", ["pybullet", "mujoco"], indirect=True)
+@pytest.mark.scale
 def test_pictures_are_the_same(loader: Loader[Any], tmp_path: Path) -> None:
     """Pixel by pixel, whichever load of a child took them."""
     pytest.importorskip("PIL.Image")

@@ -1,17 +1,14 @@
 from __future__ import annotations
 
-import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import LoaderError, MissingDependencyError
+from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.robot import Collision, Cylinder, Origin
 from dh2urdf_plugins.emitters import mjcf
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.loaders.mujoco import arm as mujoco_arm
@@ -20,8 +17,6 @@ from dh2urdf_plugins.loaders.mujoco.picture import graphics
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from dh2urdf.stages import LoadReport, LoadRequest
 
 pytest.importorskip("mujoco")
@@ -46,68 +41,6 @@ def urdf(planar: Any) -> str:
     """The planar arm's text, with what keeps MuJoCo from fusing its fixed links."""
     assert planar.urdf.count('<robot name="planar">') == 1
     return str(planar.urdf.replace('<robot name="planar">', KEPT))
-
-
-def test_right_arm_is_confirmed(request_for: Any, planar: Any, urdf: str) -> None:
-    """An arm that was written right has its joints, masses and poses in MuJoCo; there is no finding and no output."""
-    report = run(request_for(urdf))
-    assert report.simulator == "MuJoCo"
-    assert (report.findings, report.output) == ((), "")
-    assert report.poses == len(planar.poses)
-    assert report.q in planar.poses
-    assert report.position_error is not None
-    assert report.tolerance is not None
-    assert report.position_error < report.tolerance < 1.2e-12
-    assert report.angle_error is not None
-    assert report.angle_tolerance is not None
-    assert report.angle_error < report.angle_tolerance < 1.1e-12
-    assert report.mass == pytest.approx(6.7, rel=1e-15)
-    assert report.mass_error == 0.0
-    assert report.inertia_error is not None
-    assert report.inertia_error < 1e-15
-    assert report.picture is None
-
-
-def test_joints_are_reported_as_mujoco_has_them(request_for: Any, urdf: str) -> None:
-    """The report lists the moving joints, with the efforts; MuJoCo has no velocity limits."""
-    shoulder, _, slide, wrist = run(request_for(urdf)).joints
-    assert shoulder == {
-        "name": "shoulder",
-        "type": "revolute",
-        "axis": (0.0, 1.0, 0.0),
-        "lower": -2.0,
-        "upper": 2.5,
-        "velocity": None,
-        "effort": 60.0,
-    }
-    assert (slide["type"], slide["lower"], slide["upper"]) == ("prismatic", 0.05, 0.2)
-    assert (wrist["type"], wrist["lower"], wrist["upper"], wrist["effort"]) == ("continuous", None, None, 10.0)
-
-
-@pytest.mark.parametrize(
-    ("written", "instead", "message"),
-    [
-        ('xyz="0.4 0 0"', 'xyz="0.400000001 0 0"', "tool0 in another place, 1e-09 m"),
-        ('xyz="0.4 0 0"', 'xyz="0.4 0 0" rpy="0.00000001 0 0"', "and 1e-08 rad away"),
-        ('<axis xyz="0 1 0"/>', '<axis xyz="0 -1 0"/>', r"axis \(0\.0, -1\.0, 0\.0\) where"),
-        ('type="continuous"', 'type="fixed"', "lost the joint"),
-        ('name="elbow"', 'name="knee"', "a joint that was not written"),
-        ('lower="-2" upper="2.5"', 'lower="-2" upper="2.6"', r"upper 2\.6 where 2\.5 was written"),
-        ('effort="60"', 'effort="61"', r"effort 61\.0 where 60\.0"),
-        ('effort="60"', "", r"effort None where 60\.0"),
-        ('mass value="1"', 'mass value="1.000001"', r"another mass of the link 'forearm', by 1e-06 kg"),
-        ('xyz="0.2 0.01 0"', 'xyz="0.2 0.011 0"', r"another com of the link 'upper_arm', by 0\.001 m"),
-        ('ixy="0.0003"', 'ixy="-0.0003"', r"another inertia of the link 'upper_arm', by 0\.0006 kg·m²"),
-        ('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"', "type continuous where revolute was written"),
-    ],
-)
-def test_another_arm_is_refused(request_for: Any, urdf: str, written: str, instead: str, message: str) -> None:
-    """A file that differs from the robot in a pose, joint or mass property is refused, and the message says in what."""
-    assert written in urdf
-    error = refusal(request_for(urdf.replace(written, instead, 1)))
-    with pytest.raises(LoaderError, match=message):
-        raise error
-    assert error.problems[0].robot == "planar"
 
 
 @pytest.mark.parametrize(
@@ -172,12 +105,6 @@ def test_fused_links_are_named(request_for: Any, planar: Any) -> None:
     assert 'fusestatic="false"' in str(problem.suggestion)
 
 
-def test_missing_file_is_refused(request_for: Any, tmp_path: Path) -> None:
-    """A file that is not there is an error of this manipulator."""
-    request = replace(request_for(), path=tmp_path / "elsewhere.urdf")
-    assert "MuJoCo cannot load the file" in str(refusal(request))
-
-
 def with_effort(robot: Any, effort: float) -> Any:
     """The robot with another effort of its shoulder, whose is 60 N·m."""
     joints = tuple(
@@ -209,39 +136,6 @@ def test_an_arm_stays_where_its_efforts_are_above_its_weight(
         assert report.hold["largest_displacement"] > 0.1
         (finding,) = report.findings
         assert (finding.severity, finding.joint, finding.field) == ("notice", "shoulder", "limits.effort")
-
-
-def test_overlap_is_found(request_for: Any, planar: Any, urdf: str) -> None:
-    """Collision shapes that overlap at the start are a finding; the arm stays all the same."""
-    along_x = Origin(xyz=(0.2, 0.0, 0.0), rpy=(0.0, 1.5707963267948966, 0.0))
-    longer = (Collision(geometry=Cylinder(radius=0.04, length=1.2), origin=along_x),)
-    links = tuple(replace(link, collisions=longer) if link.name == "upper_arm" else link for link in planar.robot.links)
-    text = urdf.replace('radius="0.04" length="0.3"', 'radius="0.04" length="1.2"')
-    report = run(request_for(text, replace(planar.robot, links=links)))
-    assert report.hold["contacts"] == [("upper_arm", "slider")]
-    assert report.hold["stayed"] is True
-    (finding,) = report.findings
-    assert "'upper_arm' and 'slider'" in finding.message
-
-
-def test_published_arms_are_confirmed(reference_robot: Any, published_request: Any) -> None:
-    """Every published arm is the same arm in MuJoCo, to double precision, stays, and nothing is printed."""
-    report = run(published_request(reference_robot))
-    assert report.poses == len(reference_robot.q)
-    assert report.hold["stayed"] is True
-    assert report.output == ""
-
-
-def test_cell_is_confirmed(cli: Callable[..., Any], tmp_path: Path) -> None:
-    """Both arms of a cell are where the run file has them, and both hold their weight."""
-    loaders = "loaders=[{stage: mujoco, options: {picture: false, poses: 5}}]"
-    cli("run", CONFIGS / "pair.yaml", "-o", tmp_path / "out", "--set", loaders)
-    report = json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))
-    entry = next(entry for entry in report["manipulators"] if entry["name"] == "pair")["loaders"]["mujoco"]
-    assert len(entry["joints"]) == 12
-    assert entry["position_error"] < entry["tolerance"] < 2e-12
-    assert entry["hold"]["stayed"] is True
-    assert entry["findings"] == []
 
 
 def test_long_arm_is_measured_but_not_held(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -310,18 +204,6 @@ def test_broken_graphics_are_a_finding(
     assert ["took no picture" in finding.message for finding in report.findings] == [True]
 
 
-@pytest.mark.parametrize(("module", "package"), [("mujoco", "mujoco"), ("PIL.Image", "pillow")])
-def test_missing_package_names_the_extra(
-    request_for: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, package: str
-) -> None:
-    """Without MuJoCo, or without Pillow where a picture is wanted, the error says what to install."""
-    monkeypatch.setenv("MUJOCO_GL", "disable")
-    monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(MissingDependencyError) as caught:
-        load(request_for(picture=tmp_path / "planar.png"), OPTIONS)
-    assert (caught.value.package, caught.value.extra) == (package, "dh2urdf[mujoco]")
-
-
 def test_warnings_are_findings(request_for: Any) -> None:
     """MuJoCo's warnings are findings, each once; what an older one says of unnamed shapes, or EGL of itself, is none."""
     output = (
@@ -332,9 +214,3 @@ def test_warnings_are_findings(request_for: Any) -> None:
     (finding,) = read_output(request_for(), output)
     assert "Nan, Inf or huge value in QACC at DOF 1" in finding.message
     assert finding.severity == "notice"
-
-
-def test_poses_are_counted_from_one() -> None:
-    """There is no run without a pose."""
-    with pytest.raises(ValueError, match="poses is a number from 1 on"):
-        MuJoCoOptions(poses=0)

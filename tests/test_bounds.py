@@ -269,6 +269,7 @@ def test_a_million_short_lines_that_say_nothing(read: Callable[..., Manipulator]
 
 
 @pytest.mark.parametrize("form", ["csv", "yaml"])
+@pytest.mark.scale
 def test_a_thousand_axes_go_all_the_way(cli: Any, tmp_path: Path, tool0_of: Any, form: str) -> None:
     """A snake of a thousand joints becomes URDF and xacro, both proved, and the URDF's tool0 is the table's."""
     expected = next(

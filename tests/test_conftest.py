@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+import json
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
 
 SKIPPING = {
     "skip": "def test_it():\n    pytest.skip('no such tool')",
@@ -56,3 +61,27 @@ def test_an_expected_failure_is_no_skip(tmp_path: Path) -> None:
     """A test that is known to fail may fail, with the switch too."""
     known = "@pytest.mark.xfail\ndef test_it():\n    assert False"
     assert "1 xfailed in" in run_tests({"known": known}, tmp_path, require_all=True)
+
+
+def test_ci_runs_the_tests_of_scale_that_others_leave_out(tmp_path: Path) -> None:
+    """`pytest` deselects them, as pyproject.toml has it, and `.ci/run` has options that select every test again."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["pytest"]["ini_options"]
+    addopts = [word for word in settings["addopts"] if word != "--dist=worksteal"]
+    (tmp_path / "pyproject.toml").write_text(
+        f"[tool.pytest.ini_options]\naddopts = {json.dumps(addopts)}\nmarkers = {json.dumps(settings['markers'])}\n"
+    )
+    (tmp_path / "test_it.py").write_text(
+        "import pytest\ndef test_it(): ...\n@pytest.mark.scale\ndef test_long(): ...\n"
+    )
+    ci = re.search(r'PYTEST_ADDOPTS="([^"]*)" run_block 2', (ROOT / ".ci" / "run").read_text("utf-8"))
+    assert ci is not None
+    for more, ends in (("", "1 passed, 1 deselected in"), (ci[1], "2 passed in")):
+        printed = subprocess.run(
+            [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", str(tmp_path)],
+            env={**os.environ, "PYTEST_ADDOPTS": more},
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        ).stdout
+        assert ends in printed, printed

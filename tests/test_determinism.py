@@ -75,6 +75,7 @@ def first(folder: Path, frames: str) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize(("seed", "workers"), [("1", 1), ("random", 2)])
+@pytest.mark.scale
 def test_every_run_writes_the_same_bytes(
     *, folder: Path, frames: str, first: dict[str, bytes], seed: str, workers: int, reports: frozenset[str]
 ) -> None:

@@ -322,6 +322,7 @@ class TestManyManipulators:
         (errors,) = sections[3].xpath(".//div[contains(@class, 'problems error')]")
         assert report(tmp_path / "out")["manipulators"][3]["errors"][0]["message"] in text(errors)
 
+    @pytest.mark.scale
     def test_a_hundred_thousand_take_no_more_memory_than_thirty_thousand(self, tmp_path: Path) -> None:
         """The table of all is cut, failures first, with a message; the page is no longer than that of thirty thousand."""
         proof = Proof(position_error=1e-16, angle_error=0.0, q=(0.0,), tolerance=1e-9, poses=3)

@@ -418,6 +418,7 @@ def test_a_run_makes_proves_and_reports_variants(
     assert {entry["status"] for entry in variants} == {"ok", "failed"}
 
 
+@pytest.mark.scale
 def test_any_hash_seed_and_any_number_of_workers_give_the_same_bytes(run_file: Path) -> None:
     """All files of the run, the report included."""
     written = []

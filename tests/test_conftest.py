@@ -10,6 +10,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+MODULES = str(ROOT / "docs" / "generators")
+"""The folder of a module that conftest.py imports."""
 
 SKIPPING = {
     "skip": "def test_it():\n    pytest.skip('no such tool')",
@@ -27,7 +29,13 @@ def run_tests(tests: dict[str, str], folder: Path, *, require_all: bool) -> str:
         (folder / f"test_{name}.py").write_text(f"import pytest\n{test}\n")
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-ra", "-p", "no:cacheprovider", "--rootdir", str(folder), str(folder)],
-        env={**os.environ, "DH2URDF_REQUIRE_ALL": "1" if require_all else "", "PYTEST_ADDOPTS": "", "COLUMNS": "200"},
+        env={
+            **os.environ,
+            "DH2URDF_REQUIRE_ALL": "1" if require_all else "",
+            "PYTEST_ADDOPTS": "",
+            "PYTHONPATH": os.pathsep.join([MODULES, *filter(None, [os.environ.get("PYTHONPATH")])]),
+            "COLUMNS": "200",
+        },
         cwd=folder,
         capture_output=True,
         text=True,

@@ -13,9 +13,9 @@ import pytest
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.stages import Executor, Lost
+from dh2urdf.testing.children.witness import marked, processes
 from dh2urdf.testing.stage_contract import StageContract
 from dh2urdf.testing.tasks import doubled, doubled_at_leisure, doubled_or_killed, process_of, reciprocal
-from dh2urdf.testing.witness import marked, processes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Iterator

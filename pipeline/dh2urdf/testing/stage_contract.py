@@ -20,9 +20,9 @@ from dh2urdf.plugin_system.option_types import describe_options
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.testing.breach import breach
 from dh2urdf.testing.catalogs import catalog_of
+from dh2urdf.testing.children.forks import LIGHT_HOST
+from dh2urdf.testing.children.witness import witnessed
 from dh2urdf.testing.comparing import difference
-from dh2urdf.testing.forks import LIGHT_HOST
-from dh2urdf.testing.witness import witnessed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

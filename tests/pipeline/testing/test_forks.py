@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import CrashError
-from dh2urdf.testing import forks
-from dh2urdf.testing.witness import witnessed
+from dh2urdf.testing.children import forks
+from dh2urdf.testing.children.witness import witnessed
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -41,7 +41,7 @@ HOST = (
     "numpy",
     "orjson",
     "pydantic",
-    "yaml",
+    "yaml.nodes",
     "dh2urdf.api",
     "dh2urdf.commands",
     "dh2urdf.kinematics.proof",

@@ -4,7 +4,7 @@ What Python writes is seen where it happens. What a C library writes is not, so 
 which is also that of temporary files, and what lies there afterwards was left behind.
 
 A child of its own, because what watches cannot be taken off again, and because another seed for the hashes of texts
-shows whether the order of a set has got into the result. `dh2urdf.testing.forks` has the children.
+shows whether the order of a set has got into the result. `dh2urdf.testing.children.forks` has the children.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 from uuid import uuid4
 
 from dh2urdf.errors import CrashError
-from dh2urdf.testing.forks import HOST, MARK, environment, forking_interpreter, in_new_interpreter
+from dh2urdf.testing.children.forks import HOST, MARK, environment, forking_interpreter, in_new_interpreter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -58,7 +58,7 @@ LIGHT_HOST = ("dh2urdf.testing.stage_contract",)
 _WHO = "the stage"
 
 
-class _Place(NamedTuple):
+class _Surroundings(NamedTuple):
     """What a new interpreter would have of the process that starts it.
 
     Attributes:
@@ -104,7 +104,7 @@ class ForkingInterpreter:
             Exception: as `dh2urdf.isolation.child_process.run_in_child`.
         """
         call = pickled_call(function, args, _WHO)
-        answer = self._answer_to(_in_fork, (*call, _Place(dict(os.environ), sys.path, Path.cwd())))
+        answer = self._answer_to(_in_fork, (*call, _Surroundings(dict(os.environ), sys.path, Path.cwd())))
         return outcome(answer, self._interpreter.output.text(), 0, function, PATIENCE, _WHO).value
 
     def _answer_to(self, function: Callable[..., Any], args: tuple[Any, ...]) -> Any:  # noqa: ANN401 - of any function
@@ -183,7 +183,7 @@ def _prepare(modules: tuple[str, ...]) -> int:
     return os.getpid()
 
 
-def _in_fork(function: bytes, args: bytes, place: _Place) -> Any:  # noqa: ANN401 - an answer
+def _in_fork(function: bytes, args: bytes, surroundings: _Surroundings) -> Any:  # noqa: ANN401 - an answer
     """What comes of a call in a fork. A fork that ends without an answer ends this process in the same way."""
     with open(os.memfd_create("answer"), "w+b") as answer:  # noqa: PTH123 - memory, not a pipe: nobody waits for its end
         with warnings.catch_warnings():
@@ -191,7 +191,7 @@ def _in_fork(function: bytes, args: bytes, place: _Place) -> Any:  # noqa: ANN40
             warnings.simplefilter("ignore", DeprecationWarning)
             number = os.fork()
         if number == 0:
-            _answer_and_leave(answer, function, args, place)
+            _answer_and_leave(answer, function, args, surroundings)
         status = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
         answer.seek(0)
         sent = answer.read()
@@ -204,14 +204,14 @@ def _in_fork(function: bytes, args: bytes, place: _Place) -> Any:  # noqa: ANN40
     return pickle.loads(sent)  # noqa: S301 - our own fork sent it
 
 
-def _answer_and_leave(file: IO[bytes], function: bytes, args: bytes, place: _Place) -> NoReturn:
+def _answer_and_leave(file: IO[bytes], function: bytes, args: bytes, surroundings: _Surroundings) -> NoReturn:
     """In the fork: make the call as in a new interpreter, which has the caller's environment, path and folder."""
     own = {name: os.environ[name] for name in (MARK, SEED, VARIABLE) if name in os.environ}
     os.environ.clear()
-    os.environ.update({**place.variables, **own})
-    sys.path[:] = place.path
+    os.environ.update({**surroundings.variables, **own})
+    sys.path[:] = surroundings.path
     importlib.invalidate_caches()
-    os.chdir(place.folder)
+    os.chdir(surroundings.folder)
     _, answer = answer_call(None, function, args)
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called

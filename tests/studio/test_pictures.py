@@ -61,6 +61,13 @@ def lesson(tab: Any) -> None:
     tab.wait_for_lesson(3.0)
 
 
+def normals(tab: Any) -> None:
+    tab.open_exhibit("panda")
+    set_sliders(tab, [0.3, -0.6, 0.9, -1.4, 0.5, 1.2, 0.4])
+    for layer in ("joint axes", "frames", "common normals"):
+        tab.page.get_by_text(layer, exact=True).click()
+
+
 def target(tab: Any) -> None:
     tab.open_exhibit("ur5")
     set_sliders(tab, UR5_POSE)
@@ -92,6 +99,7 @@ STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
     "panda": (panda, LAPTOP),
     "paper": (paper, LAPTOP),
     "lesson": (lesson, LAPTOP),
+    "normals": (normals, LAPTOP),
     "target": (target, LAPTOP),
     "workspace": (workspace, LAPTOP),
     "tablet": (ur5, TABLET),

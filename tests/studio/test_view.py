@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,14 @@ def test_a_cell_and_an_arm_in_one_scene(
         for link in ("pair/right_tool0", "panda/tool0"):
             x, up, y = scene.graph[link][0][:3, 3]  # y is up in glTF
             assert np.abs(np.subtract((x, -y, up), poses[names.index(link)].translation)).max() < 1e-6
+        page.get_by_text("common normals", exact=True).click()
+        drawn = Counter(stroke.field for stroke in view.drawing.normals(view.q))
+        page.wait_for_function(
+            "count => document.querySelector('.arm-view').scene.children[1].children.length === count",
+            arg=drawn.total(),
+        )
+        assert drawn["line"] == 12 + 9, "of a cell its moving joints, of a table its z axes"
+        page.get_by_text("common normals", exact=True).click()
         page.get_by_text("collision", exact=True).click()
         script = """() => {
             let count = 0;

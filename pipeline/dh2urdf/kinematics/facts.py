@@ -127,7 +127,8 @@ def axes_at(arm: Manipulator, q: Sequence[float]) -> list[Line]:
     return lines
 
 
-def _dot(left: Vec3, right: Vec3) -> float:
+def dot(left: Vec3, right: Vec3) -> float:
+    """The scalar product of two vectors."""
     return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
 
 
@@ -138,13 +139,13 @@ def _are_parallel(one: Line, other: Line) -> bool:
 def _meeting(one: Line, other: Line) -> Vec3 | None:
     """The point where two lines meet; None where they do not, or are parallel."""
     normal = cross(one.direction, other.direction)
-    square = _dot(normal, normal)
+    square = dot(normal, normal)
     if square <= ZERO_ANGLE**2:
         return None
     between = subtract(other.point, one.point)
-    if abs(_dot(between, normal)) > ZERO_LENGTH * math.sqrt(square):
+    if abs(dot(between, normal)) > ZERO_LENGTH * math.sqrt(square):
         return None
-    along = _dot(cross(between, other.direction), normal) / square
+    along = dot(cross(between, other.direction), normal) / square
     x, y, z = one.point
     u, v, w = one.direction
     return (x + along * u, y + along * v, z + along * w)
@@ -238,7 +239,7 @@ class _AtZero:
             self._signs[3] = -1
             centre = self._centre()
         self._turn_along_y(5)
-        _require(abs(_dot(self._axis(5).direction, self._axis(6).direction)) <= ZERO_ANGLE)
+        _require(abs(dot(self._axis(5).direction, self._axis(6).direction)) <= ZERO_ANGLE)
         tip = forward_kinematics(self._arm, self._q).rotation
         self._turn(5, -math.atan2(tip[2], tip[8]))
         self._signs[5] = 1 if self._axis(6).direction[2] > 0 else -1

@@ -2,7 +2,7 @@
 // rests when nothing has. `this.$el.scene` is the three.js scene, whose nodes have the names that Python gave them.
 import { OrbitControls, THREE } from "nicegui-scene";
 
-const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44, x: 0xe03131, y: 0x2f9e44, z: 0x1971c2, distance: 0x495057 };
+const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44, x: 0xe03131, y: 0x2f9e44, z: 0x1971c2, distance: 0x495057, line: 0x868e96, normal: 0xc2255c, offset: 0x1971c2, foot: 0x212529 };
 const HIGHLIGHT = new THREE.Color(0x4dabf7);
 const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
@@ -289,29 +289,44 @@ export default {
       this.sheet.append(element);
       const label = new THREE.Object3D();
       label.userData = { layer, element };
-      label.visible = this.layers.has(layer);
+      label.visible = layer === null || this.layers.has(layer);
       return label;
     },
 
     stroke({ row, field, points, label }) {
-      const path = new THREE.CurvePath();
       const vectors = points.map((point) => new THREE.Vector3(...point));
+      if (vectors.length === 1) return this.foot(row, field, vectors[0]);
+      const path = new THREE.CurvePath();
       for (let i = 1; i < vectors.length; i++) path.add(new THREE.LineCurve3(vectors[i - 1], vectors[i]));
-      const radius = 0.006 * this.reach;
+      const radius = (field === "line" ? 0.002 : 0.006) * this.reach;
       const material = new THREE.MeshBasicMaterial({ color: STROKES[field], depthTest: false, transparent: true });
       const tube = new THREE.Mesh(new THREE.TubeGeometry(path, Math.max(1, 2 * (vectors.length - 1)), radius, 6), material);
       const head = new THREE.Mesh(new THREE.ConeGeometry(2.2 * radius, 6 * radius, 12).translate(0, -2 * radius, 0), material);
       const [last, end] = vectors.slice(-2); // it points where the parameter leads: an angle has a sign
       head.quaternion.setFromUnitVectors(UP, end.clone().sub(last).normalize());
       head.position.copy(end);
+      head.visible = field !== "line";
       tube.renderOrder = head.renderOrder = 2;
       tube.userData.row = row;
       tube.name = row === null ? field : `${field} ${row + 1}`;
-      const text = label ? this.label(label, "parameters", `arm-view-stroke arm-view-${field}`) : new THREE.Object3D();
+      const text = label ? this.label(label, null, `arm-view-stroke arm-view-${field}`) : new THREE.Object3D();
       text.position.copy(vectors.length > 2 ? vectors[Math.floor(vectors.length / 2)] : vectors[0].clone().lerp(vectors[1], 0.5));
       tube.add(text, head);
       this.emphasise(tube);
       return tube;
+    },
+
+    foot(row, field, point) {
+      const material = new THREE.MeshBasicMaterial({ color: STROKES[field], depthTest: false, transparent: true });
+      const ball = new THREE.Mesh(this.geometries.sphere, material);
+      ball.position.copy(point);
+      ball.scale.setScalar(0.012 * this.reach);
+      ball.renderOrder = 2;
+      ball.name = `${field} ${row + 1}`;
+      ball.userData = { row, shared: true };
+      ball.add(new THREE.Object3D());
+      this.emphasise(ball);
+      return ball;
     },
 
     // Where a row is picked, only its own parameters are told.

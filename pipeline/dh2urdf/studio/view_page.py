@@ -116,7 +116,9 @@ class ViewPage:
         self._show_numbers()
 
     def _strokes(self) -> Any:  # noqa: ANN401 - strokes of the drawing
-        return self.view.drawing.strokes(self.view.q) if "parameters" in self.view.layers else ()
+        drawing, q, layers = self.view.drawing, self.view.q, self.view.layers
+        parameters = drawing.strokes(q) if "parameters" in layers else ()
+        return (*parameters, *(drawing.normals(q) if "normals" in layers else ()))
 
     def _show_numbers(self) -> None:
         lines = []

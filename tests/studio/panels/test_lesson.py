@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
-from dh2urdf.kinematics.chain import as_matrices, dh_frames
+from dh2urdf.kinematics.chain import as_matrices, dh_frames, dh_transform
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.session import Session
@@ -47,7 +48,10 @@ def evaluated(cells: list[list[str]], a: float, alpha: float, d: float, theta: f
 @pytest.mark.parametrize("file", ["ur5.csv", "panda.yaml", "scara.csv"])
 @pytest.mark.parametrize("length", ["m", "mm"])
 def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: str) -> None:
-    """The symbols, evaluated, are the numbers beside them; T is the product of the rows so far, lengths in the unit."""
+    """The symbols, evaluated, are the numbers beside them; T is the product of the rows so far, lengths in the unit.
+
+    In the other convention the product of all rows, and of what is left over, is the same arm.
+    """
     session = Session(catalog, gallery.exhibit(file, catalog))
     session.set_units(length, "rad", convert=True)
     assert session.arm is not None
@@ -55,8 +59,9 @@ def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: 
     session.move({row.joint: 0.1 * number - 0.25 for number, row in enumerate(arm.moving_rows)})
     factor = 1000.0 if length == "mm" else 1.0
     frames = dh_frames(arm, [session.q.get(row.joint, 0.0) for row in arm.moving_rows])
+    products = []
     for number, row in enumerate(arm.rows):
-        symbols, here, whole, other = matrices(explained(arm, number, session.q, session.table))
+        symbols, here, whole, other, there = matrices(explained(arm, number, session.q, session.table))
         q = session.q.get(row.joint, 0.0)
         slides, turns = row.type.value == "prismatic", row.type.value in ("revolute", "continuous")
         d = row.d + (row.offset + row.sign * q if slides else 0.0)
@@ -68,7 +73,16 @@ def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: 
         product[:3, 3] *= factor
         numbers = np.array([[float(cell.replace("−", "-")) for cell in line] for line in whole])
         assert np.abs(numbers - product).max() < 6e-5
-        assert other != symbols
+        numbers = np.array([[float(cell.replace("−", "-")) for cell in line] for line in there])
+        neighbour = number - 1 if arm.convention is Convention.STANDARD else number + 1
+        a, alpha = (arm.rows[neighbour].a, arm.rows[neighbour].alpha) if 0 <= neighbour < len(arm.rows) else (0.0, 0.0)
+        assert np.abs(numbers - evaluated(other, a * factor, alpha, d * factor, theta)).max() < 6e-5
+        products.append(numbers)
+    first, last = as_matrices(frames[0]), arm.rows[-1 if arm.convention is Convention.STANDARD else 0]
+    left = as_matrices(dh_transform(Convention.MODIFIED, a=last.a * factor, alpha=last.alpha, d=0.0, theta=0.0))
+    first[:3, 3] *= factor
+    both = [first, *products, left] if arm.convention is Convention.STANDARD else [first, left, *products]
+    assert np.abs(np.linalg.multi_dot(both) - product).max() < 1e-3 * factor, "it is the same arm"
 
 
 def test_the_symbols_are_those_of_the_conventions(catalog: Catalog) -> None:
@@ -97,6 +111,8 @@ def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], 
     arrows = {stroke.field: stroke.points[-1] for stroke in session.strokes()}
     for field in "xyz":
         tab.wait_for_arrow(f"{field} 2", arrows[field])
+    page.get_by_text("z1 and z2 are parallel: they have a common normal at every point").wait_for()
+    assert strokes_of_normals(page) == {"foot 2": 2, "line": 2}, "a is the normal"
     page.get_by_role("button", name="play").click()
     page.wait_for_function("Number(document.querySelector('.studio-lesson').dataset.progress) < 1")
     tab.wait_for_lesson(4.0)
@@ -108,3 +124,19 @@ def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], 
     hat.click()
     page.get_by_text("A2 = Rz(θ)").wait_for(state="hidden")
     page.wait_for_function("!document.querySelector('.arm-view-x')")
+    page.get_by_text("common normals", exact=True).click()
+    session.edit(1, "a", "-0.5")
+    (product,) = (stroke for stroke in session.drawing.normals(session.q, 4) if stroke.field == "normal")
+    tab.wait_for_arrow("normal 5", product.points[-1])
+    drawn = strokes_of_normals(page)
+    assert drawn == Counter(
+        f"{stroke.field} {stroke.row + 1}" if stroke.row is not None else stroke.field
+        for stroke in session.drawing.normals(session.q)
+    )
+    page.locator(".arm-view-normal", has_text="|a₂| = 0.5 m").wait_for()
+
+
+def strokes_of_normals(page: Any) -> Counter[str]:
+    """The names of axes, feet, normals and offsets in the scene."""
+    script = "document.querySelector('.arm-view').scene.children[1].children.map(stroke => stroke.name)"
+    return Counter(name for name in page.evaluate(script) if name.split()[0] in ("line", "normal", "offset", "foot"))

@@ -19,6 +19,7 @@ from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.studio.drawing.masses import mass_parts
 from dh2urdf.studio.drawing.mesh_files import DrawnMesh, drawn_mesh
+from dh2urdf.studio.drawing.normals import robot_normals, table_normals
 from dh2urdf.studio.drawing.parts import GREY, Colour, SceneNode, ScenePart, towards
 from dh2urdf.studio.drawing.strokes import Stroke, strokes
 from dh2urdf.table_text import TableText
@@ -33,6 +34,7 @@ LAYERS = {
     "axes": "joint axes",
     "frames": "frames",
     "parameters": "a α d θ",
+    "normals": "common normals",
     "collision": "collision",
     "masses": "centres of mass",
     "inertias": "inertias",
@@ -144,6 +146,10 @@ class Drawing:
                 typed=figure.typed,
             )
         )
+
+    def normals(self, q: Mapping[str, float], only: int | None = None) -> tuple[Stroke, ...]:
+        """The joint axes and their common normals at q; of tables of one row alone, where its number is given."""
+        return tuple(stroke for figure in self.figures for stroke in _normals(figure, q, self.reach, only))
 
     def as_json(self) -> dict[str, Any]:
         """The drawing as a browser takes it."""
@@ -323,6 +329,13 @@ def _axis(joint: Joint, size: float) -> Iterator[ScenePart]:
         yield ScenePart(
             shape="cylinder", size=(0.035 * size, _AXIS_LENGTH * size), pose=pose, layer="axes", colour=colour
         )
+
+
+def _normals(figure: Figure, q: Mapping[str, float], reach: float, only: int | None) -> Iterator[Stroke]:
+    own, table = _own_values(figure, q), figure.manipulator
+    if table is None:
+        return robot_normals(figure.robot, own, place=figure.place, reach=reach)
+    return table_normals(table, own, place=figure.place, reach=reach, typed=figure.typed, only=only)
 
 
 # --- Poses ------------------------------------------------------------------------------------------------------------

@@ -25,8 +25,8 @@ class Stroke:
 
     Attributes:
         row: number of its row, counted from 0; None of what belongs to no row.
-        field: a, alpha, d or theta; x, y or z of a frame; distance.
-        points: from its beginning to its end [m].
+        field: a, alpha, d or theta; x, y or z of a frame; distance; line, normal, offset or foot of `normals`.
+        points: from its beginning to its end, or the only one [m].
         label: its symbol and its value.
     """
 
@@ -72,17 +72,17 @@ def strokes(
             along_a, along_d = (normal[1], foot), (foot, after.translation)
         index = number + 1 if table.convention is Convention.STANDARD else number
         if d:
-            label = f"d{_small(number + 1)} = {_value(words, row, number, 'd', d)}"
+            label = f"d{small(number + 1)} = {_value(words, row, number, 'd', d)}"
             yield Stroke(row=number, field="d", points=along_d, label=label)
         if row.a:
-            label = f"a{_small(index)} = {_value(words, row, number, 'a', row.a)}"
+            label = f"a{small(index)} = {_value(words, row, number, 'a', row.a)}"
             yield Stroke(row=number, field="a", points=along_a, label=label)
         for name, symbol, angle, (start, about, centre), which in (
             ("theta", "θ", theta, turn, number + 1),
             ("alpha", "α", row.alpha, twist, index),
         ):
             if arc := _arc(centre, start, about, angle, radius):
-                label = f"{symbol}{_small(which)} = {_value(words, row, number, name, angle)}"
+                label = f"{symbol}{small(which)} = {_value(words, row, number, name, angle)}"
                 yield Stroke(row=number, field=name, points=arc, label=label)
 
 
@@ -116,5 +116,6 @@ def _arc(centre: Vec3, start: Vec3, about: Vec3, angle: float, radius: float) ->
     )
 
 
-def _small(number: int) -> str:
+def small(number: int) -> str:
+    """A number as an index, in small digits."""
     return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))

@@ -228,8 +228,12 @@ class Session:
         row = self.explained_row
         if self.lesson is None or row is None or self.arm is None:
             shown = self.drawing.strokes(self.q) if "parameters" in self.layers else ()
-            return (*shown, *self._measured_line())
+            normals = self.drawing.normals(self.joint_values()) if "normals" in self.layers else ()
+            return (*shown, *normals, *self._measured_line())
         own = [stroke for stroke in self.drawing.strokes(self.q) if stroke.row == row]
+        # A length a is the common normal; where it is 0, the cross product of the axes takes its place.
+        more = ("line", "foot") if self.arm.manipulator.rows[row].a else ("line", "foot", "normal")
+        own += [stroke for stroke in self.drawing.normals(self.q, row) if stroke.field in more]
         size = 1.6 * FRAME_SIZE * self.drawing.reach
         return (*own, *moving_frame(self.arm.manipulator, row, self.q, self.lesson, size))
 

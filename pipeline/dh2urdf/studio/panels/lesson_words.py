@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics.chain import dh_frames, joint_variables, row_transform
+from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, row_transform
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.studio.drawing.motions import NAMES, order
+from dh2urdf.studio.drawing.normals import where_x_is
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -66,6 +67,11 @@ def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: Ta
         told.append(f"{symbol} = {text}{' (moves)' if field == moves else ''}")
     index = number + 1
     other = Convention.MODIFIED if table.convention is Convention.STANDARD else Convention.STANDARD
+    neighbour = number + (1 if other is Convention.STANDARD else -1)
+    whose, a, alpha = "a = 0 and α = 0", 0.0, 0.0
+    if 0 <= neighbour < len(table.rows):
+        whose, a, alpha = f"a and α of row {neighbour + 1}", table.rows[neighbour].a, table.rows[neighbour].alpha
+    there = dh_transform(other, a=a, alpha=alpha, d=d, theta=theta)
     frame = dh_frames(table, [q.get(each.joint, 0.0) for each in table.moving_rows])[index]
     factors = [f"A<sub>{number}</sub>" for number in range(1, index + 1)]
     product = " ".join(["base", *(factors if index <= _MOST_FACTORS else (factors[0], "…", factors[-1]))])
@@ -77,8 +83,11 @@ def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: Ta
         f'<div class="studio-matrices"><b>T<sub>0{index}</sub> = {product}</b><span>=</span>'
         f"{_matrix(_numbers(frame, unit.power))}</div>"
         f"<div>{_MEANING[table.convention]}</div>"
+        f"<div>{where_x_is(table, q, number)}</div>"
         f"<details><summary>The {other} convention</summary><div>A = {_product(other)}</div>"
-        f'<div class="studio-matrices">{_matrix(_SYMBOLS[other])}</div><div>{_MEANING[other]}</div></details>'
+        f'<div class="studio-matrices">{_matrix(_SYMBOLS[other])}<span>=</span>'
+        f"{_matrix(_numbers(there, unit.power))}</div>"
+        f"<div>The same arm has d and θ of this row there, and {whose}.</div><div>{_MEANING[other]}</div></details>"
     )
 
 

@@ -36,7 +36,7 @@ ADDED = {
         '("armature", joint.armature), ("user", joint.gear_ratio))',
     ),
 }
-"""By file: a text of it, and what stands in its place."""
+"""By file: a text of it, and what is in its place."""
 assert len(ADDED) <= 6
 
 TABLES = {

@@ -112,7 +112,7 @@ class TestImportDirection:
         assert importing([*modules(PLUGINS), *theirs], inner.match) == []
 
     def test_the_contract(self) -> None:
-        """What pyproject.toml says of imports holds: layers, no circles, kinds of stages apart, independent proofs."""
+        """What pyproject.toml declares about imports holds: layers, no circles, kinds of stages apart, independent proofs."""
         linter = shutil.which("lint-imports", path=Path(sys.executable).parent)
         if linter is None:
             pytest.skip("import-linter is not installed")
@@ -341,7 +341,7 @@ def test_packages_can_be_overlooked() -> None:
 
 STAGES_NAMED = {
     ("pipeline/dh2urdf/commands/screw_axes.py", "screws"): "what `from_screws` is the function of",
-    ("pipeline/dh2urdf/stages.py", "urdf"): "what a loader takes whose record says nothing of it",
+    ("pipeline/dh2urdf/stages.py", "urdf"): "what a loader takes whose record does not mention it",
     ("pipeline/dh2urdf/testing/stage_contract.py", "yaml"): "a Python module",
 }
 """Where the host has a word that is also the name of a built-in stage."""

@@ -70,7 +70,7 @@ def test_the_notice_names_gazebo(folder: Path, table: str, emitter: str, options
 
 @pytest.mark.parametrize("table", ["weighed", "with base", "fixed first", "unweighed"])
 def test_it_is_the_finding_of_check(folder: Path, table: str) -> None:
-    """`dh2urdf check`, by code of its own, says of the written file that Gazebo drops it, in the same cases."""
+    """`dh2urdf check`, by code of its own, declares about the written file that Gazebo drops it, in the same cases."""
     made = dh2urdf.convert(folder / f"{table}.csv", folder / "arm.urdf")
     rules = {finding.rule for finding in dh2urdf.check(folder / "arm.urdf").findings}
     assert ("weightless-root" in rules) == any(DROPS in notice.message for notice in made.notices)

@@ -146,7 +146,7 @@ class Broken(NamedTuple):
 
     Attributes:
         field: kind and field of the bad stage; ``hook`` for its hook.
-        value: what stands there, as code.
+        value: what is there, as code.
         message: what a person reads.
         failed: names of the manipulators that fail; None where the run does not begin.
         workers: how many processes work, of the executor `local`; 0 takes the plugin's executor.

@@ -1,4 +1,4 @@
-"""mypy --strict has nothing to say of the Python in the README and in docs/: every block is checked as a module."""
+"""mypy --strict has nothing to report about the Python in the README and in docs/: every block is checked as a module."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ The blocks of a page are taken in order, in a folder that holds `configs/`:
 - `yaml` without a title is a run file, whole or a part of one, and a plan is made of it;
 - comments above a block say what a reader need not see: ``<!-- exit status: 2 -->``, ``<!-- before: COMMANDS -->``, and
   ``<!-- not run: REASON -->``, which leaves a check of the syntax;
-- ``<!-- example …: … -->`` stands above tables that `test_tables_page.py` reads.
+- ``<!-- example …: … -->`` is above tables that `test_tables_page.py` reads.
 
 The README has its own tests, in `test_readme.py`.
 """

@@ -97,7 +97,7 @@ def test_it_is_listed(lab: Lab, name: str) -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_its_own_tests_pass(lab: Lab, name: str) -> None:
-    """The contract of its kind and what it says of itself, from its own folder."""
+    """The contract of its kind and what it declares itself, from its own folder."""
     told = lab.types("python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", where=name)
     assert re.search(r"\d+ passed", told)
     assert " failed" not in told
@@ -121,7 +121,7 @@ def test_its_readme_keeps_its_word(lab: Lab, name: str) -> None:
 
 
 def report_of(lab: Lab, name: str) -> list[dict[str, Any]]:
-    """What a run of its run file says of each manipulator."""
+    """What a run of its run file declares about each manipulator."""
     return list(json.loads(lab.types("dh2urdf", "run", "run.yaml", "--json", where=name))["manipulators"])
 
 
@@ -138,7 +138,7 @@ class TestInARun:
         assert np.linalg.norm(moved) == pytest.approx(0.1, abs=1e-12)
 
     def test_the_emitter(self, lab: Lab) -> None:
-        """The graph stands beside the URDF and has its links and joints; nothing of it is to be proved."""
+        """The graph is beside the URDF and has its links and joints; nothing of it is to be proved."""
         (arm,) = report_of(lab, "graphviz")
         assert [file["path"] for file in arm["files"]] == ["scara.urdf", "scara.dot"]
         assert arm["proof"]["dot"] is None

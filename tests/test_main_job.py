@@ -49,7 +49,7 @@ def output(checkout: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def manipulator(output: Path) -> dict[str, Any]:
-    """What the report says of the UR5."""
+    """What the report declares about the UR5."""
     report = json.loads((output / "report.json").read_bytes())
     (entry,) = report["manipulators"]
     return dict(entry)

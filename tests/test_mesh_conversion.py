@@ -80,7 +80,7 @@ def collada(mesh: Any, *colours: str, asset: str = "<up_axis>Z_UP</up_axis>", no
 
 
 def obj(content: bytes) -> Any:
-    """What stands in an OBJ file of plain triangles, taken apart here."""
+    """What is in an OBJ file of plain triangles, taken apart here."""
     lines = [line.split() for line in content.decode().splitlines()]
     assert {words[0] for words in lines} == {"v", "f"}
     corners = [[float(word) for word in words[1:]] for words in lines if words[0] == "v"]

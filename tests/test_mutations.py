@@ -380,7 +380,7 @@ def test_characters_lost_doubled_swapped_or_replaced(table: Table, data: st.Data
 
 
 def rewritten(table: Table, change: Callable[[list[list[str]]], None]) -> str:
-    """The table with its header and rows changed as cells; what stands above stays."""
+    """The table with its header and rows changed as cells; what is above stays."""
     lines = table.text.split("\n")
     start = next(k for k, line in enumerate(lines) if line.strip() and not line.startswith("#"))
     delimiter = max(",;\t", key=lambda sign: len(next(csv.reader([lines[start]], delimiter=sign))))
@@ -562,7 +562,7 @@ YAML_INSERTED = "0123456789.,:-+*&!|>%@`'\"{}[]#~? \n\t\\\u00a0\ufeff\x00\x85é"
 @given(st.data())
 @settings(max_examples=300)
 def test_a_damaged_yaml_table_is_refused_or_has_every_number_of_its_text(data: st.DataObject) -> None:
-    """Of one slip among its joints: every number of the arm stands in the text, so none was made up or left out."""
+    """Of one slip among its joints: every number of the arm is in the text, so none was made up or left out."""
     where = data.draw(st.integers(GOOD_YAML.index("joints:"), len(GOOD_YAML) - 1))
     middle = data.draw(st.sampled_from(["", GOOD_YAML[where] * 2, *YAML_INSERTED]))
     text = GOOD_YAML[:where] + middle + GOOD_YAML[where + 1 :]

@@ -32,7 +32,7 @@ class Trial(NamedTuple):
     """A run of an author's stage.
 
     Attributes:
-        table: what stands in the input.
+        table: what is in the input.
         suffix: that of the input.
         sections: the sections of the run file that name the stage.
         status: the exit status of the run.

@@ -227,7 +227,7 @@ def test_standard_output_that_takes_nothing_is_one_line(tmp_path: Path, words: l
 
 
 def forbidden_folder(tmp_path: Path) -> tuple[Path, str]:
-    """A folder in which nobody may write, not even the superuser, and what the system says of it."""
+    """A folder in which nobody may write, not even the superuser, and what the system declares about it."""
     if Path("/proc/self").is_dir():
         return Path("/proc/dh2urdf"), "No such file or directory"
     folder = tmp_path / "locked"

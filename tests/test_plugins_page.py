@@ -80,7 +80,7 @@ def test_the_clauses_are_those_of_the_contracts(*, renew: bool) -> None:
 
 
 def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """The command gives the files of the table, and the three lines of the contract stand in its tests.
+    """The command gives the files of the table, and the three lines of the contract are in its tests.
 
     That such a plugin is installed, passes its tests and runs is a fact of tests/test_new_plugin.py.
     """

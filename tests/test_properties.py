@@ -32,7 +32,7 @@ bounds = st.none() | st.tuples(st.floats(-6, 6), st.floats(-6, 6)).map(sorted)
 
 @st.composite
 def rows(draw: st.DrawFn, number: int) -> DHRow:
-    """A row with anything that a row may say of geometry."""
+    """A row with anything that a row may declare about geometry."""
     kind = draw(st.sampled_from(JointType))
     moves = kind is not JointType.FIXED
     lower, upper = (draw(bounds) if kind in (JointType.REVOLUTE, JointType.PRISMATIC) else None) or (None, None)

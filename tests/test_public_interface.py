@@ -175,7 +175,7 @@ def parts(shape: Any) -> set[str]:
 
 
 def newest_section(changelog: str) -> str:
-    """What the changelog says of the newest version."""
+    """What the changelog declares about the newest version."""
     return changelog.split("\n## ")[1]
 
 

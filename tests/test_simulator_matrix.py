@@ -79,7 +79,7 @@ def matrix(
     reference_robots: Sequence[ReferenceRobot],
     as_table: Callable[..., str],
 ) -> Matrix:
-    """What the manifest of the run says of every robot.
+    """What the manifest of the run declares about every robot.
 
     The run is made once: of several processes that run tests, the first makes it, and the others wait for it.
     """

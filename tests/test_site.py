@@ -85,7 +85,7 @@ def test_a_broken_link_fails_the_build(tmp_path: Path) -> None:
 
 
 class QuietHandler(SimpleHTTPRequestHandler):
-    """Serves the site and says nothing of it."""
+    """Serves the site and does not mention it."""
 
     def log_message(self, *_: object) -> None:
         pass

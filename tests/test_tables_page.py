@@ -66,7 +66,7 @@ TABLE = re.compile(r"<!-- table (?P<name>[\w ]+) -->\n\|.*\|\n\|[-|]+\|\n(?P<row
 
 @dataclass(frozen=True)
 class Example:
-    """A block of the page and what the comment above it says of it."""
+    """A block of the page and what the comment above it declares about it."""
 
     name: str
     form: str
@@ -292,7 +292,7 @@ def test_every_manipulator_of_a_file_has_its_own_convention(read: Callable[..., 
 
 
 def test_every_key_of_yaml_means_what_the_page_says(read: Callable[..., Outcome]) -> None:
-    """In SI units, with what the defaults say of the joint that does not."""
+    """In SI units, with what the defaults declare about the joint that does not."""
     arm = read(EXAMPLES["every key"].body, "yaml").arm()
     shoulder, elbow = arm.rows
     assert (arm.name, arm.base_mass, arm.density) == ("my arm", 4, 2700)

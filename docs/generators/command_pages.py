@@ -53,6 +53,6 @@ def _help(text: str) -> Iterator[str]:
 def _options(command: click.Command, context: click.Context) -> Iterator[tuple[str, str]]:
     for parameter in command.get_params(context):
         record = parameter.get_help_record(context)
-        if isinstance(parameter, click.Option) and record:  # Arguments are told of in the text.
+        if isinstance(parameter, click.Option) and record:  # The text describes arguments.
             names, text = record
             yield code(names), prose(text)

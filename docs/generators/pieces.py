@@ -21,7 +21,7 @@ def code(text: object) -> str:
 
 
 def prose(text: str) -> str:
-    """A sentence of the program as Markdown: nothing in it is markup, and what stands in braces is code."""
+    """A sentence of the program as Markdown: nothing in it is markup, and what is in braces is code."""
     pieces = re.split(r"(`[^`]*`|\{[^{}]*\})", text)
     return "".join(
         (piece if piece.startswith("`") else code(piece)) if number % 2 else re.sub(r"([*_<\[])", r"\\\1", piece)

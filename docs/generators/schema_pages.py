@@ -38,7 +38,7 @@ def report() -> str:
 
 
 def manifest() -> str:
-    """The keys of a row of the manifest, and of what stands in it."""
+    """The keys of a row of the manifest, and of what is in it."""
     return Tables(manifest_schema()).text()
 
 
@@ -111,7 +111,7 @@ class Tables:
         """What a value of one kind may be."""
         schema = self._resolved(schema)
         if "const" in schema or "enum" in schema:
-            # Every stage has a second name, with its distribution: the page says so once.
+            # Every stage has a second name, with its distribution: the page explains that once.
             values = [value for value in schema.get("enum", [schema.get("const")]) if ":" not in str(value)]
             return " or ".join(map(code, values))
         kinds = schema.get("type", "object")

@@ -36,7 +36,7 @@ PLACE = re.compile(r"^<!-- generated: (?P<name>.+) -->$", re.MULTILINE)
 
 @cache
 def generated(name: str) -> str:
-    """What stands in the place of a name, made once however often a site is built.
+    """What is in the place of a name, made once however often a site is built.
 
     Raises:
         KeyError: a page asks for something that nothing generates.

@@ -322,7 +322,7 @@ def run(
         report["manipulators"][0]["proof"]["urdf"]["position_error"]
 
     Args:
-        config: the run file; or what it says, as a mapping, whose paths start at the working directory.
+        config: the run file; or its contents as a mapping, whose paths start at the working directory.
         out: where to, not where the run file says: a folder or an address such as ``s3://bucket/prefix``.
         settings: changes of the run file, as ``--set`` takes them: ``{"transform.options.frames": "dh"}``.
         resume: keep what an earlier run has finished and what has not changed since.
@@ -336,7 +336,7 @@ def run(
         all is done, and 1 where a manipulator failed: the others are written, and you decide what to do about it.
 
     Raises:
-        ConfigError: something in the run file is wrong; all of it is said at once, before anything is written.
+        ConfigError: something in the run file is wrong; all problems are reported at once, before anything is written.
         TableError: nothing could be read at all.
         OutputError: nothing can be written where it should go.
         ExecutorError: nobody does the work.

@@ -130,7 +130,7 @@ def in_columns(manipulators: Sequence[Manipulator]) -> list[tuple[list[int], Man
         said = tuple(chain.from_iterable(map(_numbers_of, manipulator.rows)))
         missing = bytes(map(is_, said, repeat(None)))
         words = tuple(map(_words_of, manipulator.rows))
-        # A mesh is named in one place for all of a group: what is wrong with it is said there.
+        # A mesh is named in one place for all of a group: problems with it are reported there.
         shapes = chain.from_iterable(map(_meshes_of, manipulator.rows))
         marks = tuple([shape.mark for shape in shapes if shape])
         groups[_common_of(manipulator), words, marks, missing].append(index)

@@ -289,7 +289,7 @@ class StageConflictError(PluginError):
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """How each is said without doubt, such as ``lab-tools:csv``; none where they are of one distribution."""
+        """The unambiguous name of each, such as ``lab-tools:csv``; none where they are of one distribution."""
         names = [distribution.partition(" ")[0] for distribution in self.distributions]
         return tuple(f"{name}:{self.name}" for name in names) if len(set(names)) == len(names) else ()
 

@@ -54,7 +54,7 @@ def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
 
 @hookspec
 def dh2urdf_loaders() -> Iterable[Loader[Any]]:
-    """Stages that load a file into a simulator and report what it says."""
+    """Stages that load a file into a simulator and report what the simulator found."""
     return ()
 
 

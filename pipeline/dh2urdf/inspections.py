@@ -38,7 +38,7 @@ class Finding:
 
     Attributes:
         rule: name of the rule that found it, in kebab-case; it stays the same from version to version.
-        message: what stands there, as one plain sentence without its place and without a full stop.
+        message: what is there, as one plain sentence without its place and without a full stop.
         fix: what to do about it.
         effects: what the consumers do that do not just take it; empty where the finding is not about them.
         mark: where it stands; of a file that holds macros, in the file where the element is written.
@@ -60,7 +60,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inspection:
-    """What is to be said of a file of any origin.
+    """Findings about a file of any origin.
 
     Attributes:
         consumers: the consumers of the format that were thought of: name, and what it stands for.

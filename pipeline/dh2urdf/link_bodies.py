@@ -1,4 +1,4 @@
-"""What a table may say of the bodies of links: shapes, meshes, inertia, and a payload."""
+"""What a table may declare about the bodies of links: shapes, meshes, inertia, and a payload."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ class MeshFile:
 
     Attributes:
         path: its absolute path.
-        sha256: the hash of what stands in it, in hexadecimal digits: what is made of it depends on that.
-        content: what stands in it, where it is made by the pipeline and not on disk; its path then names it alone.
+        sha256: the hash of what is in it, in hexadecimal digits: what is made of it depends on that.
+        content: what is in it, where it is made by the pipeline and not on disk; its path then names it alone.
     """
 
     path: str

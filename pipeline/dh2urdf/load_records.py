@@ -1,4 +1,4 @@
-"""What a loader is asked to load, and what the simulator says of it."""
+"""What a loader is asked to load, and what the simulator reports about it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class LoadRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadReport:
-    """What a simulator says of a file, measured by asking it.
+    """What a simulator reports about a file, measured by asking it.
 
     Attributes:
         simulator: its name.

@@ -62,7 +62,7 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
 
 
 def sure_columns(robot: Robot, names: Sequence[str]) -> Condition:
-    """Which of many robots, whose numbers are columns, are beyond doubt: `check_robot` has nothing to say of them.
+    """Which of many robots, whose numbers are columns, are beyond doubt: `check_robot` reports nothing about them.
 
     Of the numbers each rule below has a test here that is cheap and sufficient; what all robots have alike is judged by
     `check_robot` itself on one of them.

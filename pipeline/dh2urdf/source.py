@@ -1,4 +1,4 @@
-"""Where a thing was said, and what is wrong with it: marks and problems.
+"""A place in a file, and what is wrong there: marks and problems.
 
 Everything that comes from a file carries a `Mark`, so that whatever is found later, in whatever stage, can
 point to the line and column where a person has to fix it.
@@ -53,11 +53,11 @@ class Problem:
     Attributes:
         message: what is wrong, as one plain sentence without its place and without a full stop.
         severity: an ``error`` refuses the manipulator, a ``notice`` does not.
-        mark: where it was said.
+        mark: the place.
         robot: name of the manipulator concerned.
         joint: name of the joint concerned.
         field: name of the field concerned, as the project calls it (``alpha``, ``limits.lower``).
-        found: the text that was found, as it stands in the file.
+        found: the text that was found, as it is in the file.
         accepted: what is accepted in its place, in words, every accepted word written out.
         suggestion: what was probably meant, or what to do.
     """
@@ -122,7 +122,7 @@ def shown(text: str, limit: int = SHOWN_TEXT) -> str:
 def printable(text: str) -> str:
     """A text with its control characters escaped.
 
-    A table, the name of a file and what a parser says of either may come from a stranger, and land on a terminal:
+    A table, a file name and the message of a parser may come from a stranger, and land on a terminal:
     escape sequences must not.
     """
     if text.isprintable():

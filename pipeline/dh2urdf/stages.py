@@ -113,7 +113,7 @@ class Reader(Generic[O]):
         write: the file of tables, which `read` reads, or InputError where it cannot hold them all. None: only read.
         trace: reads a file as `read` does, and before each manipulator fills a trace with what its cells say, which
             `dh2urdf info` shows. None where the reader does not know it.
-        texts: the tables of a file as their authors typed them, as far as that can be told; what it gives is taken only
+        texts: the tables of a file as their authors typed them, as far as that is known; what it gives is taken only
             where `write` and `read` make the same manipulator of it. None where the format has no such texts.
         read_cells: yields the manipulators of rows of cells that come from no file, such as those of a DataFrame, as
             `read` does those of a file. It takes the rows from the top, comments and header included, and what messages

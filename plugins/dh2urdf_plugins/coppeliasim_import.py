@@ -1,4 +1,4 @@
-"""What CoppeliaSim's URDF importer needs to be told otherwise, for its profile and its loader.
+"""What CoppeliaSim's URDF importer needs another value for, in its profile and its loader.
 
 All of it was seen in CoppeliaSim 4.10.0 rev 0; docs/simulators.md has the rest of what the importer does.
 """

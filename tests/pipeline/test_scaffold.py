@@ -124,7 +124,7 @@ def test_a_name_that_a_stage_has_is_told(cli: Callable[..., Answer], name: str) 
 
 
 def test_nothing_is_overwritten(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """Whatever stands in the place, a file or a folder or a link to nothing, stays as it is."""
+    """Whatever is in the place, a file or a folder or a link to nothing, stays as it is."""
     (tmp_path / "file").write_text("mine")
     (tmp_path / "folder").mkdir()
     (tmp_path / "link").symlink_to("nowhere")

@@ -80,7 +80,7 @@ class TestProblem:
 
 class TestShown:
     def test_a_text_is_quoted(self) -> None:
-        """A text of a table stands in quotes, letters of all scripts as they are."""
+        """A text of a table is in quotes, letters of all scripts as they are."""
         assert shown("bras_été_肘") == "'bras_été_肘'"
 
     @pytest.mark.parametrize(

@@ -56,7 +56,7 @@ def test_numbers_are_written_as_people_write_them(value: float, unit: str, text:
 
 
 def test_a_transform_says_what_is_not_zero() -> None:
-    """The identity is no text; what else is said of the base stands beside it."""
+    """The identity is no text; what else is said of the base is beside it."""
     m, rad = UNITS["m"], UNITS["rad"]
     assert transform_text(RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0)), m, rad) == ""
     assert transform_text(RigidTransform.from_xyz_rpy((0.0, 0.0, 0.3)), m, rad) == "{xyz: [0, 0, 0.3]}"
@@ -82,7 +82,7 @@ def test_a_plain_word_stays_bare(word: str) -> None:
 
 @pytest.mark.parametrize("word", ["", "a: b", "#1", "null", "True", "x ", "[0]", "~", "-", "- a", "a, b", "{x}"])
 def test_a_word_that_means_something_else_is_quoted(word: str) -> None:
-    """What YAML would take for something else than the text stands in quotes."""
+    """What YAML would take for something else than the text is in quotes."""
     assert yaml_word(word) != word
 
 

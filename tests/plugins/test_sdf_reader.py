@@ -94,7 +94,7 @@ def test_frames_are_where_drake_has_them(tmp_path: Path) -> None:
 
 
 def test_a_frame_may_be_attached_to_a_frame() -> None:
-    """It stands in that one (which Drake 1.51 has otherwise)."""
+    """It is in that one (which Drake 1.51 has otherwise)."""
     frames = '<frame name="g" attached_to="f"><pose>0 0 1 0 0 0</pose></frame>'
     frames += '<frame name="f" attached_to="b"><pose>1 0 0 0 1.5707963267948966 0</pose></frame>'
     robot = parse_sdf(MODEL.format(frames).encode(), "x")

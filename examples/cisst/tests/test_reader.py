@@ -87,7 +87,7 @@ def test_a_convention_with_each_joint(tmp_path: Path) -> None:
 
 
 def test_no_comment_in_a_string(tmp_path: Path) -> None:
-    """What stands in a string is no comment."""
+    """What is in a string is no comment."""
     arm = of_text(tmp_path, f'{{"convention": "standard", "joints": [{JOINT[:-1]}, "name": "a//b /* c */"}}]}}')
     assert arm.rows[0].joint == "a//b /* c */"
 

@@ -115,7 +115,7 @@ def with_tables(cells: Sequence[CellCall], gathering: Gathering) -> Iterator[Cel
 
 
 def cannot_be(arm: ArmCall, problems: Sequence[Problem]) -> Iterator[Problem]:
-    """The problems of an arm's table as problems of the cell, with a sentence before them that says so."""
+    """The problems of an arm's table as problems of the cell, with a sentence before them that names the cell."""
     yield cannot_be_made(arm.of, _the_arm(arm), arm.of_mark or arm.mark)
     yield from problems
 
@@ -229,7 +229,7 @@ def _placed_visual(visual: Visual, prefix: str) -> Visual:
 
 
 # A cell has no parameters of its own, for two arms would both have an a_1: its numbers have no formulas. Those of the
-# arms stand in `Arm.kind`.
+# arms are in `Arm.kind`.
 
 
 def _number_shape(collision: Collision) -> Collision:
@@ -287,7 +287,7 @@ def _up_to(link: str, table: Manipulator, robot: Robot) -> Manipulator:
     """An arm's table as far as one of its links, which stands where its tool would.
 
     A table knows DH frames and tool0, not where a transform puts the frames of links. But a link moves as the DH frame
-    of its row does; how it stands in that frame is seen where all joint values are 0.
+    of its row does; how it is in that frame is seen where all joint values are 0.
     """
     if link == TOOL:
         return table

@@ -37,7 +37,7 @@ class Gathering:
         Args:
             name: one of the names that are wanted.
             user: what is made of it, as messages call it: ``the arm 'left'``.
-            mark: where the name stands in the run file.
+            mark: where the name is in the run file.
         """
         items = self._wanted[name]
         match items:
@@ -71,7 +71,7 @@ class Gathering:
                     mark=mark,
                     field="of",
                     found=name,
-                    suggestion=f"they stand at {marks}" if marks else None,
+                    suggestion=f"they are at {marks}" if marks else None,
                 )
 
 

@@ -209,7 +209,7 @@ def _status(words: list[str], *, debug: bool = False) -> int:
 
 
 def _usage(error: click.ClickException) -> str:
-    """What click says of a wrong command line: the usage, and what is wrong."""
+    """What click declares about a wrong command line: the usage, and what is wrong."""
     text = io.StringIO()
     error.show(text)
     return text.getvalue().rstrip("\n")

@@ -49,7 +49,7 @@ def _hash_of(path: Path) -> str | None:
 
 
 def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:
-    """The keys of manipulators that differ in numbers only; where their rows stand in a file does not matter.
+    """The keys of manipulators that differ in numbers only; where their rows are in a file does not matter.
 
     Args:
         columns: the manipulators.

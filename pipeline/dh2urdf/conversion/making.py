@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def make_item(
     item: Manipulator | Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
 ) -> tuple[Robot, Truth]:
-    """The robot of a manipulator or cell, checked, and what its tables say of it after the edits.
+    """The robot of a manipulator or cell, checked, and what its tables declare about it after the edits.
 
     Raises:
         ManipulatorError: as `make_robot` and `make_cell`.
@@ -50,9 +50,9 @@ def make_robot(
 def make_cell(
     cell: Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
 ) -> tuple[Robot, Truth]:
-    """The robot of a cell, checked, and what its tables say of it.
+    """The robot of a cell, checked, and what its tables declare about it.
 
-    What there is to notice of each arm is said with the manipulator that it is. Edits change each arm, not the cell.
+    Notices about an arm go with its manipulator. Edits change each arm, not the cell.
 
     Raises:
         ManipulatorError: a stage refuses an arm, the arms do not go together, or the robot breaks a rule.

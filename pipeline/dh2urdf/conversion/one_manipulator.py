@@ -42,7 +42,7 @@ class Sample:
 
     Attributes:
         first: so many at the beginning.
-        every: of the rest every how many-th.
+        every: n, for every n-th of the rest.
     """
 
     first: int = 0
@@ -162,7 +162,7 @@ def write_robot(
     """Emit a robot with every emitter, prove each file, and put all of them in place, with its meshes, or none.
 
     Args:
-        truth: what the tables say of it.
+        truth: what the tables declare about it.
         robot: the robot.
         recipe: what is done.
         directory: where the files go; made where it is missing.
@@ -205,12 +205,12 @@ def emit_robot(
     """Emit a robot with every emitter into a folder of its own, and prove each file there.
 
     Args:
-        truth: what the tables say of it.
+        truth: what the tables declare about it.
         robot: the robot.
         recipe: what is done.
         folder: a folder that nobody else uses.
         stem: the stem of the files' names.
-        place: where the files will stand in the end, for messages; by default the folder above.
+        place: where the files will be in the end, for messages; by default the folder above.
         main_file: another name for the first emitter's main file.
         proved: whether to prove the files.
         sampled: whether to prove also those whose proof is slow.

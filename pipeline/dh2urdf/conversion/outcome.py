@@ -186,7 +186,7 @@ def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data
 
 
 def proof_facts(proof: Proof) -> ProofEntry:
-    """What a manifest says of a proof."""
+    """What a manifest declares about a proof."""
     row: ProofEntry = {
         "position_error": proof.position_error,
         "angle_error": proof.angle_error,

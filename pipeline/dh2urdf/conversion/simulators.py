@@ -93,10 +93,10 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     seconds: dict[str, float],
     children: KeptChildren,
 ) -> Loaded:
-    """What all loaders of a recipe say of the files of a manipulator; whatever one says, the next is asked.
+    """What all loaders of a recipe declare about the files of a manipulator; whatever one says, the next is asked.
 
     Args:
-        truth: what the tables say of it.
+        truth: what the tables declare about it.
         robot: the robot.
         recipe: what is done with every manipulator.
         written: its files.
@@ -161,7 +161,7 @@ def load_written(
     keeps_kinematics: bool,
     picture: Path,
 ) -> LoadReport:
-    """What a simulator says of the file that was written beside where the picture goes.
+    """What a simulator reports about the file that was written beside where the picture goes.
 
     Where the transform does not keep the kinematics, the simulator is held against the robot, not against the tables.
     """

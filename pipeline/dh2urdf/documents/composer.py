@@ -172,7 +172,7 @@ class Composer:
         return node, frame.size, frame.depth
 
     def _place(self, frame: _OpenNode, node: Node, size: int, depth: int) -> None:
-        """Puts a node into the mapping or list that it stands in, as a key, a value or an entry."""
+        """Puts a node into the mapping or list that it is in, as a key, a value or an entry."""
         entries = frame.entries
         frame.size += size
         if depth >= frame.depth:

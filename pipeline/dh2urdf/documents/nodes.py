@@ -26,13 +26,13 @@ class Node:
 
     Attributes:
         value: the value as the YAML 1.2 core schema has it.
-        file: the file it stands in.
+        file: the file it is in.
         line: where the value starts, from 1; 0 for a value without a place.
         column: where the value starts, from 1; 0 for a value without a place.
         text: what a scalar says, before it became a number or a truth value; None for a mapping or a list.
-        quoted: whether a scalar stands in quotes or is a block of text, so that it can only be a string.
+        quoted: whether a scalar is in quotes or is a block of text, so that it can only be a string.
         key_places: line and column of each key of a mapping.
-        place: the place of a value that stands in a cell, as the file's format names it; see `Mark.place`.
+        place: the place of a value that is in a cell, as the file's format names it; see `Mark.place`.
     """
 
     value: NodeValue

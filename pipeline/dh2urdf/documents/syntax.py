@@ -1,4 +1,4 @@
-"""What the YAML parser says of a text that is not YAML, and what a person can do about it."""
+"""What the YAML parser declares about a text that is not YAML, and what a person can do about it."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigErr
     if match := re.search(_UNACCEPTABLE_ASCII if text.isascii() else _UNACCEPTABLE, text):
         raise error(
             Problem(
-                message=f"the character U+{ord(match[0]):04X} cannot stand in a text file",
+                message=f"the character U+{ord(match[0]):04X} cannot be in a text file",
                 mark=_mark_after(text[: match.start()], file),
                 found=match[0].encode("unicode_escape").decode("ascii"),
                 accepted="printable characters, tabs, and line ends LF, CR LF or CR",

@@ -243,7 +243,7 @@ def _number(value: float, *, is_angle: bool = False) -> float:
 
 
 def changes(manipulator: Manipulator, corrected: Manipulator) -> tuple[str, ...]:
-    """What a corrected table says otherwise, a text each that can stand in a table: base, tool, signs, offsets."""
+    """What a corrected table says otherwise, a text each that can be in a table: base, tool, signs, offsets."""
     found = [
         f"{name}: {{xyz: [{_vector(new.translation)}], rpy: [{_vector(new.rpy, is_angle=True)}]}}"
         for name, old, new in (("base", manipulator.base, corrected.base), ("tool", manipulator.tool, corrected.tool))

@@ -82,14 +82,14 @@ class Tip:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Truth:
-    """What the tables say of a robot.
+    """What the tables declare about a robot.
 
     Attributes:
         name: the robot's name.
         root: name of its root link.
         tips: the frames whose poses follow from the tables.
         joints: its moving joints; a joint vector has an entry for each.
-        mark: where the robot stands in its file.
+        mark: where the robot is in its file.
     """
 
     name: str

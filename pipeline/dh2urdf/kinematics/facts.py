@@ -1,4 +1,4 @@
-"""What the axes of an arm say of its kinematics: parallel axes, a spherical wrist, the parameters of an OPW arm.
+"""What the axes of an arm declare about its kinematics: parallel axes, a spherical wrist, the parameters of an OPW arm.
 
 OPW: an ortho-parallel basis with a spherical wrist, as most industrial arms of six joints have it (Brandstötter,
 Angerer, Hofbaur: An analytical solution of the inverse kinematics problem of industrial serial manipulators with an

@@ -274,8 +274,8 @@ def _proofs(
         table: what the tables say, in columns.
         robot: the robots made of them, in columns.
         joints: those of the written ways to tool0, in columns of their own.
-        places: where the arms stand in the columns of the first two.
-        first: where the first of them stands in the columns of the written ways; the others follow.
+        places: where the arms are in the columns of the first two.
+        first: where the first of them is in the columns of the written ways; the others follow.
         count: random joint vectors.
     """
     import numpy as np

@@ -87,7 +87,7 @@ class Comparison:
         """Where the moving joints that the simulator has differ from the robot's.
 
         Args:
-            held: the joints, each by its name and what a `LoadReport` says of it. A property that the simulator does
+            held: the joints, each by its name and what a `LoadReport` has of it. A property that the simulator does
                 not have is left out, and not compared.
         """
         found = {joint["name"]: joint for joint in held}
@@ -129,7 +129,7 @@ class Comparison:
 
         Args:
             held: the links that the simulator has.
-            written: the links that it should have; those of the robot where nothing else is said.
+            written: the links that it should have; those of the robot by default.
         """
         if written is None:
             written = {link.name: link.inertial or Inertial(mass=0.0) for link in self.robot.links}

@@ -142,7 +142,7 @@ def _digest(path: str, _changed: int, _size: int) -> str:
 
 
 def read_mesh(file: MeshFile) -> bytes:
-    """What stands in a mesh file.
+    """What is in a mesh file.
 
     Raises:
         OutputError: it cannot be read any more, or is not what it was when its table was read.

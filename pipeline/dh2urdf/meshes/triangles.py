@@ -32,7 +32,7 @@ _ZIP = b"PK\x03\x04"
 
 
 class Asset(NamedTuple):
-    """What a COLLADA file says of its numbers.
+    """What a COLLADA file declares about its numbers.
 
     Attributes:
         unit: the unit of lengths [m].
@@ -61,7 +61,7 @@ class Part(NamedTuple):
 
 
 def load_scene(content: bytes, suffix: str, *, process: bool) -> Any:  # noqa: ANN401 - a module without type information
-    """What stands in a mesh file as a trimesh scene, in the file's own unit and axes.
+    """What is in a mesh file as a trimesh scene, in the file's own unit and axes.
 
     Args:
         content: the file.
@@ -83,7 +83,7 @@ def load_scene(content: bytes, suffix: str, *, process: bool) -> Any:  # noqa: A
 
 
 def asset_of(content: bytes, suffix: str) -> Asset:
-    """What a file says of its unit and its axes.
+    """What a file declares about its unit and its axes.
 
     STL and OBJ say nothing: metres with z up are meant. glTF has metres with y up.
 

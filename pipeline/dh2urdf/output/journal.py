@@ -2,7 +2,7 @@
 
 Workers write the row of every manipulator into the journal as soon as its files are in their place; a finished run
 leaves a manifest in place of the journal. `Earlier` finds in both what is known of a manipulator. Nothing here is
-believed: whoever keeps an old file looks at its bytes.
+trusted: before an old file is kept, its bytes are compared.
 """
 
 from __future__ import annotations

@@ -124,7 +124,7 @@ class LocalStore(Store):
             _write_file(path, _LAST_LINE, line)
 
     def read(self, name: str, *, offset: int = 0, size: int | None = None) -> bytes:
-        """What stands in a file, or some of it."""
+        """What is in a file, or some of it."""
         path = Path(self._path(checked(name)))
         with reporting_os_errors(self.directory / name, "read"), path.open("rb") as file:
             file.seek(offset)

@@ -83,7 +83,7 @@ class RemoteStore(Store):
                 create(system, key)
 
     def read(self, name: str, *, offset: int = 0, size: int | None = None) -> bytes:
-        """What stands in a file, or some of it."""
+        """What is in a file, or some of it."""
         if size == 0:
             return b""  # There is no such range of HTTP.
         system, key = self._place(name)

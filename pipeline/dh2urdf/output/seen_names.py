@@ -90,7 +90,7 @@ def _database() -> sqlite3.Connection:
 
 @contextmanager
 def _reporting_errors() -> Iterator[None]:
-    """Turn what the database says of its file into one line.
+    """Turn what the database declares about its file into one line.
 
     Raises:
         OutputError: it raised anything.

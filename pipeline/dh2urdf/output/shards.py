@@ -127,7 +127,7 @@ class Member(NamedTuple):
     Attributes:
         name: its name.
         offset: where its content begins [byte].
-        content: what stands in it.
+        content: what is in it.
     """
 
     name: str

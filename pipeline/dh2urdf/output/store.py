@@ -47,7 +47,7 @@ class Store(ABC):
 
     @abstractmethod
     def read(self, name: str, *, offset: int = 0, size: int | None = None) -> bytes:
-        """What stands in a file, or some of it: so many bytes from an offset on, fewer where the file ends."""
+        """What is in a file, or some of it: so many bytes from an offset on, fewer where the file ends."""
 
     @abstractmethod
     def open(self, name: str) -> BinaryIO:
@@ -98,7 +98,7 @@ def checked(name: str) -> str:
 
 
 class ReportingStream(io.RawIOBase):
-    """A stream for reading whose errors are told by its store."""
+    """A stream for reading whose errors name its store."""
 
     def __init__(self, stream: Any, reporting: Callable[[], AbstractContextManager[None]]) -> None:  # noqa: ANN401
         self._stream, self._reporting = stream, reporting

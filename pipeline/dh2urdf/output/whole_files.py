@@ -133,7 +133,7 @@ def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> 
     Args:
         folder: the staging folder.
         files: the files.
-        place: where they will stand in the end, for messages; by default the folder above.
+        place: where they will be in the end, for messages; by default the folder above.
 
     Raises:
         OutputError: a file cannot be written, or its name leads out of the folder.
@@ -193,7 +193,7 @@ def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
     """Move files from a staging folder to where they belong, each replacing an older one at once.
 
     Raises:
-        OutputError: a file cannot be moved; where a folder stands in the way of one, none is.
+        OutputError: a file cannot be moved; where a folder is in the way of one, none is.
     """
     for name in names:
         with reporting_os_errors(directory / name):
@@ -207,7 +207,7 @@ def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write one file whole, or leave what stood there.
+    """Write one file whole, or leave what was there.
 
     Raises:
         OutputError: it cannot be written.
@@ -220,13 +220,13 @@ def write_whole(path: Path, content: bytes) -> None:
 def write_all(descriptor: int, content: bytes) -> None:
     """Write all of a content to an open file, in one call of the system if it can be."""
     written = os.write(descriptor, content)
-    while written < len(content):  # The disk is full, and the next call says so; or this one took its most, 2 GB.
+    while written < len(content):  # The disk is full, and the next call reports it; or this one took its most, 2 GB.
         written += os.write(descriptor, memoryview(content)[written:])
 
 
 @contextmanager
 def reporting_os_errors(path: Path | str, doing: str = "write") -> Iterator[None]:
-    """Turn what the operating system says of a path into one line.
+    """Turn what the operating system declares about a path into one line.
 
     Raises:
         OutputError: whatever OSError came, or the ValueError of a path that no system has.
@@ -238,6 +238,6 @@ def reporting_os_errors(path: Path | str, doing: str = "write") -> Iterator[None
 
 
 def refused(path: Path | str, error: Exception, doing: str = "write") -> OutputError:
-    """What the operating system says of a path, as one line."""
+    """What the operating system declares about a path, as one line."""
     reason = getattr(error, "strerror", None) or str(error)
     return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}"))

@@ -152,7 +152,7 @@ class Catalog:
     @overload
     def usual(self, kind: Kind) -> Stage: ...
     def usual(self, kind: Kind) -> Stage:
-        """The stage that is taken where nobody names one of its kind: its record says so.
+        """The stage that is taken where nobody names one of its kind: its record has `is_usual`.
 
         dh2urdf's own stage is taken where plugins have others.
 

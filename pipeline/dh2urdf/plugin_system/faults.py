@@ -9,7 +9,7 @@ INTERRUPTS = (KeyboardInterrupt, GeneratorExit)
 
 
 def reason_of(error: BaseException) -> str:
-    """The class of an exception and what it says, in one line."""
+    """The class of an exception and its message, in one line."""
     try:
         text = str(error)
     except Exception as failed:  # noqa: BLE001 - it is the exception's own code

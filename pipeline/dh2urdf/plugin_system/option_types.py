@@ -77,7 +77,7 @@ def type_text(hint: Any) -> str:  # noqa: ANN401 - any type
 
 
 def default_text(field: Field[Any]) -> str:
-    """What an option is where nobody says it, as a run file would say it."""
+    """The default of an option, as a run file would write it."""
     default = field.default
     if field.default_factory is not MISSING:
         default = field.default_factory()

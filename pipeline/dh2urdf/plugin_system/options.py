@@ -60,7 +60,7 @@ def make_options(
             to the working directory.
 
     Raises:
-        ConfigError: options are unknown, missing or not what they should be; all of it is said at once.
+        ConfigError: options are unknown, missing or not what they should be; all problems are reported at once.
         BrokenPluginError: the stage's options type itself does not work.
     """
     try:
@@ -230,7 +230,7 @@ class _GivenOptions(Generic[O]):
         return hint
 
     def _problem(self, keys: _Keys, errors: list[Any]) -> Problem:
-        """One problem for all that pydantic says of one value; a union is told of once per member."""
+        """One problem for all that pydantic reports about one value; pydantic reports a union once per member."""
         _, node = self._follow(keys)
         missing = [one["loc"] for one in errors if one["type"] == "missing" and isinstance(one["loc"][-1], str)]
         if missing:

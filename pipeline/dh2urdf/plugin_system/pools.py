@@ -85,7 +85,7 @@ class _Pool:
         self._stack.close()
 
     def submit(self, task: Any) -> _Promise:  # noqa: ANN401 - a task is the caller's
-        """Submit a task; where the pool is broken, nothing, and its result says so."""
+        """Submit a task; where the pool is broken, nothing, and its result is the error."""
         from concurrent.futures import BrokenExecutor
 
         try:

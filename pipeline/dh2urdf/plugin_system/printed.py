@@ -60,7 +60,7 @@ class NamedLines(io.TextIOBase):
 
 @contextmanager
 def collected_lines(*, is_worker: bool) -> Iterator[list[str]]:
-    """What is printed in this process meanwhile, if it is a worker's; elsewhere it is printed as ever."""
+    """What is printed in this process meanwhile, if it is a worker's; elsewhere it is printed as usual."""
     lines: list[str] = []
     if not is_worker:
         yield lines

@@ -260,7 +260,7 @@ class _Parser:
         return self.unexpected()
 
     def inside(self, read: Callable[[], Intermediate]) -> Intermediate:
-        """What stands in a bracket that was just opened."""
+        """What is in a bracket that was just opened."""
         self.depth += 1
         if self.depth > MAX_NESTING:
             self.fail(f"its brackets are nested more than {MAX_NESTING} deep")

@@ -192,7 +192,7 @@ class Detail(TypedDict):
     base: Placement
     tool: Placement
     units: Annotated[list[UnitEntry], "the units that the table states for all rows"]
-    stated: Annotated[dict[str, StatedValue], "what else the table says of the whole arm, by key [SI]"]
+    stated: Annotated[dict[str, StatedValue], "what else the table declares about the whole arm, by key [SI]"]
     joints: Annotated[list[JointDetail], "the joints, from the base outwards"]
     pose_at_zero: Annotated[list[Annotated[list[float], "a row"]], "T(base_link to tool0) where every joint value is 0"]
     largest_distance: DistanceEntry
@@ -218,7 +218,7 @@ class OptionEntry(TypedDict):
 
     name: Annotated[str, "the option's name in a run file"]
     type: Annotated[str, "what it takes, in words"]
-    default: Annotated[str, "what it is where nobody says it, in words"]
+    default: Annotated[str, "the default, in words"]
     help: Annotated[str, "what it is for"]
 
 
@@ -243,7 +243,7 @@ class ClashEntry(TypedDict):
     kind: StageKind
     name: Annotated[str, "a name that several plugins claim"]
     distributions: Annotated[list[str], "who claims it: name and version of each distribution"]
-    choices: Annotated[list[str], "how each is said without doubt: distribution:name"]
+    choices: Annotated[list[str], "the unambiguous name of each: distribution:name"]
 
 
 class PluginEntry(TypedDict):
@@ -259,7 +259,7 @@ class ShadowedEntry(PluginEntry):
     kind: StageKind
     name: Annotated[str, "a name that means another plugin's stage"]
     winner: Annotated[str, "name and version of the distribution whose stage the name means"]
-    choice: Annotated[str, "how this stage is said without doubt: distribution:name"]
+    choice: Annotated[str, "the unambiguous name of this stage: distribution:name"]
 
 
 class RefusedPluginEntry(PluginEntry):

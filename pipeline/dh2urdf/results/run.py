@@ -36,7 +36,7 @@ KeepsKinematics: TypeAlias = Annotated[
 class ProblemEntry(TypedDict):
     """An error or a notice, and its place."""
 
-    file: Annotated[str | None, "the file where it was said"]
+    file: Annotated[str | None, "the file that it was read from"]
     line: Annotated[int | None, Keyword("minimum", 1)]
     column: Annotated[int | None, Keyword("minimum", 1)]
     place: Annotated[str | None, "the place as the file's format names it, such as Sheet2!C4"]
@@ -158,14 +158,14 @@ class CoverageEntry(TypedDict):
 
 
 class SimulatorNotice(TypedDict):
-    """What one loader has to say of several manipulators, as it says it of the first of them."""
+    """What one loader reports about several manipulators, as it says it of the first of them."""
 
     loader: Annotated[str, "the loader"]
-    manipulators: Annotated[Count, "of how many manipulators it says so"]
+    manipulators: Annotated[Count, "how many manipulators have the finding"]
     first: Annotated[str, "the first of these"]
     place: Annotated[str | None, "the place in a file that it is about, of the first"]
     joint: Annotated[str | None, "the joint that it is about, of the first"]
-    message: Annotated[str, "what it says of the first; of the others it names other joints and numbers"]
+    message: Annotated[str, "the message about the first; of the others it names other joints and numbers"]
 
 
 class InputEntry(TypedDict):
@@ -224,7 +224,7 @@ JointName: TypeAlias = Annotated[str, "a joint"]
 
 
 class AxesEntry(TypedDict):
-    """What the axes of an arm say of its kinematics, by the names of the joints."""
+    """What the axes of an arm declare about its kinematics, by the names of the joints."""
 
     parallel: Annotated[
         list[Annotated[list[JointName], "joints in a row whose axes are parallel"]],
@@ -235,7 +235,7 @@ class AxesEntry(TypedDict):
 
 
 class ArmAxes(AxesEntry):
-    """What the axes of a table say of its kinematics."""
+    """What the axes of a table declare about its kinematics."""
 
     name: Annotated[str, "the manipulator or cell"]
     arms: Annotated[list[Annotated[str, "an arm"]], "the arms of a cell that have this table"]
@@ -254,4 +254,4 @@ class RunReport(TypedDict):
     simulator_notices: Annotated[list[SimulatorNotice], "what loaders noticed, alike notices counted together"]
     manipulators: Annotated[list[ManipulatorEntry], "the first rows of the manifest, 1000 at most"]
     left_out: Annotated[Count, "how many more rows the manifest has"]
-    axes: Annotated[list[ArmAxes], "what the axes of the tables of these manipulators say of their kinematics"]
+    axes: Annotated[list[ArmAxes], "what the axes of the tables of these manipulators declare about their kinematics"]

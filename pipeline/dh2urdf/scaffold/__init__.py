@@ -102,7 +102,7 @@ def write_plugin(
     if problems := list(_problems(name, kind, place, catalog)):
         raise ConfigError(problems)
     with reporting_os_errors(place):
-        # Inside, so that it can be moved to its place; whoever interrupts this finds nothing half-written.
+        # Inside, so that it can be moved to its place; an interruption leaves nothing half-written.
         half = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=folder))
         try:
             written = [_write(half, *source, name, kind) for source in _sources(kind, minimal=minimal)]

@@ -11,7 +11,7 @@ by naming it in a subclass::
 
 A test that fails says which clause is broken, what was found, what is accepted and what to do. The built-in stages are
 held to the same contracts. What this package gives is imported when it is asked for: pytest finds its fixtures in
-`dh2urdf.testing.plugin` wherever dh2urdf is installed, and whoever does not use them pays nothing.
+`dh2urdf.testing.plugin` wherever dh2urdf is installed, and cost nothing to other tests.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ class RunOutput:
     Attributes:
         folder: its output folder.
         exit_status: that of `dh2urdf run`: 0 where all is done, 1 where a manipulator failed.
-        report: what stands in its report.json.
+        report: what is in its report.json.
     """
 
     folder: Path
@@ -58,7 +58,7 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
     Args:
         folder: where the run file and the tables are written, and the output goes, under ``build``.
         run_file: the text of the run file, without a section `output`.
-        tables: the files that it names, and what stands in them.
+        tables: the files that it names, and what is in them.
         catalog: the stages; by default all that are installed.
 
     Raises:

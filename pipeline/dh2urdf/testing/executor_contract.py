@@ -45,7 +45,7 @@ class ExecutorContract(StageContract):
                     clause,
                     found=f"{found} for the doubles of {list(tasks)}",
                     accepted=f"{[2 * task for task in tasks]}",
-                    remedy="yield results in the order of the tasks, whoever is done first",
+                    remedy="yield results in the order of the tasks, whichever task is done first",
                 )
 
     def test_takes_tasks_as_they_are_needed(self) -> None:

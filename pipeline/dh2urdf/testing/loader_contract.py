@@ -218,7 +218,7 @@ class LoaderContract(StageContract):
             self.breach(
                 clause,
                 found="; ".join(found),
-                accepted="what dh2urdf.stages says of Loader and LoadReport",
+                accepted="what dh2urdf.stages documents for Loader and LoadReport",
                 remedy="compare the record and the report with the docstrings of dh2urdf.stages",
             )
 
@@ -247,7 +247,7 @@ class LoaderContract(StageContract):
             clause,
             found=found,
             accepted="a report of a good file; a LoaderError of any other",
-            remedy="let `load` stand at the top level of an importable module, and raise LoaderError with a Problem "
+            remedy="let `load` be at the top level of an importable module, and raise LoaderError with a Problem "
             "where the simulator refuses the file",
         )
 

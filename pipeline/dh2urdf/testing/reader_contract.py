@@ -36,7 +36,7 @@ class ReaderContract(StageContract):
     """What holds for a reader.
 
     Attributes:
-        example: what stands in a file that it reads, with one manipulator or several.
+        example: what is in a file that it reads, with one manipulator or several.
         is_document: whether a file is one document that can only be read as a whole, as JSON and YAML are: then the
             file may be held, but the manipulators are made one by one.
     """
@@ -47,7 +47,7 @@ class ReaderContract(StageContract):
     is_document: ClassVar[bool] = False
 
     def many(self, count: int) -> str | bytes | None:  # noqa: ARG002 - for those who override it
-        """What stands in a file with so many manipulators; None where a file holds one.
+        """What is in a file with so many manipulators; None where a file holds one.
 
         Args:
             count: how many.
@@ -265,7 +265,8 @@ class ReaderContract(StageContract):
         tables = iter(self.stage.read(path, self.given()))
         first = next(tables, None)
         size = path.stat().st_size
-        with path.open("r+b") as file:  # Zeros in place of its second half: whoever has yet to read it meets them.
+        # Zeros in place of its second half: a reader that has not read it yet finds them.
+        with path.open("r+b") as file:
             file.seek(size // 2)
             file.write(b"\0" * (size - size // 2))
         given = int(isinstance(first, Manipulator))
@@ -296,7 +297,7 @@ def _cell_rows(cell: str) -> list[CellRow]:
 
 
 def _mistold(row: DHRow, said: Mapping[str, Said], path: Path) -> Iterator[str]:
-    """What a trace says of a row that the file or the manipulator does not."""
+    """What a trace declares about a row that the file or the manipulator does not."""
     for field, each in said.items():
         if each.mark is None or each.mark.file != str(path):
             yield f"the place {each.mark} of {field} of {row.joint!r}"

@@ -19,7 +19,7 @@ BASE = "base_link_inertia"
 
 
 def reference_manipulators() -> tuple[Manipulator, ...]:
-    """Arms with everything that a table may say of kinematics."""
+    """Arms with everything that a table may declare about kinematics."""
     return (_ur5(), _panda(), _scara(), _odd())
 
 
@@ -93,8 +93,8 @@ def _odd() -> Manipulator:
 def plain_robot(manipulator: Manipulator) -> Robot:
     """The robot of a manipulator whose rows say their limits: for the tests of emitters and loaders.
 
-    The motion of a joint stands at the left end of a row's product in the standard convention, at its right end in the
-    modified one; what stands beside it is constant, and goes into the origin of this joint or of the next.
+    The motion of a joint is at the left end of a row's product in the standard convention, at its right end in the
+    modified one; what is beside it is constant, and goes into the origin of this joint or of the next.
     """
     links, joints = [Link(name=ROOT), _body(BASE)], [_weld(ROOT, BASE)]
     parent, pending = BASE, manipulator.base

@@ -150,7 +150,7 @@ class StageContract:
                 found=f"{type(error).__name__}: {error}",
                 accepted="options that can be made of a run file, and pickled",
                 remedy="give fields the types of numbers, texts, Literal, tuples and dataclasses; "
-                "let the type stand at the top level of a module",
+                "let the type be at the top level of a module",
             )
         if sent != options or made != self.stage.options():
             self.breach(
@@ -200,7 +200,7 @@ class StageContract:
                 self.test_registering_imports_nothing_heavy,
                 found=f"{place} cannot be registered: {error}",
                 accepted=f"a module with the hook dh2urdf_{self.kind}s, which gives the stage {self.stage.name!r}",
-                remedy="set `plugin` of the test to that module, and let stage functions stand at a module's top level",
+                remedy="set `plugin` of the test to that module, and let stage functions be at a module's top level",
             )
         own = {re.split("[.:]", module)[0] for module in (place, _home(self.kind, self.stage))}
         heavy = sorted(loaded - own - LIGHT - sys.stdlib_module_names)
@@ -269,7 +269,7 @@ class StageContract:
             found = str(error)
             accepted = "functions that a worker can import by their names, and results that can be pickled"
             remedy = (
-                "let the stage's functions stand at the top level of an importable module, and end no process; "
+                "let the stage's functions be at the top level of an importable module, and end no process; "
                 "a record that a stage makes holds plain values"
             )
         except Exception as error:  # noqa: BLE001 - whatever an author's code raises

@@ -104,7 +104,7 @@ def replace_unchecked(record: T, **changes: Any) -> T:  # noqa: ANN401 - whateve
 def unchecked(kind: Callable[P, T]) -> Callable[P, T]:
     """The constructor of a record for this package's own use: its values are kept as they are.
 
-    Whoever calls it has made the values himself, of numbers that were checked. A robot has more than a hundred records,
+    The caller has made the values itself, of numbers that were checked. A robot has more than a hundred records,
     and their checks would take a third of the time that it takes to make them.
     """
     record: Any = kind

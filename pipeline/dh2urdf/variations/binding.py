@@ -28,7 +28,7 @@ def bind(call: VariationCall, nominal: Manipulator) -> Variation:
         nominal: the table.
 
     Raises:
-        ConfigError: the table has no such joint or value, or the count is not possible; all of it is said at once.
+        ConfigError: the table has no such joint or value, or the count is not possible; all are reported at once.
     """
     return _Binder(call, nominal).variation()
 

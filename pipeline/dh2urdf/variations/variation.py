@@ -96,7 +96,7 @@ class Factor:
         row: index of the joint's row; None where the field is the whole arm's.
         law: how its values are drawn.
         nominal: the value of the table; None where it has none, or none that is a number.
-        mark: where the run file says so.
+        mark: the place in the run file.
     """
 
     key: str

@@ -197,7 +197,7 @@ class _Names:
             yield about.notice(message)
 
 
-# What is said of it.
+# The facts about the robot.
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ _STATED = ("name", "units")
 
 
 def is_said_to_slide(root: Node, number: int) -> bool:
-    """Whether the file says of a joint that it is prismatic."""
+    """Whether the file declares a joint as prismatic."""
     entries = root.value if isinstance(root.value, dict) else {}
     joints = entries.get("joints")
     listed = joints.value if joints is not None and isinstance(joints.value, list) else []

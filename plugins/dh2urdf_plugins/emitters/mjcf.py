@@ -1,6 +1,6 @@
 """MJCF: the robot as a model for MuJoCo, with motors.
 
-MuJoCo reads URDF too, but a URDF says nothing of motors, of frames that are no bodies, or of contacts to leave out. The
+MuJoCo reads URDF too, but a URDF has no motors, no frames without bodies, and no contacts to leave out. The
 elements are those of https://mujoco.readthedocs.io/en/stable/XMLreference.html; the layout is that of the models in
 MuJoCo Menagerie: classes ``visual`` and ``collision``, collision shapes in group 3.
 """
@@ -289,7 +289,7 @@ def _append_classes(root: etree._Element) -> None:
 
 
 def check(path: Path) -> Inspection:
-    """What there is to say of a file of any origin.
+    """Findings about a file of any origin.
 
     Raises:
         InputError: the file cannot be read.

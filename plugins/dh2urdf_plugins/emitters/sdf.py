@@ -2,7 +2,7 @@
 
 Gazebo reads a URDF through sdformat, which lumps what a fixed joint holds into the link that carries it: tool0 is gone.
 Here a link without mass is a ``<frame>`` of its own name, so that plugins, sensors and other models can refer to it.
-What stands in the file is as old as SDF 1.7, the first with frame semantics (http://sdformat.org/tutorials, "Pose Frame
+What is in the file is as old as SDF 1.7, the first with frame semantics (http://sdformat.org/tutorials, "Pose Frame
 Semantics"): Gazebo 11, all versions of the new Gazebo, and Drake read it.
 """
 
@@ -41,7 +41,7 @@ _NOT_A_NAME = re.compile(r"world|__.*__|.*::.*", re.DOTALL)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SdfOptions:
-    """How the model stands in a world."""
+    """How the model is placed in a world."""
 
     fixed: bool = field(
         default=True,
@@ -53,7 +53,7 @@ def emit(robot: Robot, stem: str, options: SdfOptions) -> tuple[EmittedFile]:
     """The SDF of a robot, as ``<stem>.sdf``.
 
     Raises:
-        EmitterError: SDF cannot hold one of its names, or nothing with a mass stands at its root or on a joint.
+        EmitterError: SDF cannot hold one of its names, or nothing with a mass is at its root or on a joint.
     """
     content = serialise(_Model(robot, fixed=options.fixed).tree(), robot.comment)
     return (EmittedFile(name=f"{stem}.sdf", content=content),)
@@ -246,7 +246,7 @@ class _Model:
 
 
 def check(path: Path) -> Inspection:
-    """What there is to say of a file of any origin.
+    """Findings about a file of any origin.
 
     Raises:
         InputError: the file cannot be read.

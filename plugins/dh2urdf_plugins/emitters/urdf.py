@@ -88,7 +88,7 @@ def notices(robot: Robot, options: UrdfOptions) -> list[Problem]:
 
 
 def check(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """What there is to say of a URDF of any origin, whose meshes may be in the ROS packages that are named.
+    """Findings about a URDF of any origin, whose meshes may be in the ROS packages that are named.
 
     Raises:
         InputError: the file cannot be read, or a folder of packages is none.

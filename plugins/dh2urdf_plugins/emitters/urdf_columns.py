@@ -80,12 +80,12 @@ def filled_in(robots: RobotColumns) -> list[bytes | None]:
 
 
 def is_plain_name(name: str) -> bool:
-    """Whether a name stands in an attribute as it is, on a line that no reader cuts."""
+    """Whether a name is in an attribute as it is, on a line that no reader cuts."""
     return len(name) <= LONGEST_NAME and name.isprintable() and not _ESCAPED.search(name)
 
 
 def is_plain_comment(comment: str) -> bool:
-    """Whether a text stands in a comment as it is."""
+    """Whether a text is in a comment as it is."""
     return 0 < len(comment) <= LONGEST_COMMENT and comment.isprintable() and "--" not in comment
 
 
@@ -143,7 +143,7 @@ def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, 
 
 
 def _parts(text: str, texts: Mapping[str, list[str] | str]) -> Iterator[Iterable[str]]:
-    """What stands in a piece of a template, for one robot after the other; what is the same for all in one part."""
+    """What is in a piece of a template, for one robot after the other; what is the same for all in one part."""
     same = ""
     for index, piece in enumerate(_SLOT.split(text)):
         column = texts[piece] if index % 2 else piece
@@ -157,5 +157,5 @@ def _parts(text: str, texts: Mapping[str, list[str] | str]) -> Iterator[Iterable
 
 
 def _slot(key: str) -> str:
-    """What stands in a template where files differ."""
+    """What is in a template where files differ."""
     return f"{_OPEN}{key}{_CLOSE}"

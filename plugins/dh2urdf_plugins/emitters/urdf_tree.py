@@ -105,7 +105,7 @@ class Notation:
 def urdf_tree(
     robot: Robot, name: str, notation: Notation, *, mujoco: bool = True, shared_materials: bool = True
 ) -> etree._Element:
-    """The whole tree of a URDF, under a name that is written already; with what MuJoCo has to be told, if asked for.
+    """The whole tree of a URDF, under a name that is written already; with the settings for MuJoCo, if asked for.
 
     Raises:
         EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
@@ -139,7 +139,7 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
 def append_mujoco_options(parent: etree._Element, robot: Robot) -> None:
     """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it.
 
-    Of meshes it takes the file's name alone, without its folder, unless it is told not to.
+    Of meshes it takes the file's name alone, without its folder, unless an option forbids it.
     """
     options = {"fusestatic": "false", "discardvisual": "false"}
     if has_meshes(robot):

@@ -336,7 +336,7 @@ def notices(robot: Robot, options: XacroOptions) -> list[Problem]:
 
 
 def check(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """What there is to say of a xacro of any origin, expanded so or with its defaults.
+    """Findings about a xacro of any origin, expanded so or with its defaults.
 
     Raises:
         InputError: the file cannot be read.

@@ -26,7 +26,7 @@ _ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of every link's mass and inertia."""
+    """Findings about every link's mass and inertia."""
     if description.roots:
         yield from _root(description, description.roots[0])
     for link in description.links:

@@ -89,7 +89,7 @@ def without_centre(description: Description, body: list[LinkNode]) -> Iterator[L
 
 
 def merged(description: Description, body: list[LinkNode]) -> Inertial | None:
-    """Mass and inertia of a body, as urdfdom reads those of its links; None where that cannot be said."""
+    """Mass and inertia of a body, as urdfdom reads those of its links; None where that is not known."""
     poses: dict[str, RigidTransform] = {body[0].name: IDENTITY}
     parts: list[Inertial] = []
     for node in body:

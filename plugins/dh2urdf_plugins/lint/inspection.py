@@ -46,7 +46,7 @@ _Origin = tuple[Mark, tuple[Mark, ...]]
 
 
 def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """What there is to say of a URDF.
+    """Findings about a URDF.
 
     Args:
         path: the file.
@@ -59,7 +59,7 @@ def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
 
 
 def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """What there is to say of a xacro, as xacro expands it behind a fence.
+    """Findings about a xacro, as xacro expands it behind a fence.
 
     Args:
         path: the file.
@@ -81,7 +81,7 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
 def _inspection(
     path: Path, content: bytes, expansion: Expansion | None, places: list[Place | None] | None = None
 ) -> Inspection:
-    """What there is to say of a text; `places` are those of its elements, where it was expanded."""
+    """Findings about a text; `places` are those of its elements, where it was expanded."""
     packages = with_its_own(path, packages_in((expansion or Expansion()).package_paths))
     try:
         parsed = parse(content)
@@ -121,7 +121,7 @@ def _finding(hit: Hit, origin: Callable[[Element | int], _Origin]) -> Finding:
 
 
 def _origins(path: Path) -> Callable[[Element | int], _Origin]:
-    """Where things stand in a file that is as it is."""
+    """Where things are in a file that is as it is."""
 
     def origin(at: Element | int) -> _Origin:
         line, column = (at, None) if isinstance(at, int) else (at.line, at.column)

@@ -1,4 +1,4 @@
-"""Rules about what a joint says of itself: its type, axis, limits, and whom it follows."""
+"""Rules about what a joint declares itself: its type, axis, limits, and whom it follows."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SMALLEST_AXIS = {
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of every joint."""
+    """Findings about every joint."""
     kinds = {joint.name: joint.kind for joint in description.joints}
     roots = {root.name for root in description.roots}
     actuated = actuated_joints(description)
@@ -182,7 +182,7 @@ def _mimic(joint: JointNode, kinds: dict[str, str]) -> Iterator[Hit]:
 
 
 def _of_many(description: Description) -> Iterator[Hit]:
-    """What is said once, of all joints that it is true of."""
+    """Findings that are reported once, for all joints that they are true of."""
     outside = [limit for joint in description.joints if (limit := _limit_beside_zero(joint))]
     rubbing = [
         (joint, dynamics)

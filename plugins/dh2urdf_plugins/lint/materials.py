@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of every material."""
+    """Findings about every material."""
     defined: dict[str, Element] = {}
     for material in description.root.all("material"):
         name = material.get("name") or ""

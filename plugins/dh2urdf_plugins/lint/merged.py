@@ -38,7 +38,7 @@ def inertial_of(element: Element) -> Inertial | None:
 
 
 def merged_inertial(description: Description, head: LinkNode) -> Inertial | None:
-    """Mass and inertia of a link with all that is fixed to it, in its frame; None where that cannot be said."""
+    """Mass and inertia of a link with all that is fixed to it, in its frame; None where that is not known."""
     poses: dict[str, RigidTransform] = {head.name: IDENTITY}
     bodies: list[Inertial] = []
     for link in description.body(head):

@@ -78,7 +78,7 @@ class _Place(NamedTuple):
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of every number."""
+    """Findings about every number."""
     for place in _places(description):
         text = place.element.get(place.attribute)
         if text is not None and None in {numbers_of(text, place.size), urdfdom_numbers(text, place.size)}:

@@ -45,7 +45,7 @@ SMALLEST = 0.05
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of sizes, angles and masses."""
+    """Findings about sizes, angles and masses."""
     actuated = actuated_joints(description)
     for joint in description.joints:
         yield from _limits(joint, actuated)
@@ -120,7 +120,7 @@ def _mesh_files(description: Description) -> Iterator[tuple[Element, Path]]:
 
 
 def _link(link: LinkNode, *, is_ground: bool) -> Iterator[Hit]:
-    """What there is to say of shapes and masses; a single link may be the ground."""
+    """Findings about shapes and masses; a single link may be the ground."""
     corners: list[Vec3] = []
     is_whole = True
     for shape in link.shapes:

@@ -36,7 +36,7 @@ _CONTROLS = ("ros2_control", "transmission")
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of names."""
+    """Findings about names."""
     for child in description.root.children:
         if child.tag in _READ:
             for element in child.walk():

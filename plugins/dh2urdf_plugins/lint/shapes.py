@@ -51,7 +51,7 @@ class _Use(NamedTuple):
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of every shape."""
+    """Findings about every shape."""
     meshes: list[_Use] = []
     compiler = description.root.first("mujoco", "compiler")
     draws = compiler is not None and compiler.get("discardvisual") == "false"
@@ -169,7 +169,7 @@ def _tiny(description: Description) -> Iterator[Hit]:
 
 
 def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Iterator[Hit]:
-    """What is wrong with a file is said of every mesh; what is so with a format or a form of address, once."""
+    """A fault of a file is reported for every mesh; a fact about a format or a form of address, once."""
     formats: dict[tuple[str, tuple[str, ...]], list[_Use]] = {}
     forms: dict[str, list[_Use]] = {}
     for use in uses:

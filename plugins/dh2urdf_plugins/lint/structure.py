@@ -26,7 +26,7 @@ _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of names and of the tree."""
+    """Findings about names and the tree."""
     yield from _robot_name(description)
     yield from _names(description)
     yield from _shared_names(description)
@@ -136,7 +136,7 @@ def _tree(description: Description) -> Iterator[Hit]:
         yield Hit("no-link", description.root, "the robot has no link")
     cut_off = {joint.child for joint in description.joints if joint.parent not in description.link}
     for root in description.roots[1:]:
-        if root.name in cut_off:  # said of the joint
+        if root.name in cut_off:  # the finding of the joint reports it
             continue
         message = f"no joint connects link {shown(root.name)} with {shown(description.roots[0].name)}"
         yield Hit("several-roots", root.element, message)

@@ -62,7 +62,7 @@ _READ = ("link", "joint", "material")
 
 
 def hits(description: Description) -> Iterator[Hit]:
-    """What there is to say of the text."""
+    """Findings about the text."""
     yield from _lines(description)
     if not description.content.lstrip(b"\xef\xbb\xbf").startswith(b"<?xml") and description.content[:2] not in {
         b"\xff\xfe",

@@ -64,7 +64,7 @@ def _is_xacro(path: Path) -> bool:
 def _content(path: Path) -> bytes:
     try:
         return read_bytes(path, InputError, limit=_LONGEST)
-    except InputError:  # Whoever inspects it says so.
+    except InputError:  # The inspection of the file reports it.
         return b"<robot name=''/>"
 
 

@@ -108,7 +108,7 @@ def gravity_loads(robot: Robot, q: Sequence[float]) -> tuple[float, ...]:
     its axis, on one that slides as the share along its axis.
 
     Args:
-        robot: the robot; its root stands in the world's origin.
+        robot: the robot; its root is in the world's origin.
         q: a value for each moving joint [rad or m].
     """
     frames = link_poses(robot, {joint.name: value for joint, value in zip(robot.moving_joints, q, strict=True)})

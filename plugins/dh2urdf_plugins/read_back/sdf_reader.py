@@ -120,7 +120,7 @@ class _Reader:
         """The joints, one after the other, that hold a link or frame."""
         name = self._name(element)
         place, joint = self._places[name], self._joint_to.get(name)
-        if element.tag == "frame" or joint is None:  # What nothing holds stands in the model, and that in the world.
+        if element.tag == "frame" or joint is None:  # What nothing holds is in the model, and that in the world.
             body = self._body(name) if element.tag == "frame" else WORLD
             return [self._fixed(name, self._holder(place, body))]
         holder = self._holder(place, self._body(self._word(joint, "parent")))

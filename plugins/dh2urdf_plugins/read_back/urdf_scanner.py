@@ -105,7 +105,7 @@ class _Layout:
         words: picks the words.
         numbers: picks the numbers, those of joints first.
         of_joints: the places of the latter among the values.
-        commas: how many stand between the numbers, where none stands in them.
+        commas: how many are between the numbers, where none is in them.
         known: the joints of such files, and how many numbers they have, by the words and by what stands between the
             numbers.
     """
@@ -230,7 +230,7 @@ def _attributes(content: bytes, body: bytes) -> list[tuple[etree._Element, str]]
 
 
 def _is_of_joint(element: etree._Element) -> bool:
-    """Whether an element is what a joint of the robot says of itself."""
+    """Whether an element is what a joint of the robot declares itself."""
     joint = element.getparent()
     return joint is not None and joint.tag == "joint" and joint.getparent() is element.getroottree().getroot()
 

@@ -64,7 +64,7 @@ _BATCH = 3000
 _PART = 200
 """Rows that are handed on at once: they are gone before Python's collector has to look at them twice."""
 _BUFFER = 2**17
-"""Bytes of a column that are held at once [B]; pyarrow alone would hold all that stand in a row group."""
+"""Bytes of a column that are held at once [B]; pyarrow alone would hold all that are in a row group."""
 
 
 def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
@@ -107,10 +107,10 @@ READER: Reader[TableOptions] = Reader(
 
 
 def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
-    """What the metadata of a file say of all rows, by key.
+    """What the metadata of a file declare about all rows, by key.
 
     Raises:
-        TableError: a key is unknown, or what it says is not YAML.
+        TableError: a key is unknown, or its value is not YAML.
     """
     said: dict[str, Node] = {}
     for word, text in metadata.items():
@@ -341,7 +341,7 @@ def _refuse_others(columns: Columns, kinds: Sequence[Any], kept: Sequence[int]) 
 
 @contextmanager
 def _reporting_errors(mark: Mark, what: str) -> Iterator[None]:
-    """Turn what pyarrow says of a file into an error of the table.
+    """Turn what pyarrow reports about a file into an error of the table.
 
     Raises:
         TableError: pyarrow raised anything.

@@ -44,7 +44,7 @@ def read_table(
 ) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a table.
 
-    The first row that names two of a, alpha, d and theta is the header. What stands above it says what holds for all
+    The first row that names two of a, alpha, d and theta is the header. What is above it says what holds for all
     rows: ``# convention: standard``, ``# units: {length: mm, angle: deg}``, in one cell or in several. Empty rows, and
     comments that begin with #, may stand anywhere.
 
@@ -56,7 +56,7 @@ def read_table(
             default.
         statements: what the file says outside its rows, by key: name, convention, units, base, tool, defaults.
         decimal_comma: whether ``0,5`` is a number: it is none where commas separate cells.
-        notices: what the reader of the container has to say of the file; they come with the first manipulator.
+        notices: what the reader of the container reports about the file; they come with the first manipulator.
         trace: takes what the cells of each manipulator say before the manipulator is yielded; None where that is not
             wanted, which is faster.
 
@@ -64,7 +64,7 @@ def read_table(
         Each manipulator, or what is wrong with it.
 
     Raises:
-        TableError: there is no header, or it is wrong, or what is said of all rows is.
+        TableError: there is no header, or it is wrong, or a statement about all rows is.
     """
     whole = Mark(file=file)
     source = rows if isinstance(rows, RowSource) else CellRows(rows, decimal_comma=decimal_comma)

@@ -236,7 +236,7 @@ def _listed(titles: Sequence[str]) -> str:
 
 @contextmanager
 def _reporting_errors(path: Path) -> Iterator[None]:
-    """Turn what openpyxl says of a broken workbook into an error of the table.
+    """Turn what openpyxl reports about a broken workbook into an error of the table.
 
     Raises:
         TableError: openpyxl raised anything, as it does in many ways.

@@ -144,7 +144,7 @@ class _Table:
         return manipulator(self.name, self.statements, rows, reader, self.node.mark, trace=trace)
 
     def _word(self, field: str) -> Cell | None:
-        """A text as it stands in the file; numbers and truth values too, since names keep their source text."""
+        """A text as it is in the file; numbers and truth values too, since names keep their source text."""
         node = self.entries.get(field)
         if node is None:
             return None
@@ -281,7 +281,7 @@ class _Table:
         twin = {"flip": "sign", "sign": "flip"}.get(field, field)
         if field in cells or twin in cells:
             other = cells.get(field) or cells[twin]
-            message = f"{field} is said a second time; the first is in line {other.mark.line}"
+            message = f"{field} is given a second time; the first is in line {other.mark.line}"
             self._error(cell.mark, field, message, found=cell.text, accepted="each field once")
         cells[field] = cell
 

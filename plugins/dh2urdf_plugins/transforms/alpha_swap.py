@@ -1,7 +1,7 @@
 """The stage ``alpha-swap``: from a DH table to joints and links.
 
 Two variants. `exact` is the default and gives the arm of the table. `paper` does what "URDF Generator for Manipulator
-Robot" describes, for whoever wants to see that: its links end up in a straight line.
+Robot" describes, for those who want to see that: its links end up in a straight line.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from dh2urdf_plugins.transforms.shapes import Shape
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AlphaSwapOptions:
-    """How a robot is made of a table. What the table itself says of shapes and densities goes first."""
+    """How a robot is made of a table. What the table itself declares about shapes and densities goes first."""
 
     variant: Literal["exact", "paper"] = field(
         default="exact",

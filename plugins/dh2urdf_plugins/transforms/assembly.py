@@ -252,7 +252,7 @@ def of_mass(body: Inertial, mass: float | None) -> Inertial:
 
 
 def base_of(manipulator: Manipulator, base: Base, density: float) -> Inertial:
-    """The mass properties of the base: what the table says of them, the shape's for the rest.
+    """The mass properties of the base: what the table declares about them, the shape's for the rest.
 
     A table that gives every link its mass and the base none is a maker's: no mass is invented for the base.
     """
@@ -275,7 +275,7 @@ def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
 
 
 def link_body(part: Part, density: float) -> Inertial:
-    """The mass properties of a link: what the table says of them, the shape's for the rest.
+    """The mass properties of a link: what the table declares about them, the shape's for the rest.
 
     A fixed row whose mass is 0 is a frame without a body. A mass without an inertia scales that of the shape; a centre
     of mass without one carries it along. Centre of mass and inertia are given in the DH frame after the row, and are

@@ -118,7 +118,7 @@ def paper_problems(manipulator: Manipulator, snap: float) -> list[Problem]:
 
 
 def _unplaced(manipulator: Manipulator, exact: str) -> Iterator[Problem]:
-    """What the table says of the ends of the arm, which the paper's chain does not have."""
+    """What the table declares about the ends of the arm, which the paper's chain does not have."""
     if manipulator.payload is not None:
         message = "the paper's variant has no place for a payload"
         yield Problem(message=message, field="payload", accepted="no payload", suggestion=exact)
@@ -147,7 +147,7 @@ def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
 
 
 def sure_tables(columns: ManipulatorColumns) -> Condition:
-    """Which of many tables are beyond doubt: `table_problems` and `angle_notices` have nothing to say of them.
+    """Which of many tables are beyond doubt: `table_problems` and `angle_notices` have nothing to report about them.
 
     The tests are sufficient ones, and cheap. What all have alike is judged by one of them.
     """
@@ -164,7 +164,7 @@ def sure_tables(columns: ManipulatorColumns) -> Condition:
 
 
 def _is_sure(row: DHRow) -> Condition:
-    """Whether nothing can be said of the numbers of a row, as far as they are columns."""
+    """Whether nothing is known of the numbers of a row, as far as they are columns."""
     limits = (row.limits.lower, row.limits.upper, row.limits.velocity, row.limits.effort)
     sure: Condition = True
     for number in (*(getattr(row, name) for name in NUMBERS), *limits, *(row.com or ())):

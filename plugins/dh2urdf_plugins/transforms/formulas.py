@@ -1,7 +1,7 @@
 """Numbers that know how they follow from the table.
 
-A `Quantity` is a value and the formula that gives it, made by the same operations in the same order: whoever evaluates
-the formula gets the value to the last bit. Formulas use + - * ( ), decimal numbers without exponents, the parameters'
+A `Quantity` is a value and the formula that gives it, made by the same operations in the same order: evaluating
+the formula gives the value to the last bit. Formulas use + - * ( ), decimal numbers without exponents, the parameters'
 names, and abs, max, sin, cos, atan2: Python and xacro read them alike.
 
 At a quarter turn cos and sin of the parameter would be 6e-17 instead of 0. There the formula is written with the phase

@@ -5,7 +5,7 @@ turns of the table are in the joint axes. `standard_frames` and `modified_frames
 joint axes are z and the turns are in rpy. The kinematics is the same.
 
 In both conventions a link is an L: the offset d along its joint's axis, then the length a along the common normal. A
-row of the standard convention says both; in the modified one a and α stand in the row of the next joint, and those of
+row of the standard convention says both; in the modified one a and α are in the row of the next joint, and those of
 the first row belong to the base.
 
 Names below: R is the accumulated rotation at q = 0; ϑ and δ are the angle and the offset of a joint at q = 0.

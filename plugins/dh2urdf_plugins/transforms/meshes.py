@@ -194,8 +194,8 @@ def mesh_problems(manipulator: Manipulator) -> list[Problem]:
 
 
 def unplaced_meshes(manipulator: Manipulator) -> Iterator[Problem]:
-    """Meshes stand in DH frames; the paper's chain has none."""
-    message = "meshes stand in DH frames, which the paper's chain does not have; its boxes are drawn"
+    """Meshes are in DH frames; the paper's chain has none."""
+    message = "meshes are in DH frames, which the paper's chain does not have; its boxes are drawn"
     if manipulator.base_visual or manipulator.base_collision:
         yield Problem(message=message, severity="notice", field="base")
     for row in manipulator.rows:
@@ -205,7 +205,7 @@ def unplaced_meshes(manipulator: Manipulator) -> Iterator[Problem]:
 
 
 def is_weighed(row: DHRow) -> bool:
-    """Whether a table says all that there is to say of the mass of a link."""
+    """Whether a table says everything about the mass of a link."""
     return row.mass is not None and row.com is not None and row.inertia is not None
 
 

@@ -170,7 +170,7 @@ def housing(at: Quantities, rpy: Quantities, style: Style) -> Visual:
 
 
 def pedestal(at: Quantities, up: Quantities, rpy: Quantities, style: Style) -> Visual:
-    """The body of the base, standing at a point: 1.5 radii in radius, one radius high."""
+    """The body of the base, at a point: 1.5 radii in radius, one radius high."""
     wide = Style(shape=style.shape, radius=BASE_WIDTH * style.radius, material=style.material)
     segment = Segment.between(at, up, Quantity(style.radius), rpy)
     shape = _prism(wide, segment.length)

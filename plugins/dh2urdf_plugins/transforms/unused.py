@@ -1,4 +1,4 @@
-"""What a table says of shapes and densities that no description shows: each of it is worth a notice."""
+"""What a table declares about shapes and densities that no description shows: each of it is worth a notice."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Drawn(NamedTuple):
 
     @classmethod
     def of(cls, manipulator: Manipulator, options: AlphaSwapOptions) -> Drawn:
-        """What the table says of it, else the options."""
+        """What the table declares about it, else the options."""
         return cls(
             options.visuals == "all" if manipulator.visuals is None else manipulator.visuals,
             options.collisions == "all" if manipulator.collisions is None else manipulator.collisions,

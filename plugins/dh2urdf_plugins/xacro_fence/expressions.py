@@ -1,6 +1,6 @@
 """Expressions of a stranger's xacro, checked as a whole before any of it is evaluated.
 
-xacro hands what stands in ``${…}`` to Python, and looks for two underscores in the names of the outermost code alone: a
+xacro hands what is in ``${…}`` to Python, and looks for two underscores in the names of the outermost code alone: a
 lambda hides anything from it. Here the whole syntax tree is checked, and what cannot be known before it is evaluated
 goes through functions of our own, which are bounded: attributes, calls, products, powers and sums.
 """

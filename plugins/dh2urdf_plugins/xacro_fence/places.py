@@ -21,7 +21,7 @@ _NO_MACROS = {"xacro:include", "xacro:insert_block", "xacro:if", "xacro:unless"}
 
 
 class Place(NamedTuple):
-    """Where an element stands in the sources.
+    """Where an element is in the sources.
 
     Attributes:
         file: the file, as xacro names it: relative to the folder of the first file, or absolute.
@@ -76,7 +76,7 @@ _COPIER = _Copier()
 
 
 def place_of(element: Element) -> Place | None:
-    """Where an element stands in the sources; None of one that xacro has made itself."""
+    """Where an element is in the sources; None of one that xacro has made itself."""
     place: Place | None = element.getUserData(_KEY)
     return place
 

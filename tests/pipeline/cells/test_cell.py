@@ -498,7 +498,7 @@ class TestGathering:
         found = self.gathered(first, second)
         assert isinstance(found, Rejected)
         assert "and several manipulators have that name" in str(found.problems[0])
-        assert "they stand at a.csv:2 and a.csv:9" in str(found.problems[0])
+        assert "they are at a.csv:2 and a.csv:9" in str(found.problems[0])
 
     def test_an_arm_that_cannot_be_read_fails_the_cell_with_the_reason(self) -> None:
         """The problem of the table follows a sentence about the arm."""

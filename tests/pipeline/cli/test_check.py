@@ -50,7 +50,7 @@ def test_a_file_of_ours_is_taken_by_all(cli: Cli, arm: Path) -> None:
 
 
 def test_an_error_is_printed_with_its_place_and_its_fix(cli: Cli, arm: Path) -> None:
-    """File, line, column, severity, what stands there, the rule; what each consumer does; what to do. Exit status 1."""
+    """File, line, column, severity, what is there, the rule; what each consumer does; what to do. Exit status 1."""
     swap_limits(arm)
     lines = cli("check", arm.name, status=1).stdout.splitlines()
     (index,) = [i for i, line in enumerate(lines) if "[swapped-limits]" in line]

@@ -69,7 +69,7 @@ class TestTheClosingLine:
         assert 0 <= error < 1e-12
 
     def test_of_a_full_table_nothing_was(self, cli: Cli) -> None:
-        """Then the line says nothing of it."""
+        """Then the line does not mention it."""
         *_, line = cli("convert", "full.csv").stderr.splitlines()
         assert line.startswith("full: 2 joints (1 revolute, 1 prismatic); proved at 11 poses, largest error ")
         assert "filled in" not in line

@@ -56,7 +56,7 @@ class TestStandardOutput:
         assert cli("convert", "arm.csv").stdout == cli("convert", "arm.csv", "-o", "-").stdout == expected
 
     def test_a_xacro_is_one_file(self, cli: Cli, folder: Path) -> None:
-        """The macro and its call stand in one file, that the real xacro expands without another."""
+        """The macro and its call are in one file, that the real xacro expands without another."""
         text = cli("convert", "arm.csv", "--to", "xacro").stdout
         alone = folder / "alone"
         alone.mkdir()

@@ -1,4 +1,4 @@
-"""`dh2urdf info`: what it says of a table is in the table, at the place that it says, and true."""
+"""`dh2urdf info`: what it declares about a table is in the table, at the place that it says, and true."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class TestFields:
 
     @pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
     def test_every_field_of_every_table_of_the_project(self, cli: Cli, path: Path) -> None:
-        """Each typed text stands at its place; each value of the manipulator is printed."""
+        """Each typed text is at its place; each value of the manipulator is printed."""
         detail = report(cli("info", path, "--json").stdout)["detail"]
         arm, lines = dh2urdf.read(path), path.read_text("utf-8").splitlines()
         for row, joint in zip(arm.rows, detail["joints"], strict=True):

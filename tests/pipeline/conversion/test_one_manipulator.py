@@ -153,7 +153,7 @@ class TestReadItems:
         assert len(taken) == 1
 
     def test_a_table_error_passes(self) -> None:
-        """What a reader says of a file is not wrapped."""
+        """What a reader reports about a file is not wrapped."""
 
         def unreadable(*_: object) -> Any:
             raise TableError("no rows")

@@ -355,7 +355,7 @@ def test_entries_of_a_list_come_one_by_one() -> None:
 
 
 def test_a_bad_entry_of_a_stream_spoils_no_other() -> None:
-    """Duplicate keys and tags belong to the entry they stand in; those outside, to the document."""
+    """Duplicate keys and tags belong to the entry they are in; those outside, to the document."""
     text = "a: 1\na: 2\nrobots:\n- {n: 1, n: 2}\n- {n: 3}\n- {n: !x 4}\nc: 1\nc: 2\n"
     items = list(stream_yaml(text, "f", items_of="robots"))
     assert [len(item.problems) for item in items] == [1, 0, 1, 2]

@@ -37,7 +37,7 @@ def test_what_is_no_yaml_is_told_with_place_and_advice(text: str, place: str, ad
 
 
 def test_an_error_repeats_the_text_that_it_is_about() -> None:
-    """What was found stands in the message."""
+    """What was found is in the message."""
     with pytest.raises(ConfigError, match="at ': c'"):
         load_yaml("a: b: c", "f")
 

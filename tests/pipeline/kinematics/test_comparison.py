@@ -147,7 +147,7 @@ def test_the_place_where_two_arms_part_is_named() -> None:
     found = compare(robot_of(replace(table, rows=(table.rows[0], longer, *table.rows[2:]))), table)
     assert found.corrected is None
     assert found.first_difference is not None
-    # Three parallel axes may stand in any triangle: only the axis behind the third is out of place.
+    # Three parallel axes may be in any triangle: only the axis behind the third is out of place.
     match = re.search(r"part at joint (\d), '(\w+)': .* by ([\d.]+) m", found.first_difference)
     assert match is not None
     assert int(match[1]) in {3, 4, 5}

@@ -104,7 +104,7 @@ def test_every_published_robot(reference_robot: ReferenceRobot) -> None:
 
 
 def numbers_on_the_way(content: bytes, names: bytes = b"xyz|rpy") -> list[tuple[int, int]]:
-    """Where the numbers of origins and axes stand in the joints from base_link to tool0, flange aside."""
+    """Where the numbers of origins and axes are in the joints from base_link to tool0, flange aside."""
     found = []
     for joint in re.finditer(rb"<joint .*?</joint>", content, re.DOTALL):
         if b'<child link="flange"' in joint[0]:
@@ -158,7 +158,7 @@ def test_one_wrong_number_is_found(
 
 
 def test_swapped_coordinates_are_found(reference_robot: ReferenceRobot) -> None:
-    """An axis or a length that stands at another coordinate than it should is no proof."""
+    """An axis or a length that is at another coordinate than it should is no proof."""
     table = reference_robot.manipulator
     robot = made(table)
     content = urdf(robot)
@@ -256,7 +256,7 @@ def test_the_figures_are_those_of_the_proof_of_one(tables: list[Manipulator], fr
             assert angle_error(said, found) <= proof.angle_error + 1e-7
 
 
-# --- What stands beside an arm changes nothing ------------------------------------------------------------------------
+# --- What is beside an arm changes nothing ------------------------------------------------------------------------
 
 
 def many(count: int) -> list[Manipulator]:

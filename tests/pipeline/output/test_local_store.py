@@ -30,7 +30,7 @@ def store(tmp_path: Path) -> LocalStore:
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    """Every file below a folder and what stands in it."""
+    """Every file below a folder and what is in it."""
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 

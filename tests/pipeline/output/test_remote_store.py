@@ -28,7 +28,7 @@ pytest.importorskip("s3fs")
 
 
 def refusal(store: RemoteStore) -> str:
-    """What a store says of a file that it cannot write."""
+    """What a store declares about a file that it cannot write."""
     with pytest.raises(OutputError) as caught:
         store.write("a", b"content")
     (line,) = str(caught.value).splitlines()
@@ -72,7 +72,7 @@ class TestAddresses:
         assert "secret" not in str(caught.value)
 
     def test_a_password_in_the_words_of_others_is_not_shown(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """What a file system says of its own address is shown without the password as well."""
+        """What a file system declares about its own address is shown without the password as well."""
         store = open_store("memory://host/a")
         system, _ = store._place("a")  # type: ignore[attr-defined]
 

@@ -79,7 +79,7 @@ class TestEveryStore:
             assert line.startswith(f"error: cannot read '{store}/{name}': ")
 
     def test_a_folder_is_no_file(self, store: Store) -> None:
-        """What only stands in the names of files has no size."""
+        """What only is in the names of files has no size."""
         store.write("a/b", b"content")
         assert store.size("a") is None
 

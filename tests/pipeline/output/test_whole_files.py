@@ -28,7 +28,7 @@ any_text = st.text(st.characters(codec=None), max_size=300)
 
 
 def tree(folder: Path) -> dict[str, bytes]:
-    """Every file below a folder and what stands in it."""
+    """Every file below a folder and what is in it."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
@@ -191,7 +191,7 @@ class TestStaging:
 
 class TestWriteFiles:
     def test_the_bytes_are_written(self, tmp_path: Path) -> None:
-        """Every file of an emitter stands in the folder with its very bytes."""
+        """Every file of an emitter is in the folder with its very bytes."""
         write_files(tmp_path, [EmittedFile(name="a.urdf", content=b"<a/>\n"), EmittedFile(name="b", content=b"\r\n\0")])
         assert tree(tmp_path) == {"a.urdf": b"<a/>\n", "b": b"\r\n\0"}
 

@@ -69,7 +69,7 @@ def leaving() -> Iterable[Any]:
 
 class TestWhatIsProvided:
     def test_stages_are_listed_by_kind_and_name(self) -> None:
-        """Every plugin's stages stand in the catalog, by name, each with the distribution that provides it."""
+        """Every plugin's stages are in the catalog, by name, each with the distribution that provides it."""
         catalog = Catalog([readers("b", reader("z"), reader("y")), readers("a", reader("x"))])
         provided = [(item.stage.name, item.plugin.distribution) for item in catalog.provided("reader")]
         assert provided == [("x", "a 1.0"), ("y", "b 1.0"), ("z", "b 1.0")]

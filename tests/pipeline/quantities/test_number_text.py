@@ -81,7 +81,7 @@ def test_columns_are_formatted_as_their_numbers_are(columns: list[list[float]]) 
 
 
 def test_equal_columns_share_their_texts() -> None:
-    """A number that stands in a file twice is formatted once."""
+    """A number that is in a file twice is formatted once."""
     first, second, other = format_columns([np.array([0.5, 1.5]), np.array([0.5, 1.5]), np.array([0.5, 2.0])])
     assert first is second
     assert other == ["0.5", "2"]

@@ -324,7 +324,7 @@ EMITTER = Emitter(name="bad", summary="bad", emit=emit, options=NoOptions, suffi
 
 
 def load(request: Any, _options: Any) -> LoadReport:
-    """It says of good files what is right, without looking."""
+    """It declares about good files what is right, without looking."""
     if b"joint_6" not in request.path.read_bytes():
         raise LoaderError("this is no arm")
     return LoadReport(

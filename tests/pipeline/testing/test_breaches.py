@@ -1,4 +1,4 @@
-"""A deliberately bad plugin for each clause of each contract, and what the contract tests say of it."""
+"""A deliberately bad plugin for each clause of each contract, and what the contract tests declare about it."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ KEPT = [
 
 @pytest.fixture(scope="module")
 def failures(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], str]:
-    """What one run of pytest says of each bad plugin, by class and clause; a test that passed is not in it."""
+    """What one run of pytest declares about each bad plugin, by class and clause; a test that passed is not in it."""
     report = tmp_path_factory.mktemp("breaches") / "report.xml"
     tests = [f"{HERE / 'bad_contracts.py'}::{plugin}::{clause}" for plugin, clause in [*KEPT, *TESTED]]
     path = os.pathsep.join(filter(None, [str(HERE), os.environ.get("PYTHONPATH")]))

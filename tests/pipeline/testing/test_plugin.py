@@ -67,7 +67,7 @@ class TestCatalogs:
             catalog.get("emitter", "urdf")
 
     def test_plugins_may_be_named(self) -> None:
-        """The built-in stages stand beside an author's own."""
+        """The built-in stages are beside an author's own."""
         assert catalog_of(plugins=(dh2urdf_plugins,)).get("emitter", "urdf").name == "urdf"
 
     def test_a_run_leaves_its_report(self, tmp_path: Path) -> None:
@@ -105,7 +105,7 @@ def test_it_costs_other_projects_nothing(tmp_path: Path) -> None:
 
 
 def run_pytest(folder: Path) -> subprocess.CompletedProcess[str]:
-    """What pytest says of the tests in a folder, with no plugin of its own but those of this project."""
+    """What pytest declares about the tests in a folder, with no plugin of its own but those of this project."""
     loads = ["-p", "dh2urdf.testing.plugin"]
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *loads, "--rootdir", str(folder), str(folder)],

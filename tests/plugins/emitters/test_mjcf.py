@@ -77,7 +77,7 @@ def test_links_that_touch_at_the_start_are_excluded_on_request() -> None:
 
 
 def test_the_whole_file_is_known(arm: Robot) -> None:
-    """What stands in the file of a small arm, to the letter."""
+    """What is in the file of a small arm, to the letter."""
     small = replace(arm, links=(*arm.links[:3], arm.links[-1]), joints=arm.joints[:2] + arm.joints[-1:])
     small = replace(small, joints=(*small.joints[:2], replace(small.joints[2], parent="link_1")))
     assert text_of(small) == (

@@ -44,7 +44,7 @@ def write(robot: Robot, folder: Path, **options: Any) -> Path:
 
 @pytest.fixture
 def sdformat() -> Callable[..., str]:
-    """Calls sdformat's command; whatever it says on standard error is a failure, but for what `ign` says of itself."""
+    """Calls sdformat's command; whatever it says on standard error is a failure, but for what `ign` declares itself."""
     command = shutil.which("gz") or shutil.which("ign")
     if command is None:
         pytest.skip("sdformat is not installed (Debian: libsdformat-dev, ignition-tools)")
@@ -59,7 +59,7 @@ def sdformat() -> Callable[..., str]:
 
 
 def test_the_whole_file_is_known(arm: Robot) -> None:
-    """What stands in the file of a small arm, to the letter."""
+    """What is in the file of a small arm, to the letter."""
     small = replace(
         arm,
         links=(*arm.links[:2], replace(arm.links[2], visuals=(), collisions=()), arm.links[-1]),

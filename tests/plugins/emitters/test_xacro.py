@@ -163,7 +163,7 @@ def same_text(mine: str, theirs: str) -> bool:
 
 
 def test_one_file_expands_to_the_same_robot(arm: Robot, tmp_path: Path) -> None:
-    """For standard output the macro and its call stand in one file."""
+    """For standard output the macro and its call are in one file."""
     assert EMITTER.one_file is not None
     (file,) = EMITTER.emit(arm, "arm", EMITTER.one_file(XacroOptions()))
     path = tmp_path / file.name

@@ -148,8 +148,8 @@ class Fault(NamedTuple):
 
     Attributes:
         old: the text of it that is replaced, once.
-        new: what stands in its place.
-        at: the text that stands in the line of the finding; it occurs in the faulty description.
+        new: what is in its place.
+        at: the text that is in the line of the finding; it occurs in the faulty description.
         nth: which occurrence of `at` is meant, counted from 1.
         besides: other rules that the fault breaks too.
         of: the consumers that it matters to, where the rule names more.

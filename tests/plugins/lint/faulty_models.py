@@ -97,7 +97,7 @@ class Change(NamedTuple):
 
     Attributes:
         old: the text that is replaced, at its first occurrence.
-        new: what stands in its place.
+        new: what is in its place.
         at: the text that the line of the finding contains: at the change or before it, or else after it.
         besides: other rules that the fault breaks too.
     """

@@ -98,7 +98,7 @@ def drake(path: str) -> dict[str, Any]:
 
 
 def sdformat(path: Path) -> dict[str, Any]:
-    """What `ign sdf` says of a file, and the text that it prints of it."""
+    """What `ign sdf` declares about a file, and the text that it prints of it."""
     command = shutil.which("gz") or shutil.which("ign")
     assert command
     found: dict[str, Any] = {"end": "loads", "printed": ""}

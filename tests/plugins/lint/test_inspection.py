@@ -1,4 +1,4 @@
-"""Reading what strangers wrote: nothing crashes, nothing hangs, and what is read is what stands there."""
+"""Reading what strangers wrote: nothing crashes, nothing hangs, and what is read is what is there."""
 
 from __future__ import annotations
 

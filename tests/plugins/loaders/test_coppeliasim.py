@@ -331,7 +331,7 @@ class TestHold:
         assert float(re.search(r"'tool0' got (\S+) m away", apart.message)[1]) > 1.0  # type: ignore[index]
 
     def test_an_engine_that_is_not_there(self, peer: Any, request_for: Any) -> None:
-        """CoppeliaSim says nothing of it, and the arm just stands still: that is no hold test that was passed."""
+        """CoppeliaSim does not mention it, and the arm just stands still: that is no hold test that was passed."""
         with pytest.raises(LoaderError, match="has no engine newton"):
             run(peer, request_for(), engine="newton")
         assert (peer.engine, peer.running) == (peer.BULLET, False)

@@ -118,7 +118,7 @@ def test_warning_is_a_finding(request_for: Any, planar: Any) -> None:
 
 
 def test_messages_are_told_once() -> None:
-    """A message with its indented lines is one finding, without colours, and what `ign` says of itself is none."""
+    """A message with its indented lines is one finding, without colours, and what `ign` declares itself is none."""
     request: Any = type("Request", (), {"robot": type("Robot", (), {"name": "arm"})})
     output = (
         "Library error: libignition-tools-backward.so not found. Improved backtrace generation will be disabled\n"

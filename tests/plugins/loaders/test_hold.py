@@ -39,7 +39,7 @@ def joint(
 
 
 def loaded(loader: str, robot: Robot, folder: Path) -> LoadReport:
-    """What a simulator says of a robot."""
+    """What a simulator reports about a robot."""
     path = folder / "arm.urdf"
     path.write_bytes(urdf.EMITTER.emit(robot, "arm", urdf.EMITTER.options())[0].content)
     stage = import_module(f"dh2urdf_plugins.loaders.{loader}.loader").LOADER

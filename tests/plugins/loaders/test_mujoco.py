@@ -205,7 +205,7 @@ def test_broken_graphics_are_a_finding(
 
 
 def test_warnings_are_findings(request_for: Any) -> None:
-    """MuJoCo's warnings are findings, each once; what an older one says of unnamed shapes, or EGL of itself, is none."""
+    """MuJoCo's warnings are findings, each once; what an older one declares about unnamed shapes, or EGL of itself, is none."""
     output = (
         "libEGL warning: DRI2: failed to authenticate\n"
         "WARNING: Geom with duplicate name '' encountered in URDF, creating an unnamed geom.\n"

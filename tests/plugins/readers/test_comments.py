@@ -212,7 +212,7 @@ def test_a_statement_below_the_header_is_refused(
     comment: str, read: Callable[..., list[Manipulator | Rejected]]
 ) -> None:
     """Filled up or in quotes, too."""
-    with pytest.raises(TableError, match="stands below the header"):
+    with pytest.raises(TableError, match="is below the header"):
         read(f"a,alpha,d\n0.3,0,0.1\n{comment}\n0.2,0,0\n", convention="standard")
 
 
@@ -259,7 +259,7 @@ def test_a_comment_may_stand_behind_the_last_column(read_one: Callable[..., Mani
 
 
 def test_a_value_in_a_comment_is_noticed(read_one: Callable[..., Manipulator]) -> None:
-    """A limit of all joints stands in a column."""
+    """A limit of all joints is in a column."""
     (notice,) = read_one("# velocity: 180 deg/s\na,alpha,d\n0.3,0,0.1\n").notices
     assert "no joint gets this value" in notice.message
 

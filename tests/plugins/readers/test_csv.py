@@ -72,7 +72,7 @@ def test_a_manipulator_whose_rows_return_is_refused(
     between = "".join(f"B{number},0,0,1\n" for number in range(gap))
     arms = read(f"robot,a,alpha,d\nA,0,0,1\n{between}A,0,0,2\n", convention="standard")
     assert isinstance(arms[-1], Rejected)
-    assert "rows of 'A' stand in several places" in str(arms[-1].problems[0])
+    assert "rows of 'A' are in several places" in str(arms[-1].problems[0])
     if gap == 1:
         assert isinstance(arms[0], Rejected)
 

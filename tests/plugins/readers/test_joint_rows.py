@@ -141,7 +141,7 @@ KINOVA = """{header}
     ],
 )
 def test_row_0_of_a_table_with_variables_is_fixed(header: str, zero: str, read_one: Callable[..., Manipulator]) -> None:
-    """As Kinova prints it: its theta has no variable, and q1 stands in the second row."""
+    """As Kinova prints it: its theta has no variable, and q1 is in the second row."""
     arm = read_one(KINOVA.format(header=header, zero=zero, first="0"))
     assert [row.type for row in arm.rows] == [JointType.FIXED, *[JointType.REVOLUTE] * 3]
     assert [row.offset for row in arm.rows] == [0, 0, math.pi, math.pi]

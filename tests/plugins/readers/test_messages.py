@@ -329,8 +329,8 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,type,a,alpha,d,theta\nj1,revolute,0,0,q1,0\n",
-        "arm.csv:2:17: error: joint 'j1', field 'd': 'q1' names the joint variable q1, which cannot stand in d of this row\n"
-        "    accepted: a number here; q1 may stand in theta of a revolute joint or in d of a prismatic one\n"
+        "arm.csv:2:17: error: joint 'j1', field 'd': 'q1' names the joint variable q1, which cannot be in d of this row\n"
+        "    accepted: a number here; q1 may be in theta of a revolute joint or in d of a prismatic one\n"
         "    give the row the type prismatic if the joint slides",
     ),
     Case(
@@ -417,7 +417,7 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,type,a,alpha,d,lower [deg],upper [deg]\nj1,P,0,0,0.1,0,1\n",
-        "arm.csv:2:16: error: joint 'j1', field 'upper': '1' stands in a column of deg, and upper of a prismatic joint is a length\n"
+        "arm.csv:2:16: error: joint 'j1', field 'upper': '1' is in a column of deg, and upper of a prismatic joint is a length\n"
         "    accepted: 0, or a number with its own unit: m, cm, mm, µm, in, ft, mil",
     ),
     Case(
@@ -483,7 +483,7 @@ CASES = [
         {"convention": "standard"},
         "joint,type,a,alpha,d,theta\nj1,revolute,0,0,0.1,0\nj1,revolute,0,0,0.1,0\n",
         "arm.csv:2:1: notice: manipulator 'arm', field 'joint': the numbers of the joints, 'j1, j1', do not rise from row to row\n"
-        "    rows stand in the order from the base to the tool\n"
+        "    rows are in the order from the base to the tool\n"
         "arm.csv:3:1: error: joint 'j1', field 'joint': the joint cannot be named 'j1': a joint of arm.csv:2 has it already\n"
         "    accepted: a name of its own: links and joints share one set of names, and world, base_link, base_link_inertia, flange, tool0 are in it\n"
         "    name it otherwise, such as j1_joint",
@@ -509,9 +509,9 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "robot,a,alpha,d\nA,0,0,1\nB,0,0,1\nA,0,0,1\n",
-        "arm.csv:2:1: error: manipulator 'A', field 'robot': rows of 'A' stand in several places of the file\n"
+        "arm.csv:2:1: error: manipulator 'A', field 'robot': rows of 'A' are in several places of the file\n"
         "    accepted: all rows of a manipulator together\n"
-        "arm.csv:4:1: error: manipulator 'A', field 'robot': rows of 'A' stand in several places of the file\n"
+        "arm.csv:4:1: error: manipulator 'A', field 'robot': rows of 'A' are in several places of the file\n"
         "    accepted: all rows of a manipulator together",
     ),
     Case(
@@ -587,7 +587,7 @@ CASES = [
         ".csv",
         {"convention": "standard"},
         "joint,type,a,alpha,d,theta\n# tool: {xyz: [0, 0, 1]}\nj1,revolute,0,0,0.1,0\n",
-        "arm.csv:2: error: '# tool: {xyz: [0, 0, 1]}' stands below the header, and would not hold for the rows above\n"
+        "arm.csv:2: error: '# tool: {xyz: [0, 0, 1]}' is below the header, and would not hold for the rows above\n"
         "    accepted: such lines above the header",
     ),
     Case(
@@ -628,7 +628,7 @@ CASES = [
         ".yaml",
         {"base": "{xyz: [0, 0, 1]}"},
         "base: {xyz: [0, 0, 2]}\nconvention: standard\njoints:\n- {a: 0, alpha: 0, d: 1}\n",
-        "an option:1:1: error: manipulator 'arm', field 'base': base is said twice, and not alike: in the table and in an option\n"
+        "an option:1:1: error: manipulator 'arm', field 'base': base is given twice, with different values: in the table and in an option\n"
         "    accepted: one base",
     ),
     Case(
@@ -925,7 +925,7 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alpha,d\nj3,0,0,0.1\nj2,0,0,0.1\nj1,0,0,0.1\n",
         "arm.csv:2:1: notice: manipulator 'arm', field 'joint': the numbers of the joints, 'j3, j2, j1', do not rise from row to row\n"
-        "    rows stand in the order from the base to the tool",
+        "    rows are in the order from the base to the tool",
     ),
     Case(
         "a heavy link",

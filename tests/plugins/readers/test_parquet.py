@@ -415,7 +415,7 @@ def test_a_manipulator_whose_rows_return_is_refused(read: Callable[..., Items], 
     """Two halves of an arm are never two arms; far behind, at least the second half is refused."""
     arms = read(robots(["A", *(f"B{number}" for number in range(gap)), "A"]))
     assert isinstance(arms[-1], Rejected)
-    assert "rows of 'A' stand in several places" in str(arms[-1].problems[0])
+    assert "rows of 'A' are in several places" in str(arms[-1].problems[0])
     assert isinstance(arms[0], Rejected) is (gap == 1)
     assert len(arms) == gap + 2
 

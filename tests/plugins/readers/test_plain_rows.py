@@ -60,7 +60,7 @@ MIXED = {
     ),
     "a speed in a column of m/s, of a joint that turns": ("", "velocity [m/s]", ("R,1,0,1,{k}", "P,1,0,1,{k}")),
 }
-"""What stands above a table or in its header, its last columns, and the rows of an arm that turns and slides."""
+"""What is above a table or in its header, its last columns, and the rows of an arm that turns and slides."""
 
 
 @pytest.mark.parametrize(("top", "columns", "rows"), MIXED.values(), ids=MIXED)

@@ -91,7 +91,7 @@ def test_what_no_header_can_be_is_refused(text: str, said: str, read: Read) -> N
 def test_titles_that_say_nothing_get_a_notice(read_one: ReadOne) -> None:
     """One for all of them."""
     arm = read_one("Joint,Min,Max\n1,-170,170\n\na,alpha,d\n0.3,0,0\n")
-    assert notices_of(arm).count("nothing is read from what stands above the header: 'Joint, Min, Max'") == 1
+    assert notices_of(arm).count("nothing is read from what is above the header: 'Joint, Min, Max'") == 1
 
 
 # --- Comments ---------------------------------------------------------------------------------------------------------

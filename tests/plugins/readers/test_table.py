@@ -76,7 +76,7 @@ class TestRows:
     def test_short_and_long_rows(self) -> None:
         """Cells that are not there are empty; one that has no header is refused."""
         assert read_one([*HEADER, "mass"], FIRST).rows[0].mass is None
-        assert "arm.ods:Sheet1!F2: error: joint 'joint_1': '7' stands in a column without a header" in refusal(
+        assert "arm.ods:Sheet1!F2: error: joint 'joint_1': '7' is in a column without a header" in refusal(
             HEADER, [*FIRST, 7]
         )
 
@@ -104,10 +104,10 @@ class TestTheTop:
         assert (row.a, row.alpha) == (0.1, math.pi / 2)
 
     def test_titles_get_one_notice(self) -> None:
-        """What stands above the header and says nothing that is known is repeated."""
+        """What is above the header and says nothing that is known is repeated."""
         (notice,) = read_one(["UR5, rev. B"], ["measured", 2020.0], HEADER, FIRST).notices
         assert str(notice).startswith(
-            "arm.ods:Sheet1!A1: notice: manipulator 'arm': nothing is read from what stands above the header: "
+            "arm.ods:Sheet1!A1: notice: manipulator 'arm': nothing is read from what is above the header: "
             "'UR5, rev. B', 'measured, 2020'\n"
         )
 
@@ -132,7 +132,7 @@ class TestTheTop:
             ([["# untis: mm"], HEADER], "arm.ods:Sheet1!A1: error: the comment line says 'untis', which nothing is called"),
             ([["# base: {xyz: [0, 0}"], HEADER], "arm.ods:Sheet1!A1: error: "),
             ([["# base: {xyz: [0, 0, x]}"], HEADER], "arm.ods:Sheet1!A1: error: field 'base.xyz': 'x' cannot be read"),
-            ([HEADER, FIRST, ["# name: x"]], "arm.ods:Sheet1!A3: error: '# name: x' stands below the header"),
+            ([HEADER, FIRST, ["# name: x"]], "arm.ods:Sheet1!A3: error: '# name: x' is below the header"),
         ],
     )  # fmt: skip
     def test_refusals_name_the_cell(self, cells: list[Any], said: str) -> None:
@@ -215,9 +215,9 @@ def read_from(form: str, text: str, folder: Path) -> Manipulator | Rejected:
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        ("j1,0.3,0,0\n\nrev B of the sheet", "nothing is read from what stands below the table, after an empty row"),
-        ("j1,0.3,0,0\n\nmeasured, twice, by the maker", "nothing is read from what stands below the table"),
-        ("j1,0.3,0,0\n,,,\nSource: UR,,,", "nothing is read from what stands below the table, after an empty row"),
+        ("j1,0.3,0,0\n\nrev B of the sheet", "nothing is read from what is below the table, after an empty row"),
+        ("j1,0.3,0,0\n\nmeasured, twice, by the maker", "nothing is read from what is below the table"),
+        ("j1,0.3,0,0\n,,,\nSource: UR,,,", "nothing is read from what is below the table, after an empty row"),
         ("j1,0.3,0,0\n\nj2,,0,0", "a is empty"),
         ("j1,0.3,0,0\n\nj2,0.2,0,0", None),
         ("j1,0.3,0,0\n\nelbow,,0,0", "a is empty"),
@@ -238,9 +238,9 @@ def test_notes_below_the_table(form: str, rows: str, said: str | None, tmp_path:
     [
         (",a,alpha,d", ["0,0.3,0,0", "1,0.3,0,0"], "is left out"),
         (",a,alpha,d", ["1,0.3,0,0", "2,0.3,0,0"], "is left out"),
-        (",a,alpha,d", ["425,0.3,0,0", "426,0.3,0,0"], "'425' stands in a column without a header"),
-        (",a,alpha,d", ["0,0.3,0,0", "0.5,0.3,0,0"], "'0.5' stands in a column without a header"),
-        ("a,,alpha,d", ["0.3,0.1,0,0", "0.3,0.2,0,0"], "'0.1' stands in a column without a header"),
+        (",a,alpha,d", ["425,0.3,0,0", "426,0.3,0,0"], "'425' is in a column without a header"),
+        (",a,alpha,d", ["0,0.3,0,0", "0.5,0.3,0,0"], "'0.5' is in a column without a header"),
+        ("a,,alpha,d", ["0.3,0.1,0,0", "0.3,0.2,0,0"], "'0.1' is in a column without a header"),
         ("a,alpha,d,,", ["0.3,0,0,,18.4"], ""),
         ("a,alpha,d,", ["0.3,0,0,checked"], ""),
     ],
@@ -251,7 +251,7 @@ def test_numbers_in_a_column_without_a_header(
 ) -> None:
     """They count the rows, or may be any field and are refused; beside the table they are a note, as all texts are."""
     item = read_from(form, "\n".join([header, *cells, ""]), tmp_path)
-    assert isinstance(item, Rejected) is ("stands in" in said)
+    assert isinstance(item, Rejected) is ("is in" in said)
     (problem,) = item.problems if isinstance(item, Rejected) else item.notices
     assert said in problem.message
 

@@ -55,7 +55,7 @@ def test_a_manipulator_comes_back(
 @pytest.mark.parametrize("table", sorted(TABLES.iterdir()), ids=lambda path: path.name)
 @pytest.mark.parametrize("form", READERS)
 def test_the_texts_of_a_file_come_back(table: Path, form: str, tmp_path: Path) -> None:
-    """What stands in the cells of the project's own tables is told as it stands, and written in either format."""
+    """What is in the cells of the project's own tables is told as it stands, and written in either format."""
     own = next(reader for reader in READERS.values() if table.suffix in reader.suffixes)
     assert own.texts is not None
     (texts,) = own.texts(table)
@@ -72,7 +72,7 @@ ROWS = st.dictionaries(st.sampled_from(FIELDS), CELLS.map(str.strip).filter(bool
 
 @given(st.lists(ROWS, min_size=1, max_size=4), st.sampled_from(["csv", "yaml"]))
 def test_any_cells_come_back(rows: list[dict[str, str]], form: str) -> None:
-    """Whatever is typed into cells, wrong or right, stands in the file so that the format tells it again."""
+    """Whatever is typed into cells, wrong or right, is in the file so that the format tells it again."""
     table = TableText(name="x", convention="standard", rows=tuple(rows))
     with tempfile.TemporaryDirectory() as folder:
         path = written(table, READERS[form], Path(folder))

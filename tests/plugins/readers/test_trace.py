@@ -1,4 +1,4 @@
-"""What a reader says of the cells that a manipulator comes from; the manipulator is the one that is read without."""
+"""What a reader reports about the cells that a manipulator comes from; the manipulator is the one that is read without."""
 
 from __future__ import annotations
 

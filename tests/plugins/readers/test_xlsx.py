@@ -124,7 +124,7 @@ def test_a_title_with_blanks_is_quoted(sheet: Worksheet) -> None:
 
 
 def test_rows_keep_their_places(sheet: Worksheet) -> None:
-    """For what later stages say of a joint."""
+    """For what later stages declare about a joint."""
     fill(sheet, HEADER, FIRST, SECOND, at="B3")
     assert [str(row.mark) for row in read_one().rows] == ["arm.xlsx:Sheet2!B4", "arm.xlsx:Sheet2!B5"]
 
@@ -137,9 +137,9 @@ def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
     arm = read_one(convention=None)
     assert [(row.a, row.alpha, row.d) for row in arm.rows] == [(0.1, QUARTER, 0.0), (0.0, 0.0, 0.05)]
     assert [notice.message for notice in arm.notices] == [
-        "nothing is read from what stands above the header: 'UR5 of the lab'",
-        "nothing is read from what stands beside the table: 'to be checked'",
-        "nothing is read from what stands below the table, after an empty row: 'Source: data sheet', 'rev. B'",
+        "nothing is read from what is above the header: 'UR5 of the lab'",
+        "nothing is read from what is beside the table: 'to be checked'",
+        "nothing is read from what is below the table, after an empty row: 'Source: data sheet', 'rev. B'",
     ]
     assert [notice.mark.in_file for notice in arm.notices if notice.mark] == ["Sheet2!A1", "Sheet2!I7", "Sheet2!A10"]
 
@@ -150,7 +150,7 @@ def test_a_note_below_the_table_may_stand_in_a_column_of_numbers(sheet: Workshee
     arm = read_one()
     assert [row.a for row in arm.rows] == [0.1]
     assert [notice.message for notice in arm.notices] == [
-        "nothing is read from what stands below the table, after an empty row: 'measured by the maker'",
+        "nothing is read from what is below the table, after an empty row: 'measured by the maker'",
     ]
 
 
@@ -163,9 +163,9 @@ def test_an_expression_below_the_table_is_no_note(sheet: Worksheet) -> None:
 @pytest.mark.parametrize(
     ("row", "said"),
     [
-        (["j1", "R", 0, 0, 0, None, 5], "Sheet2!G2: error: joint 'joint_1': '5' stands in a column without a header"),
-        (["j1", "R", 0, 0, 0, None, "0.5 m"], "'0.5 m' stands in a column without a header"),
-        (["j1", "R", 0, 0, None, None, 5], "'5' stands in a column without a header"),
+        (["j1", "R", 0, 0, 0, None, 5], "Sheet2!G2: error: joint 'joint_1': '5' is in a column without a header"),
+        (["j1", "R", 0, 0, 0, None, "0.5 m"], "'0.5 m' is in a column without a header"),
+        (["j1", "R", 0, 0, None, None, 5], "'5' is in a column without a header"),
     ],
 )
 def test_a_number_without_a_header_is_refused(sheet: Worksheet, row: list[Any], said: str) -> None:
@@ -177,7 +177,7 @@ def test_a_number_without_a_header_is_refused(sheet: Worksheet, row: list[Any], 
 def test_a_number_beside_an_empty_column_is_a_note(sheet: Worksheet) -> None:
     """A notice speaks of it."""
     fill(sheet, HEADER, [*FIRST, None, 18.4])
-    assert "nothing is read from what stands beside the table: '18.4'" in notices(read_one())
+    assert "nothing is read from what is beside the table: '18.4'" in notices(read_one())
 
 
 def test_a_row_behind_an_empty_one_is_a_row(sheet: Worksheet) -> None:
@@ -223,7 +223,7 @@ def test_titles_over_several_columns(sheet: Worksheet) -> None:
     assert (arm.rows[0].limits.lower, arm.rows[0].limits.upper) == pytest.approx(
         (-math.radians(170), math.radians(170))
     )
-    assert "nothing is read from what stands above the header: 'DH parameters'" in notices(arm)
+    assert "nothing is read from what is above the header: 'DH parameters'" in notices(arm)
     assert "Limits" not in notices(arm)
 
 

@@ -109,7 +109,7 @@ def test_other_angles_are_nobodys_business(row: dict[str, Any], table: Table, ro
 
 
 def test_what_the_reader_said_is_not_said_again(table: Table, robot_of: RobotOf) -> None:
-    """Its notice has the text that stands in the file."""
+    """Its notice has the text that is in the file."""
     said = Problem(message="'1.57' is kept as it is", severity="notice", joint="joint_1", field="alpha")
     assert robot_of(table({"alpha": 1.57}, {"d": 0.1}, notices=(said,))).notices == ()
 

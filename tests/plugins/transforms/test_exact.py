@@ -227,7 +227,7 @@ def test_published_arms_reach_where_their_publishers_have_them(reference_robot: 
 @FRAMES
 @pytest.mark.parametrize("shape", SHAPES)
 def test_published_arms_keep_every_rule(reference_robot: ReferenceRobot, frames: str, shape: str) -> None:
-    """The check of finished robots has nothing to say of any published table."""
+    """The check of finished robots has nothing to report about any published table."""
     options = AlphaSwapOptions(frames=frames, shape=shape, base_collision=True)
     assert check_robot(alpha_swap(reference_robot.manipulator, options)) == ()
 

@@ -57,7 +57,7 @@ def n(value: float) -> Quantity:
     ],
 )
 def test_formulas_are_short_and_give_the_value(quantity: Quantity, formula: str) -> None:
-    """What changes nothing is not written, signs stand in front, and the value is the formula's."""
+    """What changes nothing is not written, signs are in front, and the value is the formula's."""
     assert quantity.formula == formula
     assert value_of(formula) == quantity.value
 

@@ -56,7 +56,7 @@ def test_what_people_write_is_evaluated_as_python_does(text: str) -> None:
 
 
 ATTACKS = {
-    # what stands behind a value
+    # what is behind a value
     "().__class__": "attribute '__class__'",
     "(lambda: ().__class__.__base__.__subclasses__())()": "attribute '__",
     "[c for c in ().__class__.__mro__]": "attribute '__",

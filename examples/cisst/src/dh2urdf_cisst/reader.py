@@ -46,7 +46,7 @@ def read(path: Path, _options: NoOptions) -> Iterator[Manipulator]:
     """The arm of a file.
 
     Raises:
-        TableError: the file is no JSON, or something in it cannot be read; all of it is said at once.
+        TableError: the file is no JSON, or something in it cannot be read; all problems are reported at once.
     """
     text = decoded(read_bytes(path, TableError), str(path), TableError)
     root = load_yaml(_STRING_OR_NOT_JSON.sub(_blank, text), str(path), TableError)

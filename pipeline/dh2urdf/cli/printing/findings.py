@@ -73,7 +73,7 @@ def _print_table(findings: Sequence[Finding]) -> None:
     table = Table(title=escape(printable(", ".join(files))), show_lines=True)
     table.add_column("line", justify="right")
     table.add_column("rule", overflow="fold")
-    table.add_column("what stands there, and how to fix it", ratio=3, overflow="fold")
+    table.add_column("what is there, and how to fix it", ratio=3, overflow="fold")
     table.add_column("what is done with it", ratio=4, overflow="fold")
     for finding in findings:
         mark = finding.mark

@@ -1,6 +1,6 @@
 """What a run says while it works: a bar on a terminal, a line now and then in a log, and what is noticed and fails.
 
-Of notices and of errors a screenful is said and the rest counted: a run may hold a million manipulators.
+A screenful of notices and of errors is printed and the rest counted: a run may hold a million manipulators.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ MOST_NOTICES = 20
 """Notices of simulators that a summary shows, each with the number of manipulators that it is about."""
 
 MANY = 100
-"""Manipulators of a run that is told how many it made per second."""
+"""Manipulators from which on a run reports how many it made per second."""
 
 NAME_WIDTH = 48
 """Characters of a name in one line; a longer one is folded."""

@@ -36,7 +36,7 @@ class Hit(NamedTuple):
     Attributes:
         rule: the rule's name.
         at: the element, or the line.
-        message: what stands there.
+        message: what is there.
         of: the consumers that it matters to, where the rule as such names more.
     """
 

@@ -1,6 +1,6 @@
 """How large a mesh file is: the sides of the box around it, read without a package for meshes.
 
-Any file may stand at the address of a mesh, so its size is bounded; what cannot be read has no size here. Other rules
+Any file may be at the address of a mesh, so its size is bounded; what cannot be read has no size here. Other rules
 report such files.
 """
 

@@ -50,7 +50,7 @@ class Oddity(NamedTuple):
         rule: the rule about it.
         line: where, from 1.
         column: where, from 1.
-        message: what stands there.
+        message: what is there.
     """
 
     rule: str
@@ -95,7 +95,7 @@ def parse(content: bytes) -> Parsed:
 
 
 def _not_strict(content: bytes) -> list[Oddity]:
-    """Why a text is not well-formed XML: what ROS's programs in Python say of it."""
+    """Why a text is not well-formed XML: what ROS's programs in Python report about it."""
     try:
         expat.ParserCreate().Parse(content, True)
     except expat.ExpatError as error:
@@ -161,7 +161,7 @@ class _Reading:
         return NotXmlError(reason, *self._place(at))
 
     def _nul(self, at: int) -> None:
-        """TinyXML-2 ends at a NUL, which may stand behind everything only."""
+        """TinyXML-2 ends at a NUL, which may be behind everything only."""
         if self._text[at:].strip("\0 \t\r\n") or len(self._open) > 1:
             self._odd_at("nul-byte", at, "there is a NUL byte in the text")
             self._text = self._text[:at] + self._text[at:].replace("\0", " ")

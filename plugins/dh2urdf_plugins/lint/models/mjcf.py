@@ -57,7 +57,7 @@ _COUNT = {
 
 
 def inspect_mjcf(path: Path) -> Inspection:
-    """What there is to say of an MJCF.
+    """Findings about an MJCF.
 
     Raises:
         InputError: the file cannot be read.
@@ -66,7 +66,7 @@ def inspect_mjcf(path: Path) -> Inspection:
 
 
 def hits(model: Model) -> Iterator[Hit]:
-    """What there is to say of a model, with the files that it includes."""
+    """Findings about a model, with the files that it includes."""
     missing = list(_include(model))
     yield from missing
     yield from _schema(model.root)

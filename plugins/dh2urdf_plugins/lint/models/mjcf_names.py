@@ -26,7 +26,7 @@ _RULES = {"actuator": "actuator-of-nothing", "contact": "exclude-of-nothing"}
 
 
 def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
-    """What there is to say of names; `complete`: every included file was read."""
+    """Findings about names; `complete`: every included file was read."""
     root = model.root
     names: dict[str, set[str]] = {"class": {"main"}, "body": {"world"}}
     for element in elements_of(root):

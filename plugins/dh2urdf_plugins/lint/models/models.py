@@ -40,7 +40,7 @@ class Hit(NamedTuple):
     Attributes:
         rule: the rule's name without the format.
         at: the element.
-        message: what stands there.
+        message: what is there.
     """
 
     rule: str
@@ -50,7 +50,7 @@ class Hit(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """A model as it stands in its file.
+    """A model as it is in its file.
 
     Attributes:
         root: the outermost element.
@@ -70,7 +70,7 @@ def model_rules(name: str) -> dict[str, Rule]:
 def inspect_model(
     path: Path, name: str, tag: str, hits: Callable[[Model], Iterable[Hit]], read: Callable[[Path], Robot]
 ) -> Inspection:
-    """What there is to say of a model.
+    """Findings about a model.
 
     Args:
         path: the file.
@@ -96,7 +96,7 @@ def inspect_model(
     robot: Robot | None
     try:
         robot = read(path)
-    except Dh2UrdfError:  # What is wrong is said by findings; a model need not be an arm.
+    except Dh2UrdfError:  # Findings report what is wrong; a model need not be an arm.
         robot = None
     return _inspection(name, sorted(found, key=lambda finding: finding.mark.line or 0 if finding.mark else 0), robot)
 

@@ -44,7 +44,7 @@ _NAMED = ("model", "link", "joint", "frame")
 
 
 def inspect_sdf(path: Path) -> Inspection:
-    """What there is to say of an SDF.
+    """Findings about an SDF.
 
     Raises:
         InputError: the file cannot be read.
@@ -53,7 +53,7 @@ def inspect_sdf(path: Path) -> Inspection:
 
 
 def hits(model: Model) -> Iterator[Hit]:
-    """What there is to say of the models of a file."""
+    """Findings about the models of a file."""
     root = model.root
     version = root.get("version")
     if version is None:
@@ -86,7 +86,7 @@ def _text(element: etree._Element, path: str) -> str:
 
 
 def _model(model: etree._Element) -> Iterator[Hit]:
-    """Names, and what the joints and frames of a model say of each other."""
+    """Names, and what the joints and frames of a model declare about each other."""
     if not model.get("name"):
         yield Hit("missing-name", model, "a model has no name")
     parts = [child for child in model if child.tag in _NAMED]

@@ -219,8 +219,8 @@ class Arm:
         return LoaderError(
             self.comparison.problem(
                 message=error.problems[0].message,
-                suggestion="it says so of a mesh that it does not find: meshes have to be where CoppeliaSim can read "
-                "them by the same path, as .stl, .obj or .dae, and not as `package://`",
+                suggestion="CoppeliaSim reports a missing mesh in this way: meshes have to be where CoppeliaSim can "
+                "read them by the same path, as .stl, .obj or .dae, and not as `package://`",
             )
         )
 
@@ -264,7 +264,7 @@ class Arm:
                 self.ask(self.sim.setJointPosition, self.joints[joint.name], float(value))
 
     def _held_joint(self, name: str, child: RigidTransform) -> dict[str, Any]:
-        """A joint as CoppeliaSim has it, given where its child link is, in whose frame an axis is told."""
+        """A joint as CoppeliaSim has it, given where its child link is, in whose frame the axis is."""
         sim, handle = self.sim, self.joints[name]
         names = {sim.joint_revolute: "revolute", sim.joint_prismatic: "prismatic"}
         kind = self.ask(sim.getJointType, handle)

@@ -2,7 +2,7 @@
 
 CoppeliaSim moves an imported joint by its own position control, with the effort of the file as the largest torque. It
 makes no engine's absence known: without one the arm just stands still, so that it is asked whether it moves at all. And
-an engine may let joints come apart, while they tell of small displacements: what counts besides is where the tips are.
+an engine may let joints come apart, while they report small displacements: what counts besides is where the tips are.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ _CLIENT = "coppeliasim_zmqremoteapi_client"
 _PACKAGES = Packages("coppeliasim", {_CLIENT: "coppeliasim-zmqremoteapi-client", "zmq": "pyzmq"})
 
 PORT = 23000
-"""Where CoppeliaSim listens if nobody says otherwise."""
+"""Where CoppeliaSim listens by default."""
 ANSWERS_WITHIN = 5.0
 """How long a CoppeliaSim may take to answer at all [s]; its client would wait for ever."""
 REMEDY = (

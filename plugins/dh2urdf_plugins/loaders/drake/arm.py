@@ -45,7 +45,7 @@ _SHOWN_JOINTS = 8
 
 
 class Arm:
-    """The arm as Drake holds it, beside the robot that was written; its root stands in the world's origin.
+    """The arm as Drake holds it, beside the robot that was written; its root is in the world's origin.
 
     Raises:
         LoaderError: Drake cannot load the file.

@@ -52,7 +52,7 @@ HELD_JOINTS = 300
 
 
 class Arm:
-    """The arm as MuJoCo holds it, beside the robot that was written; its root stands in the world's origin.
+    """The arm as MuJoCo holds it, beside the robot that was written; its root is in the world's origin.
 
     Raises:
         LoaderError: MuJoCo cannot load the file, or has fused links of it.

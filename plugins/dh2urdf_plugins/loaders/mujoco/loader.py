@@ -1,4 +1,4 @@
-"""The loader `mujoco`: loads the written MJCF or URDF, measures the arm, and takes what MuJoCo says of it."""
+"""The loader `mujoco`: loads the written MJCF or URDF, measures the arm, and takes what MuJoCo reports about it."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def _print_warning(text: str | bytes) -> None:
 
 
 _MESSAGE = re.compile(r"^(?:WARNING|ERROR): *(.+?) *$", re.MULTILINE)
-_UNNAMED = "Geom with duplicate name ''"  # MuJoCo 3.3 says so of every file with two shapes: shapes have no names
+_UNNAMED = "Geom with duplicate name ''"  # MuJoCo 3.3 prints this for every file with two shapes: shapes have no names
 
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:

@@ -30,7 +30,7 @@ class NoGraphicsError(Exception):
 
 
 def graphics() -> str | None:
-    """What to render by, as MuJoCo's variable MUJOCO_GL has it; None where MuJoCo knows, or has been told."""
+    """What to render by, as MuJoCo's variable MUJOCO_GL has it; None where MuJoCo knows, or the variable is set."""
     if sys.platform != "linux" or os.environ.get("MUJOCO_GL"):
         return None
     return next((name for name, library in _LIBRARIES.items() if ctypes.util.find_library(library)), "disable")

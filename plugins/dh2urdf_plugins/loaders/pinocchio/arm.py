@@ -110,7 +110,7 @@ class Arm:
         }
 
     def _held_bodies(self) -> dict[str, Body]:
-        """The moving bodies, by the names of the links that carry them, and the body that stands in the world."""
+        """The moving bodies, by the names of the links that carry them, and the body that is in the world."""
         carriers = {joint.child: self.joints.get(joint.name) for joint in self.robot.moving_joints}
         carriers[self.robot.root] = _UNIVERSE
         inertias = {name: self.model.inertias[number] for name, number in carriers.items() if number is not None}

@@ -237,7 +237,7 @@ def _advice(line: str) -> str | None:
     """What to do about a line that is no header."""
     text = line.strip(SPACES + ',\t"')
     if (found := re.match(r"[^\W\d]+", text)) and found[0].casefold() in STATEMENTS and ":" in text:
-        return f"write `# {text}`: what holds for all rows stands in comment lines"
+        return f"write `# {text}`: what holds for all rows is in comment lines"
     if any(are_joints(split(line, delimiter)) for delimiter in DELIMITERS):
         return TURN_ROUND
     for pattern, advice in _OTHER_FORMS:

@@ -118,7 +118,7 @@ class CsvLines:
         return True
 
     def _is_quoted_comment(self, cells: Sequence[str]) -> bool:
-        """Whether a row whose first cell stood in quotes is a comment that a spreadsheet has put into cells."""
+        """Whether a row whose first cell was in quotes is a comment that a spreadsheet has put into cells."""
         return bool(cells) and marks_a_comment(cells[0]) and not fills_row(cells, self.required)
 
     def records(self, delimiter: str) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
@@ -154,7 +154,7 @@ class CsvLines:
             message, accepted = "a cell is too long", f"at most {csv.field_size_limit()} characters in a cell"
             text, suggestion = "", None
         elif "expected after" in str(error):
-            message, accepted = "text stands behind a closing quote", "a delimiter, or the end of the line"
+            message, accepted = "text is behind a closing quote", "a delimiter, or the end of the line"
         else:
             message, accepted = "a cell opens with a quote that is not closed", 'a quote at both ends, "like this"'
         raise TableError(

@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 _QUOTED = frozenset(',;\t"#')
 """Characters that mean something to a reader of CSV where they stand bare."""
 _COMMON = ("convention", "length_unit", "angle_unit", "base", "tool", "payload", "defaults")
-"""What comments say of all rows."""
+"""What comments declare about all rows."""
 
 
 def write(tables: Sequence[TableText]) -> WrittenTable:
     """A CSV file with a column for every field that a table says anything of, and one of names for several tables.
 
     Raises:
-        InputError: there are several tables, and what comments say of all rows is not the same of each.
+        InputError: there are several tables, and what comments declare about all rows is not the same of each.
     """
     if len(tables) == 1:
         return _written(tables[0], tables[0].columns(), tables[0].rows)

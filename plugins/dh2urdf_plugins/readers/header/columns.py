@@ -22,7 +22,7 @@ _INDEX_J = late_pattern(r"[jⱼ][\s)}\]]*(?:[\[(].*)?$", re.IGNORECASE)
 """The index of Khalil and Kleinfinger."""
 _KHALIL = ("sigma", "gamma", "mu", "b")
 _NUMBERED = late_pattern(r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|asse|giunto|[ajq])?[\s_.#]*[0-9]{1,2}")
-TURN_ROUND = "the joints seem to stand in columns: turn the table round, so that each joint has a row"
+TURN_ROUND = "the joints seem to be in columns: turn the table round, so that each joint has a row"
 """What to do about a table whose header names joints."""
 _MINUS = ("-", "−", "–")
 
@@ -44,7 +44,7 @@ class Columns:
         modified: the column whose header means the modified convention.
         meant: fields that misspelt headers probably mean.
         ignored: columns that their author wants to be left out.
-        notices: what is to be said of the header.
+        notices: messages about the header.
         numbers: the columns whose cells are numbers already, or all text.
         of_theta: columns of limits whose headers call them bounds of theta.
     """
@@ -241,7 +241,7 @@ def _missing(name: str, columns: Columns) -> Problem:
 
 
 def are_joints(headers: Sequence[str]) -> bool:
-    """Whether headers are the joints of an arm, whose fields stand in rows."""
+    """Whether headers are the joints of an arm, whose fields are in rows."""
     others = [text.strip().casefold() for text in headers[1:] if text.strip()]
     return len(others) > 1 and all(map(_NUMBERED.fullmatch, others))
 

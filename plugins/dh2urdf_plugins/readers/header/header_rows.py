@@ -64,7 +64,7 @@ def _carried(tops: list[str], subs: list[str]) -> list[str]:
 
 
 def _joined(top: str, sub: str) -> str:
-    """The header that a name and what stands below it make; the lower one where the upper one adds nothing."""
+    """The header that a name and what is below it make; the lower one where the upper one adds nothing."""
     if not top or not sub:
         return sub or (top if read_header(top).field else "")
     stem, unit = top, unit_in(sub)

@@ -54,7 +54,7 @@ _GROUPS = (
         for dimension in (Dimension.INERTIA, Dimension.TORQUE)
     ),
 )
-"""Columns that stand beside each other, and are hardly in two units."""
+"""Columns that are beside each other, and are hardly in two units."""
 
 
 def table_units(stated: Mapping[Dimension, Unit], columns: Columns | None = None) -> Units:
@@ -177,7 +177,7 @@ def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension
     """Refuse a number that stands outside of rows where its unit is not sure, and remember it where nothing says it.
 
     Args:
-        quantity: what it says.
+        quantity: the value of the cell.
         name: its field.
         cell: its text and its place.
         dimension: what it measures.
@@ -194,7 +194,7 @@ def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension
     if doubt:
         raise QuantityError(
             f"{shown(text)} has no unit, and {doubt.reason}",
-            f"0, or a number whose unit is said: {accepted_units(dimension)}",
+            f"0, or a number with a unit: {accepted_units(dimension)}",
             unit_advice(doubt, dimension, text),
         )
 
@@ -218,13 +218,13 @@ def bare_beside_cells(units: Units, foreign: Mapping[str, Cell], bare: Iterable[
             mark=number.mark,
             field=field,
             found=number.text,
-            accepted=f"0, or a number whose unit is said: {accepted_units(dimension)}",
+            accepted=f"0, or a number with a unit: {accepted_units(dimension)}",
             suggestion="write the unit behind the number, as in the rows, or declare it: "
             f"`units: {{{KEY_OF[dimension]}: …}}`",
         )
 
 
-# --- What is said of headers ------------------------------------------------------------------------------------------
+# --- Messages about headers -------------------------------------------------------------------------------------------
 
 
 def unit_problems(columns: Columns, declared: Iterable[tuple[Unit, Mark]]) -> list[Problem]:

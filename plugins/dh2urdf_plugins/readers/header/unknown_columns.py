@@ -127,7 +127,7 @@ def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
 def stray_number(text: str, mark: Mark, joint: str) -> Problem:
     """A number in a column without a header, which belongs to the table: it may be any field."""
     return Problem(
-        message=f"{shown(text)} stands in a column without a header",
+        message=f"{shown(text)} is in a column without a header",
         mark=mark,
         joint=joint,
         found=text,
@@ -141,7 +141,7 @@ def is_number(text: str) -> bool:
 
 
 def is_beside(index: int, named: Sequence[object]) -> bool:
-    """Whether a column stands beside the table: neither it, nor those right of it, nor its left neighbour has a header.
+    """Whether a column is beside the table: neither it, nor those right of it, nor its left neighbour has a header.
 
     Args:
         index: its number, from 0.

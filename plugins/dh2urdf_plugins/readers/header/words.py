@@ -24,7 +24,7 @@ _LOOSE_UNIT = re.compile(
     r"(.+?)(?:\s*[/|:;]\s*|\s*,\s*|\s+in\s+|[\s_-]+|(?=°))([^\s_/,°-]+(?:/(?:s|sec|min))?|°(?:/(?:s|sec|min))?)"
 )
 _FORMS = frozenset(("xyz", "3x3", "minmax", "lowerupper", "matrix", "vector"))
-"""What brackets say of the form of a cell that holds several fields."""
+"""What brackets declare about the form of a cell that holds several fields."""
 _WORDS_AT_END = frozenset(("in", "m", "n", "g", "s"))
 """Units that end headers in prose, too: a column is not refused for them."""
 _LONGEST = 300

@@ -82,7 +82,7 @@ class PlainNumbers:
 
 
 def plain_quantity(text: str, units: Units, name: str, *, linear: bool = False) -> float | None:
-    """The SI number that a cell says, or None where there is anything else to say of it.
+    """The SI number that a cell says, or None where there is anything else to report about it.
 
     Args:
         text: the cell.

@@ -44,7 +44,7 @@ _HASH = methodcaller("startswith", "#")
 
 
 class PlainRows:
-    """Reads the rows of manipulators that stand behind each other, where they are plain."""
+    """Reads the rows of manipulators that are behind each other, where they are plain."""
 
     def __init__(self, columns: Columns, units: Units, shortest: float) -> None:
         """Takes what holds for all rows of a table.
@@ -52,7 +52,7 @@ class PlainRows:
         Args:
             columns: its columns.
             units: the units of its numbers.
-            shortest: how long an arm is at least so that there is nothing to say of it [m].
+            shortest: how long an arm is at least so that there is nothing to report about it [m].
         """
         self.units = units
         self.shortest = shortest
@@ -212,7 +212,7 @@ class PlainRows:
         bounds = {"alpha": self.alpha_bound, "theta": FULL_TURN, "offset": FULL_TURN}
         for name in bounds.keys() & values.keys():
             angles = set(values[name])
-            # A number that is none is in no bounds, wherever it stands in the set.
+            # A number that is none is in no bounds, wherever it is in the set.
             if not (math.isfinite(sum(angles)) and -bounds[name] <= min(angles) and max(angles) <= bounds[name]):
                 return False
             # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.

@@ -159,7 +159,7 @@ class RowCells:
     def _foreign_unit(self, name: str, what: Field, dimension: Dimension, unit: Unit) -> None:
         kind = "prismatic" if dimension is what.linear else "revolute"
         self._error(
-            f"{shown(self._cells[name].text)} stands in a column of {unit.symbol}, and {name} of a {kind} joint is "
+            f"{shown(self._cells[name].text)} is in a column of {unit.symbol}, and {name} of a {kind} joint is "
             f"{dimension}",
             name,
             accepted=f"0, or a number with its own unit: {accepted_units(dimension)}",
@@ -171,7 +171,7 @@ class RowCells:
         self._error(
             f"{shown(text)} has no unit, and {doubt.reason}",
             name,
-            accepted=f"0, or a number whose unit is said: {accepted_units(dimension)}",
+            accepted=f"0, or a number with a unit: {accepted_units(dimension)}",
             suggestion=unit_advice(doubt, dimension, text),
         )
 
@@ -184,9 +184,9 @@ class RowCells:
             where = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
             home = where.get(variable.kind, "theta of a revolute joint or in d of a prismatic one")
             self._error(
-                f"{text} names the joint variable {variable.text}, which cannot stand in {name} of this row",
+                f"{text} names the joint variable {variable.text}, which cannot be in {name} of this row",
                 name,
-                accepted=f"a number here; {variable.text} may stand in {home}",
+                accepted=f"a number here; {variable.text} may be in {home}",
                 suggestion="give the row the type prismatic if the joint slides" if name == "d" else None,
             )
             return False

@@ -202,7 +202,7 @@ class _Rows:
         cells["type"] = Cell(JointType.REVOLUTE.value, mark)
 
     def _name_of(self, place: int, cells: Cells) -> str:
-        """What a row is called: its joint, else its link, else what stands in a column that no field knows."""
+        """What a row is called: its joint, else its link, else what is in a column that no field knows."""
         for cell in (cells.get("joint"), cells.get("link"), self.labels.get(place)):
             if cell is not None:
                 return cell.text

@@ -42,7 +42,7 @@ class _Manipulator:
 
 
 _NOT_GIVEN = tuple(field.name for field in fields(DHRow) if field.default is None and field.name != "mark")
-"""What a row says nothing of."""
+"""What a row leaves out."""
 
 
 def make_marks(file: str, lines: Iterable[int], before: str | None = None) -> list[Mark]:

@@ -281,7 +281,7 @@ class RowReader(RowCells):
         self._error(
             f"{shown(cell.text)} has no unit, and {beside} is {shown(self._cells[beside].text)}",
             "velocity",
-            accepted=f"a number whose unit is said: {accepted_units(dimension)}",
+            accepted=f"a number with a unit: {accepted_units(dimension)}",
             suggestion=f"write '{cell.text} {'mm/s' if linear else 'deg/s'}' or '{cell.text} {SI[dimension]}'",
         )
 

@@ -26,7 +26,7 @@ class RowSource(Protocol):
     The key of a row is what the format knows its place by: the number of a line, or more.
 
     Attributes:
-        notices: what is to be said of the rows so far, beyond what stands in them.
+        notices: messages about the rows so far, beyond those of the rows themselves.
         comments: comments between the rows that nobody has looked at yet.
     """
 
@@ -53,7 +53,7 @@ class RowSource(Protocol):
 
 
 class Rows:
-    """The rows of one manipulator as they stand in the file.
+    """The rows of one manipulator as they are in the file.
 
     Attributes:
         name: the manipulator's name.

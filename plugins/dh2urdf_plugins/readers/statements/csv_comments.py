@@ -1,4 +1,4 @@
-"""Comment lines of a CSV table: what columns cannot say stands in them, and prose stands in them too."""
+"""Comment lines of a CSV table: what columns cannot say is in them, and prose is in them too."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def comment_below(line: str, place: Mark) -> Comment:
 def below_header(comment: Comment) -> Problem:
     """What is wrong with a comment below the header that says something."""
     return Problem(
-        message=f"{shown(comment.line)} stands below the header, and would not hold for the rows above",
+        message=f"{shown(comment.line)} is below the header, and would not hold for the rows above",
         mark=comment.whole,
         accepted="such lines above the header",
     )

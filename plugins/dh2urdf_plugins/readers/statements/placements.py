@@ -202,7 +202,7 @@ class TransformReader:
                 what,
                 f"the last row of {what} is {last}, so that it is not rigid",
                 found=last,
-                accepted="0, 0, 0, 1 as the last row; the translation stands in the last column",
+                accepted="0, 0, 0, 1 as the last row; the translation is in the last column",
             )
             return None
         return self._rigid(node.mark, what, numbers)

@@ -61,7 +61,7 @@ def longest_plain(count: int) -> float:
 
 
 def shortest_plain(statements: Statements) -> float:
-    """How long an arm has to be so that there is nothing to say of it beside its base, tool and links [m]."""
+    """How long an arm has to be so that there is nothing to report about it beside its base, tool and links [m]."""
     tool, base = (math.hypot(*where.translation) if where else 0.0 for where in (statements.tool, statements.base))
     radius, density = statements.geometry.radius, statements.density
     if (radius and not THINNEST <= radius <= 1.0) or (density and not DENSITIES[0] <= density <= DENSITIES[1]):
@@ -70,7 +70,7 @@ def shortest_plain(statements: Statements) -> float:
 
 
 def _shortest_for(payload: Payload | None) -> float:
-    """How long an arm has to be so that there is nothing to say of its payload [m]."""
+    """How long an arm has to be so that there is nothing to report about its payload [m]."""
     if payload is None:
         return 0.0
     reaches = (math.sqrt(payload.mass / HEAVY), 0.5), (math.hypot(*payload.com), 1.0), (_gyration(payload), 0.2)

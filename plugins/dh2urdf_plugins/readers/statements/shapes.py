@@ -1,4 +1,4 @@
-"""What a table says of shapes, density and the base's body, beside its Denavit-Hartenberg parameters."""
+"""What a table declares about shapes, density and the base's body, beside its Denavit-Hartenberg parameters."""
 
 from __future__ import annotations
 

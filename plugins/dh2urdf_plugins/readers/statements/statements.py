@@ -86,10 +86,10 @@ class TableOptions:
 class Statements:
     """What a table and the options say about all of its rows.
 
-    Each may be said more than once, in the same sense; two senses are an error that names both places.
+    Each may be declared more than once, with the same value; two values are an error that names both places.
 
     Attributes:
-        convention: the convention and where it is said.
+        convention: the convention and where it is declared.
         stated: the units that are declared, by what they measure, and where.
         columns: the headers of the table, where it has some.
         base: the base transform.
@@ -104,7 +104,7 @@ class Statements:
         calibration: the file of what is added to the rows.
         visuals: whether links are seen.
         collisions: whether links touch.
-        placed: where base, tool, payload, shapes, masses and what is drawn are said.
+        placed: where base, tool, payload, shapes, masses and visuals are declared.
         bare: the numbers among them that are in the SI unit since nothing says their unit, as `Units` has them.
     """
 
@@ -129,7 +129,7 @@ class Statements:
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
     ) -> Manipulator:
-        """The manipulator of some rows; the convention has been said."""
+        """The manipulator of some rows; the convention is known."""
         return Manipulator(
             name=name,
             convention=self.convention[0] if self.convention else Convention.STANDARD,
@@ -150,7 +150,7 @@ class Statements:
         )
 
     def traced(self, name: Cell) -> dict[str, Said]:
-        """What is said of all rows, and where."""
+        """What the table declares for all rows, and where."""
         said = {"name": Said(text=name.text, mark=name.mark)}
         if self.convention:
             said["convention"] = Said(text=str(self.convention[0]), mark=self.convention[1])
@@ -366,7 +366,7 @@ class Statements:
 
     @staticmethod
     def _said_twice(what: str, node: Node, add: Callable[[Problem], None]) -> None:
-        message = f"{what} is said twice, and not alike: in the table and in {OPTIONS}"
+        message = f"{what} is given twice, with different values: in the table and in {OPTIONS}"
         add(Problem(message=message, mark=node.mark, field=what, found=node.text, accepted=f"one {what}"))
 
     def say_option_transforms(self, options: TableOptions, add: Callable[[Problem], None]) -> None:

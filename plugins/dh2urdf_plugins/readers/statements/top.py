@@ -29,7 +29,7 @@ GEOMETRY = frozenset(("a", "alpha", "d", "theta"))
 SURE = 2
 """Fields of geometry that make a row a header beyond doubt."""
 MAX_TITLES = 1000
-"""Rows that may stand above the header."""
+"""Rows that may be above the header."""
 _FEW = 5
 _OTHER_COMMENT = late_pattern(r"\s*(?:--|[!;*]|/\*|<!--|rem\b)", re.IGNORECASE)
 """What a comment of another language begins with."""
@@ -115,7 +115,7 @@ class _TopReader:
     """Takes the rows above the header.
 
     Attributes:
-        said: what they say of all rows, by key.
+        said: what they declare about all rows, by key.
         comments: those that say nothing under a key.
         titles: those that are neither comments nor statements.
         notices: of other names than the one that the manipulator gets.
@@ -222,7 +222,7 @@ def _title_notices(titles: Sequence[CellRow]) -> list[Problem]:
     more = f" and {len(titles) - _FEW} more" if len(titles) > _FEW else ""
     return [
         Problem(
-            message=f"nothing is read from what stands above the header: {', '.join(texts)}{more}",
+            message=f"nothing is read from what is above the header: {', '.join(texts)}{more}",
             severity="notice",
             mark=titles[0].mark,
             accepted=f"above the header: {', '.join(STATEMENTS)}, as in `units: {{length: mm, angle: deg}}`; and "

@@ -1,6 +1,6 @@
 """Cells that hold several fields: a range, a centre of mass, an inertia tensor.
 
-Each becomes the texts of its fields, which are then read as if they stood in cells of their own. What can be read in
+Each becomes the texts of its fields, which are then read as if each were in a cell. What can be read in
 two ways is refused.
 """
 
@@ -147,7 +147,7 @@ def unit_at_end(text: str) -> str | None:
 
 
 def _without_brackets(text: str) -> tuple[str, str | None]:
-    """A text without the brackets around it, and the unit that stands behind them."""
+    """A text without the brackets around it, and the unit that is behind them."""
     match = re.fullmatch(r"([\[({<].*[\])}>])\s*([^\[\](){}<>]*)", text)
     if match is None or (match[2] and not is_unit(match[2])):
         return text, None

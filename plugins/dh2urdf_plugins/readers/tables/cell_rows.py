@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _BATCH = 200
 """Rows that are handed on at once."""
 _FEW = 5
-BELOW = "what stands below the table, after an empty row"
+BELOW = "what is below the table, after an empty row"
 _PROSE = late_pattern(r"[^\W\d_]{3,}(?:[\s:,.]|$)")
 """How a note begins, and no number, expression or symbol: with a word."""
 
@@ -94,7 +94,7 @@ class CellRows:
         while batch := list(islice(rows, _BATCH)):
             yield batch, [self._values(row) for row in batch]
         self.notices += unread_notes(BELOW, self.below)
-        self.notices += unread_notes("what stands beside the table", self.beside)
+        self.notices += unread_notes("what is beside the table", self.beside)
 
     def row_marks(self, keys: Iterable[CellRow]) -> Iterator[Mark]:
         """The places of rows."""
@@ -106,7 +106,7 @@ class CellRows:
         return marks + [key.mark] * (len(texts) - len(marks))
 
     def row_problems(self, key: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
-        """What the container says of the row's cells, and of numbers behind the last column of the header."""
+        """What the container declares about the row's cells, and of numbers behind the last column of the header."""
         joint = f"joint_{number}"
         if is_header(key) and headers_in(key) != self.header:
             yield Problem(

@@ -54,7 +54,7 @@ class TableCells:
         """The cells of a row by field, or None where they cannot be told apart.
 
         Args:
-            row: the cells as they stand in the file.
+            row: the cells as they are in the file.
             marks: the place of each.
             mark: the place of the row.
             number: the number of the row within its manipulator.
@@ -92,7 +92,7 @@ class TableCells:
     def _number(self, cell: Cell, name: str, number: int) -> Cell:
         """A number as text, whose decimal sign is remembered where it may be a comma.
 
-        Between commas a number with a decimal comma stands in quotes: so a German spreadsheet writes it.
+        Between commas a number with a decimal comma is in quotes: so a German spreadsheet writes it.
         """
         if self.columns.decimal_comma:
             self.signs.note(cell, name, number)
@@ -115,7 +115,7 @@ class TableCells:
         return {}
 
     def _are_units(self, texts: Sequence[str]) -> bool:
-        """Whether what stands in the columns of geometry are units, and nothing else."""
+        """Whether what is in the columns of geometry are units, and nothing else."""
         words = [
             text.strip(f"{SPACES}[]()")
             for name, text in zip(self.columns.fields, texts, strict=False)

@@ -52,24 +52,24 @@ class RowTable:
     """One file that is being read.
 
     Attributes:
-        statements: what the table and the options say of all rows.
-        notices: what is to be said with the next manipulator.
+        statements: what the table and the options declare about all rows.
+        notices: messages that go with the next manipulator.
     """
 
     def __init__(
         self, name: Cell, options: TableOptions, top: Top, source: RowSource, trace: Trace | None = None
     ) -> None:
-        """Takes what stands above the rows.
+        """Takes what is above the rows.
 
         Args:
             name: what a manipulator is called where the table does not say it, and the place of the whole table.
             options: what the table does not say itself.
-            top: its headers, and what it says of all rows.
+            top: its headers, and its statements about all rows.
             source: its rows.
             trace: takes what the cells of each manipulator say, where it is wanted: all are read with care then.
 
         Raises:
-            TableError: what is said contradicts itself, or means nothing.
+            TableError: statements contradict each other, or mean nothing.
         """
         self.whole = name.mark
         self.source = source
@@ -96,7 +96,7 @@ class RowTable:
         return self.columns.fields.index(name) if name in self.columns.fields else None
 
     def _state(self, said: Mapping[str, Node], options: TableOptions) -> Cell | None:
-        """Takes what the table, its headers and the options say of all rows; gives the name that the table says."""
+        """Reads what table, headers and options declare about all rows; returns the name in the table."""
         columns, problems = self.columns, list[Problem]()
         if units := said.get("units"):
             self.statements.say_units(units, problems.append)
@@ -139,7 +139,7 @@ class RowTable:
 
         Args:
             comments: those that say nothing under a key.
-            below: whether they stand below the header.
+            below: whether they are below the header.
 
         Raises:
             TableError: a comment contradicts the table, or says below the header what holds for all rows.
@@ -271,7 +271,7 @@ class RowTable:
         """A manipulator, or everything that is wrong with it."""
         result = self._read_with_care(rows, self.cells, self.trace)
         self.plain_table &= not self.cells.signs.has_commas
-        self.notices = []  # what is to be said of the file is said once, with the first manipulator
+        self.notices = []  # messages about the file go with the first manipulator, once
         return result
 
     def _read_with_care(
@@ -299,7 +299,7 @@ class RowTable:
     def _read_rows(
         self, rows: Rows, statements: Statements, reader: RowReader, table_cells: TableCells
     ) -> list[DHRow | None]:
-        """The rows as far as they can be read, and what they say of the convention."""
+        """The rows as far as they can be read, and what they declare about the convention."""
         found: list[tuple[dict[str, Cell] | None, Mark]] = []
         for number, (key, row) in enumerate(zip(rows.keys, rows.cells, strict=True), start=1):
             mark, texts = self._mark(key), list(map(text_of, row))
@@ -336,7 +336,7 @@ def _nameless(robot: Cell, name: str, number: int) -> Problem:
 
 def _torn(name: Cell) -> Problem:
     return Problem(
-        message=f"rows of {shown(name.text)} stand in several places of the file",
+        message=f"rows of {shown(name.text)} are in several places of the file",
         mark=name.mark,
         field="robot",
         found=name.text,

@@ -168,7 +168,7 @@ def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowRe
 
 
 def stopped(reader: RowReader) -> bool:
-    """Whether a manipulator has so many errors that reading it stops; says so, then."""
+    """Whether a manipulator has so many errors that reading it stops; reports that, then."""
     if reader.errors < MAX_PROBLEMS:
         return False
     reader.add(Problem(message=f"reading the manipulator stopped after {reader.errors} errors"))

@@ -42,7 +42,7 @@ class Doubt(NamedTuple):
     """Why the unit of bare numbers is not sure.
 
     Attributes:
-        reason: what else is said, as half a sentence.
+        reason: more about the fault, as half a sentence.
         unit: a unit that they may have.
         dimension: what that unit measures, where a field has numbers of two kinds.
     """
@@ -54,7 +54,7 @@ class Doubt(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Units:
-    """What a table says of its units and its numbers.
+    """What a table declares about its units and its numbers.
 
     Attributes:
         known: the units of bare numbers, by what they measure; the SI unit where there is none.

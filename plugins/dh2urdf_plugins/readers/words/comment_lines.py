@@ -44,7 +44,7 @@ class Comment:
     """A comment of a table, in whatever format.
 
     Attributes:
-        text: what stands behind the marker.
+        text: what is behind the marker.
         mark: where that stands.
         line: the whole comment, as messages repeat it.
         whole: the place of the whole comment.
@@ -74,7 +74,7 @@ def is_comment(line: str, *, top: bool = False) -> bool:
 
     Args:
         line: the line.
-        top: whether it stands above the header: there a comment may also stand in quotes, or in a column further right.
+        top: whether it is above the header: there a comment may also be in quotes, or in a column further right.
             Below, a cell in quotes may be a name.
     """
     match = _START.match(line)
@@ -113,7 +113,7 @@ def as_typed(line: str, delimiter: str | None) -> list[str]:
     """A comment line as a person would type it; several where a cell of a spreadsheet has several lines.
 
     Args:
-        line: the comment line as it stands in the file.
+        line: the comment line as it is in the file.
         delimiter: what stands between the cells of the table; None where there is no header that shows it.
     """
     match = _START.match(line)

@@ -71,7 +71,7 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
                 severity="notice",
                 mark=rows[0].joint_mark,
                 field="joint",
-                suggestion="rows stand in the order from the base to the tool",
+                suggestion="rows are in the order from the base to the tool",
             )
         )
     for joint, link, joint_mark, link_mark in rows:

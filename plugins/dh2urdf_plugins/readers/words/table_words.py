@@ -1,4 +1,4 @@
-"""What a table says of all of its rows, as texts: name, convention, units, base, tool, payload and defaults."""
+"""What a table declares about all of its rows, as texts: name, convention, units, base, tool, payload and defaults."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def units_of(words: Iterable[str]) -> dict[str, str] | None:
 
 
 def units_text(table: TableText) -> str:
-    """What a table says of its units, as a mapping of YAML: those of its choice, and what else it has numbers of."""
+    """What a table declares about its units, as a mapping of YAML: its own choice, and units of other numbers."""
     said = {"length": table.length_unit, "angle": table.angle_unit}
     if (table.length_unit, table.angle_unit) != ("m", "rad"):
         used = table.columns()

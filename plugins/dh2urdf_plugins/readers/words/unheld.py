@@ -162,6 +162,6 @@ LIKELY = {
     for word in ("Jm", "Im", "Jr", "Ir")
     for key in keys_of(word.casefold())
 }
-"""What to say of headers that are left out and may be something: symbols whose meaning differs from book to book."""
+"""Messages about headers that are left out and may be something: symbols whose meaning differs from book to book."""
 IGNORED = "_"
 """What the header of a column begins with that its author wants to be left out."""

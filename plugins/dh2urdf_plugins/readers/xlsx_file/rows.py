@@ -91,7 +91,7 @@ class SheetRows:
         merged = _Merged(self.layout, self.header)
         title = self.sheet.title
         was_empty = True
-        self.sheet.reset_dimensions()  # what it says of its size may be wrong, or a million rows
+        self.sheet.reset_dimensions()  # the size that it declares may be wrong, or a million rows
         for number, cells in enumerate(self.sheet.rows, start=1):
             values = [None if cell.value is None else self._value(cell) for cell in cells]
             for column in self.layout.uncomputed.get(number, ()):
@@ -163,7 +163,7 @@ class _Merged:
     """Fills merged cells.
 
     A cell that is merged down the rows of one column has its value in each row; so has one that is merged across
-    columns, in the header and above it. Below the header nothing says of which column its value is.
+    columns, in the header and above it. Below the header nothing names the column of its value.
     """
 
     def __init__(self, layout: SheetLayout, header: int) -> None:

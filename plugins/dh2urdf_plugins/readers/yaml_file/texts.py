@@ -83,7 +83,7 @@ def _table(entries: Mapping[str, Node], default_name: str) -> TableText | None:
 
 
 def _texts(joint: Node) -> Iterator[tuple[str, str]]:
-    """The texts of a joint by field; what has no field is left out, and whoever compares finds out."""
+    """The texts of a joint by field; what has no field is left out: a later comparison finds it."""
     for key, node in joint.value.items() if isinstance(joint.value, dict) else ():
         if key in _GROUPS and isinstance(node.value, dict):
             yield from ((name, inner.text or "") for name, inner in node.value.items() if name in _GROUPS[key])

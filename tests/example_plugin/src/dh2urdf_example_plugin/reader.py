@@ -35,7 +35,7 @@ def read(path: Path, options: TomlOptions) -> Iterator[Manipulator]:
     """The manipulator of a TOML table.
 
     Raises:
-        TableError: the file is not TOML, or something in it cannot be read; all of it is said at once.
+        TableError: the file is not TOML, or something in it cannot be read; all problems are reported at once.
     """
     mark = Mark(file=str(path))
     try:

@@ -139,6 +139,6 @@ def test_a_transform_that_gives_another_arm_is_named(printed: Callable[..., list
 
 
 def test_names_are_shown_harmlessly(printed: Callable[..., list[str]]) -> None:
-    """Neither a terminal nor the printer of the table acts on what stands in a name."""
+    """Neither a terminal nor the printer of the table acts on what is in a name."""
     ((name, *_),) = cells(printed(outcome("\x1b[31m[red]arm[/red]")))
     assert name == "�[31m[red]arm[/red]"

@@ -128,7 +128,7 @@ class TestRecorded:
             assert np.abs(robot.fkine(q).A - expected).max() <= SAME * max(1.0, np.abs(expected).max())
 
     def test_limits_and_dynamics(self, arm: Manipulator) -> None:
-        """What a table says of a row is said of its link, in the units of the toolbox; nothing else is."""
+        """What a table declares about a row is said of its link, in the units of the toolbox; nothing else is."""
         turn, slide, spin, _ = executed(arm)["robot"].links
         assert turn.said["qlim"] == [arm.rows[1].limits.lower, arm.rows[1].limits.upper]
         assert slide.said["qlim"] == [0, 0.75]

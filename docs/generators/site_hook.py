@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import command_pages
 import hook_pages
+import notebook_pages
 import root_pages
 import schema_pages
 import stage_pages
@@ -26,6 +27,7 @@ GENERATORS: dict[str, Callable[[], str]] = {
     "hooks": hook_pages.hooks,
     "interface version": hook_pages.interface_version,
     "manifest schema": schema_pages.manifest,
+    "notebook": partial(notebook_pages.page, "first-arm"),
     "report schema": schema_pages.report,
     "run file schema": schema_pages.run_file,
     "security policy": partial(root_pages.root_page, "SECURITY.md"),

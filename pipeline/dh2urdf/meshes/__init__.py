@@ -7,9 +7,11 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.meshes.addresses import (
+        file_address as file_address,
         mesh_finder as mesh_finder,
         own_folder as own_folder,
         packages_in as packages_in,
+        path_of_address as path_of_address,
         with_its_own as with_its_own,
     )
     from dh2urdf.meshes.files import (
@@ -32,7 +34,7 @@ else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "addresses": "mesh_finder own_folder packages_in with_its_own",
+            "addresses": "file_address mesh_finder own_folder packages_in path_of_address with_its_own",
             "files": "REMEDY copy_name find_mesh has_meshes read_mesh",
             "triangles": "Asset FORMATS asset_of enclosed load_scene read_parts to_metres",
         },

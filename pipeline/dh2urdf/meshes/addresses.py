@@ -14,11 +14,27 @@ from dh2urdf.stages import PACKAGE_FILE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
 
+FILE = "file://"
 DEEPEST = 4
 """How many folders below the one that a user names a package may be."""
+_DRIVE = re.compile(r"^/?(?=[A-Za-z]:[\\/])")
+"""Before a drive of Windows: a slash in an address, nothing in a path."""
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
 _LARGEST = 2**26
 """Size of a package.xml that is read [B]."""
+
+
+def file_address(path: str) -> str:
+    """The address of an absolute path: `file:///usr/arm.stl`, and `file:///C:/arm.stl` with a drive of Windows.
+
+    Nothing is percent-encoded: readers of robot descriptions cut off the scheme and decode nothing.
+    """
+    return f"{FILE}/{path.replace(chr(92), '/')}" if _DRIVE.match(path) else f"{FILE}{path}"
+
+
+def path_of_address(address: str) -> str:
+    """The path of a `file://` address, without the slash before a drive of Windows; any other text is as it was."""
+    return _DRIVE.sub("", address.removeprefix(FILE), count=1) if address.startswith(FILE) else address
 
 
 def own_folder(path: Path) -> Path:
@@ -79,7 +95,7 @@ def mesh_finder(folder: Path, packages: Mapping[str, Path]) -> Callable[[str], P
         if not separator:
             return _file(folder / address)
         if scheme == "file":
-            return _file(Path(unquote(rest)))
+            return _file(Path(unquote(path_of_address(address))))
         if scheme not in ("package", "model"):
             return None
         name, _, inner = rest.partition("/")

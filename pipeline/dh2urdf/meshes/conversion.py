@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, CrashError, EmitterError, MissingDependencyError
 from dh2urdf.manipulator import MeshFile
+from dh2urdf.meshes.addresses import file_address
 from dh2urdf.meshes.files import REMEDY, mesh_files, read_mesh
 from dh2urdf.meshes.forms import MeshConversion, behind_fence
 from dh2urdf.meshes.triangles import FORMATS
@@ -124,7 +125,7 @@ def _collisions(shape: Collision, how: MeshConversion) -> Iterator[Collision]:
 
 
 def _geometry(file: MeshFile) -> Mesh:
-    return Mesh(filename=f"file://{file.path}", file=file)
+    return Mesh(filename=file_address(file.path), file=file)
 
 
 def _material(rgba: tuple[float, float, float, float]) -> Material:

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.meshes import path_of_address
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, SHAPES, Hit
 from dh2urdf_plugins.lint.document.tree import numbers_of
@@ -231,7 +232,7 @@ def resolved(address: str, description: Description) -> Path | None:
     """The file that an address means, whether there is one or not; None where its package is not found."""
     folder = Path(os.path.abspath(description.path)).parent  # noqa: PTH100 - links in the path stay
     if not address.startswith(_PACKAGE):
-        return folder / address.removeprefix(_FILE)
+        return folder / path_of_address(address)
     package, _, rest = address.removeprefix(_PACKAGE).partition("/")
     if not package:
         return None
@@ -249,7 +250,7 @@ def resolved(address: str, description: Description) -> Path | None:
 def _is_found_by_pybullet(address: str, description: Path) -> bool:
     """PyBullet knows no packages: it looks for the path behind `package://` in the folder and in all above it."""
     if address.startswith(_FILE):
-        return is_there(Path(address.removeprefix(_FILE)), is_file=True)
+        return is_there(Path(path_of_address(address)), is_file=True)
     rest = address.removeprefix(_PACKAGE).removeprefix(_MODEL).lstrip("/")
     folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
     places = [above / rest for above in (folder, *folder.parents)]

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.mass_properties import scaled
-from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, load_scene, read_mesh, to_metres
+from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, file_address, load_scene, read_mesh, to_metres
 from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual
 from dh2urdf.source import Problem, shown
 
@@ -66,7 +66,7 @@ def mesh_collision(shape: MeshShape, dh_frame: RigidTransform) -> Collision:
 
 
 def _geometry(shape: MeshShape) -> Mesh:
-    return Mesh(filename=f"file://{shape.file.path}", scale=shape.scale, file=shape.file)
+    return Mesh(filename=file_address(shape.file.path), scale=shape.scale, file=shape.file)
 
 
 def _origin(shape: MeshShape, dh_frame: RigidTransform) -> Origin:

@@ -195,7 +195,7 @@ def test_mesh_that_is_not_found_is_named_as_the_reason(
     message = str(refusal(peer, request_for(text, replace(planar.robot, links=links))))
     assert "object does not exist." in message
     assert "(its console says more)" in message
-    assert "says so of a mesh that it does not find" in message
+    assert "reports a missing mesh in this way" in message
     assert peer.scene.things == before
 
 

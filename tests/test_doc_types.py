@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -22,7 +23,7 @@ def blocks() -> dict[str, str]:
         for match in BLOCK.finditer(text):
             if match["title"] is None and page.name not in ELSEWHERE:
                 line = text[: match.start()].count("\n") + 2
-                found[f"{page.relative_to(ROOT).as_posix()}:{line}"] = match["body"]
+                found[f"{page.relative_to(ROOT).as_posix()}:{line}"] = textwrap.dedent(match["body"])
     return found
 
 

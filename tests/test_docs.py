@@ -89,8 +89,24 @@ class Block:
         return self.language in ("sh", "python") and not self.title and "not run" not in self.marks
 
 
+TAB = re.compile(r'^=== "[^"]+"$')
+
+
+def page_text(path: Path) -> str:
+    """A page with the contents of its tabs as if there were no tabs; every line stays the line that it is."""
+    lines, inside = [], False
+    for line in path.read_text("utf-8").splitlines(keepends=True):
+        if TAB.match(line):
+            inside = True
+            lines.append("\n")
+            continue
+        inside = inside and (line.startswith("    ") or not line.strip())
+        lines.append(line.removeprefix("    ") if inside else line)
+    return "".join(lines)
+
+
 def blocks_of(page: str) -> list[Block]:
-    text = (DOCS / page).read_text("utf-8")
+    text = page_text(DOCS / page)
     return [
         Block(
             page=page,
@@ -301,7 +317,7 @@ def test_its_blocks_do_what_it_says(page: str, tmp_path: Path) -> None:
     blocks = [block for block in BLOCKS[page] if "example" not in block.marks]
     for block, after in zip_longest(blocks, blocks[1:]):
         folder.take(block, after if after and after.title == OUTPUT else None)
-    text = (DOCS / page).read_text("utf-8")
+    text = page_text(DOCS / page)
     fences = len(re.findall(r"^```(?:sh|python)$", text, re.MULTILINE))
     assert len(folder.ran) == fences - len(re.findall(r"^<!-- not run: .* -->\n```\w+$", text, re.MULTILINE))
 
@@ -309,7 +325,7 @@ def test_its_blocks_do_what_it_says(page: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_no_block_is_overlooked(page: str) -> None:
     """Every fence of a page belongs to a block, and every comment above one is known."""
-    text = (DOCS / page).read_text("utf-8")
+    text = page_text(DOCS / page)
     assert text.count("```") == 2 * len(BLOCKS[page])
     for found in BLOCK.finditer(text):
         assert len(found["marks"].splitlines()) == len(MARK.findall(found["marks"])), found["marks"]
@@ -361,6 +377,18 @@ def test_titled_files_are_used() -> None:
                 assert block.title in later or Path(block.title).parts[0] in later, block.place
 
 
+def test_blocks_in_tabs_are_blocks(tmp_path: Path) -> None:
+    """They are read without their indent, at their own lines; what follows the tabs is outside of them."""
+    page = tmp_path / "page.md"
+    page.write_text(
+        'A\n\n=== "One"\n\n    ```sh\n    a\n      b\n    ```\n\n=== "Two"\n\n    ```sh\n    c\n    ```\n\n    d\n\nE\n'
+    )
+    found = [(block["language"], block["body"]) for block in BLOCK.finditer(page_text(page))]
+    assert found == [("sh", "a\n  b\n"), ("sh", "c\n")]
+    assert page_text(page).count("\n") == page.read_text("utf-8").count("\n")
+    assert page_text(page).endswith("d\n\nE\n")
+
+
 def test_a_page_that_says_something_else_fails(tmp_path: Path) -> None:
     """The comparison sees another line, another number and a missing end, and forgives rounding errors."""
     assert matches("within 1.1e-16 m\nb\n", "within 2e-15 m\nb\n")
@@ -376,7 +404,7 @@ def test_a_page_that_says_something_else_fails(tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", [ROOT / "README.md", *(DOCS / page for page in PAGES)], ids=lambda path: path.name)
 def test_commands_in_the_text_have_these_flags(path: Path) -> None:
     """A command between backticks exists, and so does each of its flags."""
-    text = BLOCK.sub("", path.read_text("utf-8"))
+    text = BLOCK.sub("", page_text(path))
     context = click.Context(program, info_name="dh2urdf")
     for command in re.findall(r"`dh2urdf ([^`]+)`", text):
         words = [word for word in command.split() if word not in ("--debug", "--version")]
@@ -394,7 +422,7 @@ LINK = re.compile(r"(?<!!)\[[^\]]*\]\((?P<target>[^)#\s]*)(?:#(?P<anchor>[^)\s]+
 
 def anchors(path: Path) -> set[str]:
     """The anchors of a page, as a code host makes them of its headings."""
-    text = BLOCK.sub("", path.read_text("utf-8"))
+    text = BLOCK.sub("", page_text(path))
     titles = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", title.casefold()).replace(" ", "-") for title in titles}
 
@@ -402,7 +430,7 @@ def anchors(path: Path) -> set[str]:
 @pytest.mark.parametrize("path", [ROOT / "README.md", *(DOCS / page for page in PAGES)], ids=lambda path: path.name)
 def test_links_lead_somewhere_on_a_code_host_too(path: Path) -> None:
     """Every link between pages leads to a file of the repository and to a heading in it; mkdocs tries them in the site."""
-    for link in LINK.finditer(BLOCK.sub("", path.read_text("utf-8"))):
+    for link in LINK.finditer(BLOCK.sub("", page_text(path))):
         target = link["image"] or link["target"]
         if target.startswith(("http://", "https://")):
             continue

@@ -92,7 +92,9 @@ def test_two_payloads_are_refused(suffix: str, tmp_path: Path) -> None:
             return str(error)
         return "" if isinstance(arm, Manipulator) else "\n".join(map(str, arm.problems))
 
-    assert "payload is given twice, with different values" in problems(table(WHOLE, suffix), payload="{mass: 1, com: [0, 0, 0]}")
+    assert "payload is given twice, with different values" in problems(
+        table(WHOLE, suffix), payload="{mass: 1, com: [0, 0, 0]}"
+    )
     mark = "# " if suffix == ".csv" else ""
     heavy = f"{mark}base: {{xyz: [0, 0, 1], mass: 3}}\n{table(None, suffix)}"
     assert "base.mass is given twice, with different values" in problems(heavy, base="{mass: 0}")

@@ -206,7 +206,7 @@ def test_sliders_move_the_arm(studio_address: str, new_tab: Callable[..., Any], 
 
 
 def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """The link and the frame of the row under the cursor are lit, and no others."""
+    """The link of the row under the cursor is outlined and keeps its colour, its frame stands out, and no others."""
     tab = new_tab(studio_address)
     page = tab.open()
     tab.open_exhibit("ur5")
@@ -214,9 +214,9 @@ def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any
     script = """() => {
         const nodes = document.querySelector('.arm-view').scene.children[0].children;
         return nodes.filter(node => node.children.some(part => part.isMesh && part.userData.layer === 'links'
-            && part.material.emissive.getHex() !== 0)).map(node => node.name);
+            && part.userData.outline)).map(node => node.name + ' ' + node.children[0].material.color.getHexString());
     }"""
-    page.wait_for_function(f"JSON.stringify(({script})()) === '[\"link_3\"]'")
+    page.wait_for_function(f"JSON.stringify(({script})()) === '[\"link_3 ed8021\"]'")
     assert page.locator(".arm-view-picked").all_inner_texts() == ["{3}"]
     assert "dh-picked" in page.locator(".dh-table .ag-center-cols-container .ag-row[row-index='2']").get_attribute(
         "class"

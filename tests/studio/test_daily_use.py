@@ -408,7 +408,7 @@ def test_what_the_reader_noticed_is_shown(tab: Any, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("state", ["empty", "ur5", "wrong", "open"])
 def test_axe_finds_nothing_serious(tab: Any, state: str) -> None:
-    """axe-core on the page, empty, with an arm, with a wrong cell, and on a dialog."""
+    """axe-core on the page, empty, with an arm, with a wrong cell, and on a dialog; light, and dark with large text."""
     axe = pytest.importorskip("axe_playwright_python")
     page, where = tab.page, "document"
     if state in ("ur5", "wrong"):
@@ -424,6 +424,10 @@ def test_axe_finds_nothing_serious(tab: Any, state: str) -> None:
         page.evaluate("document.querySelector('.q-dialog__backdrop').remove()")
         where = "document.querySelector('.q-dialog')"
     page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text("utf-8"))
-    found = page.evaluate(f"axe.run({where})")["violations"]
-    serious = [one for one in found if one["impact"] != "minor"]
-    assert [(one["id"], [node["failureSummary"] for node in one["nodes"]]) for one in serious] == []
+    for look, size in (("light", "usual"), ("dark", "large")):  # of this page alone, and not kept
+        page.evaluate(f"Object.assign(document.documentElement.dataset, {{ look: '{look}', size: '{size}' }})")
+        page.evaluate(f"Quasar.Dark.set({'true' if look == 'dark' else 'false'})")
+        page.wait_for_function("document.getAnimations().every(one => one.playState !== 'running')")
+        found = page.evaluate(f"axe.run({where})")["violations"]
+        serious = [one for one in found if one["impact"] != "minor"]
+        assert [(look, one["id"], [node["failureSummary"] for node in one["nodes"]]) for one in serious] == []

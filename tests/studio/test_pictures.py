@@ -32,6 +32,12 @@ def ur5(tab: Any) -> None:
     tab.cell(1, "a").click()
 
 
+def dark(tab: Any) -> None:
+    tab.page.emulate_media(color_scheme="dark")
+    ur5(tab)
+    tab.page.get_by_text("a α d θ", exact=True).click()
+
+
 def wrong_cell(tab: Any) -> None:
     tab.open_exhibit("ur5")
     set_sliders(tab, UR5_POSE)
@@ -95,6 +101,7 @@ def set_sliders(tab: Any, values: list[float]) -> None:
 STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
     "empty": (empty, LAPTOP),
     "ur5": (ur5, LAPTOP),
+    "dark": (dark, LAPTOP),
     "wrong_cell": (wrong_cell, LAPTOP),
     "panda": (panda, LAPTOP),
     "paper": (paper, LAPTOP),

@@ -3,7 +3,9 @@
 import { OrbitControls, THREE } from "nicegui-scene";
 
 const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44, x: 0xe03131, y: 0x2f9e44, z: 0x1971c2, distance: 0x495057, line: 0x868e96, normal: 0xc2255c, offset: 0x1971c2, foot: 0x212529 };
-const HIGHLIGHT = new THREE.Color(0x4dabf7);
+const OUTLINE = 0.0045; // width of the line around a picked link, in reaches of the arm
+const MARKED = 1; // what the stencil holds where the picked link is
+const SOFT = 1024; // side of the map of shadows [px]
 const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
 const STEP = Math.PI / 36; // of an arrow key [rad]
@@ -79,6 +81,9 @@ async function triangles(address) {
   });
 }
 
+// A colour or a number of the style sheet, which differs between light, dark and projector.
+const styled = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
 function matrixOf(numbers, at = 0) {
   const [a, b, c, x, d, e, f, y, g, h, i, z] = numbers.slice(at, at + 12);
   return new THREE.Matrix4().set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
@@ -116,6 +121,7 @@ export default {
     this.row = null;
     this.link = null; // the name of a node that stands out, instead of those of a row
     this.hidden = new Set(); // names of nodes
+    this.lines = Number(styled("lines")) || 1; // thickness of lines
     this.own = false; // whether a person looks at a part of the arm, and wants to go on looking there
   },
 
@@ -127,16 +133,24 @@ export default {
     this.cloud = new THREE.Group();
     this.scene.add(this.arm, this.strokes, this.ground, this.cloud);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a94a6, 2.2));
-    const sun = new THREE.DirectionalLight(0xffffff, 1.6);
-    sun.position.set(3, -4, 8);
-    this.scene.add(sun);
+    this.sun = new THREE.DirectionalLight(0xffffff, 1.6);
+    this.sun.position.set(3, -4, 8);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(SOFT, SOFT);
+    this.sun.shadow.radius = 5;
+    this.scene.add(this.sun, this.sun.target);
+    this.looks = () => this.dress();
+    window.addEventListener("dh-look", this.looks);
     this.camera = new THREE.PerspectiveCamera(36, 1, 0.01, 100);
     this.camera.up.set(0, 0, 1);
     this.$el.scene = this.scene;
     this.$el.camera = this.camera;
     const canvas = this.$el.querySelector("canvas");
     try {
-      this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, canvas });
+      this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, stencil: true, canvas });
+      this.renderer.shadowMap.enabled = true;
+      this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+      this.renderer.shadowMap.autoUpdate = false; // it is drawn anew when something has moved
     } catch {
       this.fault = "This browser gives no WebGL, so the arm cannot be drawn. Everything else works.";
     }
@@ -161,6 +175,7 @@ export default {
   },
 
   beforeUnmount() {
+    window.removeEventListener("dh-look", this.looks);
     this.observer.disconnect();
     this.controls.dispose();
     this.renderer?.dispose();
@@ -169,6 +184,7 @@ export default {
   methods: {
     // A drawing takes the place of the one before; see Drawing.as_json.
     show(drawing, poses) {
+      this.shownNow = [drawing, poses];
       this.reach = drawing.reach;
       this.worn.push(...emptied(this.arm));
       this.nodes = drawing.nodes.map((node, number) => this.node(node, number));
@@ -184,6 +200,7 @@ export default {
 
     // Every node's pose, and the DH parameters where they are shown; see poses_as_json.
     move({ poses, strokes }) {
+      if (this.shownNow) this.shownNow[1] = { poses, strokes };
       this.nodes.forEach((node, index) => {
         node.matrix.copy(matrixOf(poses, 12 * index));
         node.matrixWorldNeedsUpdate = true;
@@ -194,6 +211,7 @@ export default {
       if (tool0) this.handle.position.setFromMatrixPosition(tool0.matrix);
       this.handle.scale.setScalar(0.035 * this.reach);
       if (this.handle.visible && !this.plane && !this.within([this.handle.position.clone()])) this.fit(true);
+      this.shade();
       this.draw();
     },
 
@@ -228,11 +246,13 @@ export default {
       if (shape === "mesh") return this.mesh(key, pose, layer, colour, opacity, number);
       const mesh = new THREE.Mesh(this.geometries[shape], this.material(shape, layer, colour, opacity, number));
       const thin = layer === "links" ? THINNEST * this.reach : 0; // else the links of a very long arm are less than a pixel
+      const thick = ["axes", "frames"].includes(layer) ? Math.sqrt(this.lines) : 1;
       const [x, y, z] = shape === "box" ? size.map((side) => Math.max(side, thin)) : shape === "cylinder" ? [Math.max(size[0], thin), Math.max(size[0], thin), size[1]] : size.length === 3 ? size : Array(3).fill(size[0]);
       mesh.matrixAutoUpdate = false;
-      mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(x, y, z));
+      mesh.matrix.copy(matrixOf(pose)).scale(new THREE.Vector3(thick * x, thick * y, layer === "axes" ? z : thick * z));
       mesh.renderOrder = { axes: 1, masses: 1, frames: 3 }[layer] ?? 0; // strokes are between them
       mesh.userData = { layer, shared: true }; // its geometry is that of all parts of its shape
+      mesh.castShadow = layer === "links";
       mesh.visible = this.layers.has(layer);
       return mesh;
     },
@@ -253,9 +273,11 @@ export default {
           const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
           mesh.userData = { layer, shared: true };
           mesh.visible = this.layers.has(layer);
+          mesh.castShadow = layer === "links";
           group.add(mesh);
         }
         this.arrived();
+        this.shade();
         this.draw();
       });
       return group;
@@ -298,7 +320,7 @@ export default {
       if (vectors.length === 1) return this.foot(row, field, vectors[0]);
       const path = new THREE.CurvePath();
       for (let i = 1; i < vectors.length; i++) path.add(new THREE.LineCurve3(vectors[i - 1], vectors[i]));
-      const radius = (field === "line" ? 0.002 : 0.006) * this.reach;
+      const radius = (field === "line" ? 0.002 : 0.006) * this.lines * this.reach;
       const material = new THREE.MeshBasicMaterial({ color: STROKES[field], depthTest: false, transparent: true });
       const tube = new THREE.Mesh(new THREE.TubeGeometry(path, Math.max(1, 2 * (vectors.length - 1)), radius, 6), material);
       const head = new THREE.Mesh(new THREE.ConeGeometry(2.2 * radius, 6 * radius, 12).translate(0, -2 * radius, 0), material);
@@ -341,6 +363,7 @@ export default {
       this.arm.traverse((object) => {
         if (object.userData.layer) object.visible = this.layers.has(object.userData.layer);
       });
+      this.shade();
       this.draw();
     },
 
@@ -348,27 +371,87 @@ export default {
     hide(names) {
       this.hidden = new Set(names);
       for (const node of this.nodes) node.visible = !this.hidden.has(node.name);
+      this.shade();
       this.draw();
+    },
+
+    // The colours of the ground and the thickness of lines as the style sheet has them now.
+    dress() {
+      this.lines = Number(styled("lines")) || 1;
+      if (this.shownNow) this.show(...this.shownNow);
+      if (this.fitted) this.grid(this.fitted);
+      this.draw();
+    },
+
+    // The shadow on the ground is drawn anew with the next picture: the sun sees all that can be seen.
+    shade() {
+      if (!this.renderer) return;
+      const round = new THREE.Sphere().setFromPoints(this.points()), { camera } = this.sun.shadow;
+      const { center, radius } = round;
+      this.sun.target.position.copy(center);
+      this.sun.position.set(0.32, -0.42, 0.85).normalize().multiplyScalar(4 * radius).add(center);
+      [camera.left, camera.right, camera.bottom, camera.top] = [-radius, radius, -radius, radius];
+      [camera.near, camera.far] = [radius, 12 * radius];
+      camera.updateProjectionMatrix();
+      this.renderer.shadowMap.needsUpdate = true;
+    },
+
+    // A line around a link: its parts mark the stencil, and what is a little larger is drawn beside the mark. It is seen
+    // through other links, as the axes are.
+    outline(node) {
+      const width = OUTLINE * this.lines * this.reach;
+      const line = () => new THREE.MeshBasicMaterial({
+        color: styled("outline"), side: THREE.BackSide, depthTest: false, depthWrite: false, transparent: true,
+        stencilWrite: true, stencilFunc: THREE.NotEqualStencilFunc, stencilRef: MARKED,
+      });
+      const [plain, grown] = [line(), line()];
+      grown.onBeforeCompile = (shader) => {
+        shader.uniforms.width = { value: width };
+        const [begin, project] = ["#include <common>", "#include <project_vertex>"];
+        shader.vertexShader = shader.vertexShader
+          .replace(begin, `uniform float width;\n${begin}`)
+          .replace(project, `${project}\nmvPosition.xyz += width * normalize(normalMatrix * normal);\ngl_Position = projectionMatrix * mvPosition;`);
+      };
+      const parts = [];
+      node.traverse((part) => part.isMesh && part.userData.layer === "links" && parts.push(part));
+      for (const part of parts) {
+        Object.assign(part.material, { stencilWrite: true, stencilRef: MARKED, stencilZPass: THREE.ReplaceStencilOp, stencilZFail: THREE.ReplaceStencilOp });
+        const simple = Object.values(this.geometries).includes(part.geometry); // else each corner moves along its normal
+        const around = new THREE.Mesh(part.geometry, simple ? plain : grown);
+        around.matrixAutoUpdate = false;
+        around.matrix.copy(part.matrix);
+        const size = part.geometry.boundingBox.getSize(new THREE.Vector3()).multiply(new THREE.Vector3().setFromMatrixScale(part.matrix));
+        if (simple) around.matrix.scale(new THREE.Vector3(...size.toArray().map((side) => 1 + (2 * width) / side)));
+        around.visible = part.visible;
+        around.renderOrder = 2; // once all links have marked
+        around.userData = { layer: "links", outline: true, shared: true };
+        part.parent.add(around);
+      }
     },
 
     // The link and the frame of a row stand out, or the node of a name; null for none.
     highlight(row, link = null) {
       this.row = row;
       this.link = link;
+      const lines = [];
+      this.arm.traverse((object) => {
+        if (object.userData.outline) lines.push(object);
+        else if (object.material?.stencilWrite) object.material.stencilWrite = false;
+      });
+      for (const line of lines) line.removeFromParent();
+      this.worn.push(...new Set(lines.map((line) => line.material)));
       for (const tube of this.strokes.children) this.emphasise(tube);
       for (const node of this.nodes) {
         const on = link === null ? row !== null && node.userData.row === row : node.name === link;
         node.traverse((object) => {
-          if (object.isMesh && object.userData.layer === "links") {
-            object.material.emissive = on ? HIGHLIGHT : new THREE.Color(0);
-            object.material.emissiveIntensity = on ? 0.5 : 1;
-          } else if (object.isMesh && object.userData.layer === "frames") {
+          if (object.isMesh && object.userData.layer === "frames") {
             object.material.opacity = (row === null && link === null) || on ? 1 : 0.35;
           } else if (object.userData.element) {
             object.userData.element.classList.toggle("arm-view-picked", on);
             delete object.userData.size; // it is bold now, or no longer
           }
         });
+        if (on) this.outline(node);
       }
       this.draw();
     },
@@ -442,10 +525,14 @@ export default {
       const power = 10 ** Math.floor(Math.log10(reach / 10));
       const step = power * [5, 2, 1].find((times) => times * power <= (1 + 1e-9) * (reach / 10)); // 0.1 m for 1 m to 2 m
       const half = Math.ceil((1.6 * reach) / step) * step;
-      const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), 0x7c8ba1, 0xc3cfdd);
+      const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), styled("grid-axes"), styled("grid"));
       grid.rotateX(Math.PI / 2);
       grid.position.z = this.floor - 0.001 * reach;
-      this.ground.add(grid);
+      const shadow = new THREE.Mesh(new THREE.PlaneGeometry(2 * half, 2 * half), new THREE.ShadowMaterial({ color: styled("shadow"), opacity: 0.2 }));
+      shadow.receiveShadow = true;
+      shadow.position.z = this.floor - 0.0015 * reach;
+      shadow.renderOrder = -1;
+      this.ground.add(grid, shadow);
     },
 
     // Labels beside their points and none over another: what stands out comes first, what finds no room is left out.
@@ -514,7 +601,7 @@ export default {
       this.ground.visible = !transparent;
       this.renderer.render(this.scene, this.camera);
       if (!transparent) {
-        pen.fillStyle = "#fff";
+        pen.fillStyle = styled("paper");
         pen.fillRect(0, 0, sheet.width, sheet.height);
       }
       pen.drawImage(this.renderer.domElement, 0, 0, sheet.width, sheet.height);

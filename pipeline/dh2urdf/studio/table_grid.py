@@ -97,8 +97,6 @@ class TableGrid:
                 "stopEditingWhenCellsLoseFocus": True,
                 "rowDragManaged": True,
                 "suppressMoveWhenRowDragging": True,
-                "rowHeight": 28,
-                "headerHeight": 30,
                 ":onRowDragEnd": "e => emitEvent('dh-row', [Number(e.node.data.id), e.node.rowIndex])",
                 "overlayNoRowsTemplate": "<span>choose the number of axes</span>",
             },

@@ -11,6 +11,7 @@ from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing, words
 from dh2urdf.studio.drawing.scene import LAYERS
+from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.robot_tree import RobotTree
 from dh2urdf.studio.widgets import ArmView, JointSliders, lay_views
@@ -39,6 +40,7 @@ class ViewPage:
                 ui.element("div").classes("studio-space")
                 with ui.button("Save", icon="save").props("flat dense no-caps color=white"):
                     menu = ui.menu()
+                lay_look()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
                 with ui.element("div").classes("studio-row"):
                     for told, poses in (("zero", joints.zero), ("random pose", joints.anywhere)):

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from dh2urdf.kinematics.chain import as_matrices, forward_kinematics, joint_vari
 from dh2urdf.manipulator import Convention, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.studio.drawing.colours import APART, PAPER
 from dh2urdf.studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
 from dh2urdf.studio.editing.reading import make
 from dh2urdf.table_text import table_text
@@ -196,3 +198,15 @@ def test_the_extent_bounds_the_arm(reference_robot: ReferenceRobot, catalog: Cat
 def test_poses_are_told_to_a_nanometre() -> None:
     """Nine digits: far below what a pixel shows, and half the bytes of a double."""
     assert numbers(RigidTransform.from_xyz_rpy((1 / 3, 0.0, 0.0)))[3] == 0.333333333
+
+
+def test_an_axis_is_never_in_the_colour_of_its_links(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
+    """Axes of joints are told apart from the links that they join, whatever colour these have."""
+    one = figure(reference_robots[0].manipulator, catalog)
+    odd = [(0.9, 0.15, 0.55), (0.05, 0.7, 0.6), (0.93, 0.5, 0.13), (0.16, 0.42, 0.68), PAPER]
+    for tint in (None, *odd):
+        nodes = Drawing.of([replace(one, tint=tint)]).nodes
+        colours = {part.colour for node in nodes for part in node.parts if part.layer == "links" and part.colour}
+        axes = {part.colour for node in nodes for part in node.parts if part.layer == "axes" and part.colour}
+        assert axes
+        assert all(math.dist(axis, colour) >= APART for axis in axes for colour in colours)

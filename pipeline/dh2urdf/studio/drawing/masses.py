@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform, Vec3
-from dh2urdf.studio.drawing.parts import Colour, ScenePart
+from dh2urdf.studio.drawing.colours import MASS
+from dh2urdf.studio.drawing.parts import ScenePart
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.robot import Inertial, Link
-
-MASS: Colour = (0.45, 0.3, 0.75)
 
 
 def mass_parts(link: Link, radius: float) -> Iterator[ScenePart]:

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
+from dh2urdf.studio.drawing.colours import GREY, Colour
 from dh2urdf.studio.drawing.mesh_files import DrawnMesh
-
-Colour: TypeAlias = tuple[float, float, float]
-"""Red, green, blue in 0..1."""
-
-GREY: Colour = (0.72, 0.74, 0.77)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,10 +17,11 @@ from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, link_poses
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
+from dh2urdf.studio.drawing.colours import COLLISION, GREY, Colour, axis_colour
 from dh2urdf.studio.drawing.masses import mass_parts
 from dh2urdf.studio.drawing.mesh_files import DrawnMesh, drawn_mesh
 from dh2urdf.studio.drawing.normals import robot_normals, table_normals
-from dh2urdf.studio.drawing.parts import GREY, Colour, SceneNode, ScenePart, towards
+from dh2urdf.studio.drawing.parts import SceneNode, ScenePart, towards
 from dh2urdf.studio.drawing.strokes import Stroke, strokes
 from dh2urdf.table_text import TableText
 
@@ -41,14 +42,6 @@ LAYERS = {
 }
 """What can be shown and hidden, and what a person calls it."""
 
-COLLISION: Colour = (0.85, 0.2, 0.45)
-PAPER: Colour = (0.45, 0.24, 0.72)
-BESIDE: Colour = (0.03, 0.55, 0.42)
-AXIS_COLOURS: Mapping[JointType, Colour] = {
-    JointType.REVOLUTE: (0.95, 0.62, 0.07),
-    JointType.CONTINUOUS: (0.95, 0.62, 0.07),
-    JointType.PRISMATIC: (0.02, 0.6, 0.55),
-}
 FRAME_SIZE = 0.08
 """Length of a frame's arrows in reaches of the arm."""
 REACH_OF_A_POINT = 0.5
@@ -221,13 +214,15 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     above = {joint.child: joint for joint in robot.joints}
     rooted = frozenset() if table else _held_by_the_root(robot)
     size = _frame_size(max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach, robot)
+    bodies_of = {link.name: list(_bodies(link, figure)) for link in robot.links}
     for link in robot.links:
         joint = above.get(link.name)
         row = rows.get(joint.name) if joint else None
-        bodies = list(_bodies(link, figure))
+        bodies = bodies_of[link.name]
+        near = [] if joint is None else [*bodies_of.get(joint.parent, ()), *bodies]
         if not any(part.layer == "links" for part in bodies):
             bodies += _sticks(link, figure, 0.15 * size)
-        parts = [*bodies, *mass_parts(link, 0.2 * size), *(_axis(joint, size) if joint else ())]
+        parts = [*bodies, *mass_parts(link, 0.2 * size), *(_axis(joint, size, near) if joint else ())]
         is_flange = link.name == FLANGE
         is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
         if is_frame:  # The flange's is smaller: tool0 often stands where it does.
@@ -321,9 +316,9 @@ def _part(geometry: Geometry, figure: Figure) -> ScenePart | None:
             return ScenePart(shape="mesh", size=(), mesh=file) if file else None
 
 
-def _axis(joint: Joint, size: float) -> Iterator[ScenePart]:
-    """The axis of a joint in its child's frame."""
-    colour = AXIS_COLOURS.get(joint.type)
+def _axis(joint: Joint, size: float, near: Sequence[ScenePart]) -> Iterator[ScenePart]:
+    """The axis of a joint in its child's frame, among the bodies that it joins."""
+    colour = axis_colour(joint.type, [part.colour for part in near if part.layer == "links" and part.colour])
     if colour is not None and norm(joint.axis) > 0.0:
         pose = RigidTransform(towards(joint.axis), (0.0, 0.0, 0.0))
         yield ScenePart(

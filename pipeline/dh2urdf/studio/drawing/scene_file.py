@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import IDENTITY
+from dh2urdf.studio.drawing.colours import GREY
 from dh2urdf.studio.drawing.glb_file import GlbFile
 from dh2urdf.studio.drawing.mesh_files import surfaces
-from dh2urdf.studio.drawing.parts import GREY
 from dh2urdf.studio.drawing.solids import ARROW, CYLINDER, SPHERE, Surface, box, turned
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from dh2urdf.kinematics.comparison import Agreement, compare
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
-from dh2urdf.studio.drawing.scene import BESIDE, Figure
+from dh2urdf.studio.drawing.colours import BESIDE
+from dh2urdf.studio.drawing.scene import Figure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -24,8 +24,9 @@ from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio import joints
+from dh2urdf.studio.drawing.colours import PAPER
 from dh2urdf.studio.drawing.motions import moving_frame
-from dh2urdf.studio.drawing.scene import FRAME_SIZE, PAPER, Drawing, Figure, extent
+from dh2urdf.studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf.studio.drawing.strokes import Stroke
 from dh2urdf.studio.editing import conversions, edits
 from dh2urdf.studio.editing.comparing import Beside, beside

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from dh2urdf.studio import dialogs
+from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.panels import sharing
 
 if TYPE_CHECKING:
@@ -57,6 +58,7 @@ class StudioHead:
             for kind, name, told in dialogs.savings(session.catalog):
                 ui.menu_item(told, on_click=lambda kind=kind, name=name: dialogs.save(session, kind, name))
             self._menu = ui.element("div")
+        lay_look()
         generate = ui.button("Generate", icon="precision_manufacturing", on_click=on_generate)
         generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
 

@@ -1,0 +1,24 @@
+"""The menu by which a person chooses how the pages look; what is chosen stays in the browser."""
+
+from __future__ import annotations
+
+from nicegui import ui
+
+SCHEMES = {"system": "as the system", "light": "light", "dark": "dark"}
+"""The colour schemes."""
+_TOLD = "light, dark, projector"
+_LARGE = "projector: larger text and lines"
+
+
+def lay_look() -> None:
+    """Lay out the menu, where a head is being laid out."""
+    with ui.button(icon="contrast").props(f'flat dense no-caps color=white aria-label="{_TOLD}"') as button:
+        button.tooltip(_TOLD)
+        with ui.menu().props(f'aria-label="{_TOLD}"') as menu:
+            for scheme, told in SCHEMES.items():
+                item = ui.menu_item(told).classes("studio-look").props(f'data-scheme="{scheme}"')
+                item.on("click", js_handler=f"() => dhLook.choose('{scheme}')")
+            ui.separator()
+            large = ui.menu_item(_LARGE).classes("studio-look").props('data-size="large"')
+            large.on("click", js_handler="() => dhLook.magnify()")
+        menu.on("show", js_handler="() => dhLook.mark()")

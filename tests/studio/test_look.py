@@ -1,0 +1,139 @@
+"""How the pages look: light, dark, for a projector, and on screens of every width; in a real browser."""
+
+from __future__ import annotations
+
+import io
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+TABLES = Path(__file__).parents[2] / "configs" / "tables"
+
+LOOK = """() => {
+    const { look, size } = document.documentElement.dataset;
+    const style = (query, name) => getComputedStyle(document.querySelector(query))[name];
+    const colours = [];
+    document.querySelector('.arm-view').scene.traverse(part => part.isLineSegments &&
+        colours.push([...part.geometry.attributes.color.array.slice(0, 3)].map(x => x.toFixed(2)).join()));
+    return { look, size, quasar: document.body.classList.contains('body--dark'),
+             label: parseFloat(style('.arm-view-label', 'fontSize')), ink: style('body', 'color'), grid: colours.join(' ') };
+}"""
+
+
+@pytest.fixture(name="usual_look")
+def _usual_look(new_tab: Callable[..., Any], studio_address: str) -> Iterator[None]:
+    """Tabs share what the browser keeps; in the end it is kept no longer."""
+    yield
+    page = new_tab(studio_address).open()
+    page.evaluate("localStorage.removeItem('dh2urdf-look')")
+
+
+def choose(page: Any, entry: str) -> None:
+    page.get_by_role("button", name="light, dark, projector").click()
+    page.locator(".q-menu").get_by_text(entry).click()
+    page.locator(".q-menu").wait_for(state="detached")
+
+
+@pytest.mark.usefixtures("usual_look")
+def test_light_dark_and_projector(
+    studio_address: str, new_tab: Callable[..., Any], serving: Callable[..., Any]
+) -> None:
+    """The system's scheme, unless one is chosen; page, cells and scene follow, and the browser keeps the choice."""
+    tab = new_tab(studio_address)
+    tab.page.emulate_media(color_scheme="light")
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    light = page.evaluate(LOOK)
+    assert (light["look"], light["size"], light["quasar"]) == ("light", "usual", False)
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function("document.body.classList.contains('body--dark')")
+    dark = page.evaluate(LOOK)
+    assert (dark["look"], dark["quasar"]) == ("dark", True)
+    assert dark["ink"] != light["ink"]
+    assert dark["grid"] != light["grid"]
+    choose(page, "light")
+    page.wait_for_function("document.documentElement.dataset.look === 'light'")
+    assert page.evaluate(LOOK) == light
+
+    page.get_by_text("a α d θ", exact=True).click()
+    thickness = "() => document.querySelector('.arm-view').scene.getObjectByName('d 1')?.geometry.parameters.radius"
+    page.wait_for_function(f"({thickness})() > 0")
+    thin, row = page.evaluate(thickness), tab.cell(0, "a").bounding_box()["height"]
+    choose(page, "projector")
+    page.wait_for_function("document.documentElement.dataset.size === 'large'")
+    assert page.evaluate(thickness) > 1.5 * thin
+    page.wait_for_function(f"document.querySelector('.dh-table .ag-cell').offsetHeight > {1.25 * row}")
+    assert page.evaluate(LOOK)["label"] > 1.25 * light["label"]
+    page.get_by_role("button", name="light, dark, projector").click()
+    chosen = page.locator(".studio-look[aria-checked=true]")
+    chosen.nth(1).wait_for()
+    assert chosen.all_inner_texts() == ["light", "projector: larger text and lines"]
+
+    page.reload()
+    page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
+    assert page.evaluate("({ ...document.documentElement.dataset })") == {"look": "light", "size": "large"}
+    with serving("view", TABLES / "ur5.csv") as address:
+        other = new_tab(address).page
+        other.emulate_media(color_scheme="dark")
+        other.goto(address)
+        other.wait_for_function("document.querySelectorAll('.joint-slider').length === 6")
+        assert other.evaluate("({ ...document.documentElement.dataset })") == {"look": "dark", "size": "usual"}
+        assert other.get_by_role("button", name="light, dark, projector").is_visible()
+        other.close()
+
+
+def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """Nothing is beside the screen from 390 to 2560 px, and a wide one gives the scene its whole height."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    scene = page.locator(".arm-view")
+    for width, height in ((390, 844), (820, 1180), (1280, 720), (2560, 1440)):
+        page.set_viewport_size({"width": width, "height": height})
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        page.wait_for_function(f"document.querySelector('.arm-view canvas').clientWidth <= {width}")
+        assert page.get_by_role("button", name="Generate").is_visible()
+        box = scene.bounding_box()
+        assert box["width"] > 300
+        assert box["height"] > (0.9 if width == 2560 else 0.3) * height
+    joints = page.locator(".studio-motion").bounding_box()
+    assert joints["x"] >= box["x"] + box["width"] - 1
+
+
+def test_a_shadow_on_the_ground(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """The ground where the sun does not shine, behind the raised forearm, is darker than without links."""
+    from PIL import Image
+
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    tab.set_sliders([0.0, -math.pi / 4, 0.0, 0.0, 0.0, 0.0])
+    height = 0.089159 + 0.6 * 0.81725 * math.sin(math.pi / 4)  # of a point of the forearm
+    x, z = -0.6 * 0.81725 * math.cos(math.pi / 4), height / 0.85
+    place = [x - 0.32 * z, 0.42 * z, 0.0]  # the sun is at (0.32, -0.42, 0.85)
+    script = """place => {
+        const view = document.querySelector('.arm-view'), box = view.getBoundingClientRect();
+        view.camera.updateMatrixWorld();
+        const at = view.camera.position.clone().set(...place).project(view.camera);
+        return [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height];
+    }"""
+    left, top = page.evaluate(script, place)
+
+    def ground() -> float:
+        page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        clip = {"x": left - 6, "y": top - 6, "width": 12, "height": 12}
+        return float(np.mean(Image.open(io.BytesIO(page.screenshot(clip=clip))).convert("L")))
+
+    shaded = ground()
+    page.get_by_text("links", exact=True).click()
+    page.wait_for_function(
+        "(() => { const shown = []; document.querySelector('.arm-view').scene.traverse(part => "
+        "part.userData.layer === 'links' && part.isMesh && part.visible && shown.push(part)); return !shown.length; })()"
+    )
+    assert ground() > shaded + 20

@@ -16,10 +16,8 @@ from dh2urdf.stages import LoadReport
 from dh2urdf.variations.laws import DrawnValue
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from dh2urdf.kinematics.proof import Proof
-    from dh2urdf.results import FileEntry, LoadEntry, ManipulatorEntry, ProblemEntry, ProofEntry
+    from dh2urdf.results import FileEntry, LoadEntry, ManipulatorEntry, ProofEntry
 
 ManifestRow: TypeAlias = "ManipulatorEntry"
 """A row of the manifest."""
@@ -94,63 +92,32 @@ class Outcome:
     seconds: dict[str, float] = field(default_factory=dict)
 
     def row(self, key: str, files: list[FileEntry]) -> ManifestRow:
-        """Its row in the manifest.
+        """Its row in the manifest: all that is known of it, and no duration.
 
         Args:
             key: what its files depend on, as a hash.
             files: where its files are.
         """
-        row = make_row(
-            name=self.name,
-            status=self.status,
-            kind=self.kind,
-            source=self.source,
-            key=key,
-            drawn=self.drawn,
-            keeps_kinematics=self.keeps_kinematics,
-            files=files,
-            proofs={written.stage: written.proof for written in self.written},
-            loaders={name: verdict.entry() for name, verdict in self.loads.items()},
-            notices=[problem.as_json() for problem in self.notices],
-            errors=[problem.as_json() for problem in self.errors],
-        )
+        proofs = {written.stage: written.proof for written in self.written}
+        row: ManifestRow = {
+            "name": self.name,
+            "status": self.status,
+            "kind": self.kind,
+            "source": self.source,
+            "key": key,
+            "drawn": self.drawn,
+            "keeps_kinematics": self.keeps_kinematics,
+            "files": files,
+            "proof": {stage: proof_facts(proof) if proof else None for stage, proof in proofs.items()},
+            "loaders": {name: verdict.entry() for name, verdict in self.loads.items()},
+            "notices": [problem.as_json() for problem in self.notices],
+            "errors": [problem.as_json() for problem in self.errors],
+        }
         if self.meshes:
             row["meshes"] = [{"path": copy_path(file), "sha256": file.sha256} for file in self.meshes]
         if self.not_loaded:
             row["not_loaded"] = self.not_loaded
         return row
-
-
-def make_row(
-    *,
-    name: str,
-    status: Status,
-    source: str,
-    key: str,
-    files: list[FileEntry],
-    proofs: Mapping[str, Proof | None],
-    drawn: dict[str, DrawnValue],
-    keeps_kinematics: bool,
-    kind: str | None = None,
-    loaders: dict[str, LoadEntry] | None = None,
-    notices: Sequence[ProblemEntry] = (),
-    errors: Sequence[ProblemEntry] = (),
-) -> ManifestRow:
-    """A row of the manifest: all that is known of a manipulator, and no duration."""
-    return {
-        "name": name,
-        "status": status,
-        "kind": kind,
-        "source": source,
-        "key": key,
-        "drawn": drawn,
-        "keeps_kinematics": keeps_kinematics,
-        "files": files,
-        "proof": {stage: proof_facts(proof) if proof else None for stage, proof in proofs.items()},
-        "loaders": loaders or {},
-        "notices": list(notices),
-        "errors": list(errors),
-    }
 
 
 def kind_of(error: Exception) -> str:

@@ -18,7 +18,7 @@ import pytest
 from lxml import etree, html
 from PIL import Image
 
-from dh2urdf.conversion.outcome import make_row, to_line
+from dh2urdf.conversion.outcome import Outcome, proof_facts, to_line
 from dh2urdf.kinematics.proof import Proof
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.run_file.config import load_config
@@ -326,10 +326,10 @@ class TestManyManipulators:
     def test_a_hundred_thousand_take_no_more_memory_than_thirty_thousand(self, tmp_path: Path) -> None:
         """The table of all is cut, failures first, with a message; the page is no longer than that of thirty thousand."""
         proof = Proof(position_error=1e-16, angle_error=0.0, q=(0.0,), tolerance=1e-9, poses=3)
-        facts: dict[str, Any] = {"source": "arm.csv", "key": "00", "files": [], "proofs": {"urdf": proof}}
-        facts |= {"drawn": {"a_1": 0.125}, "keeps_kinematics": True}
-        good = to_line(make_row(name="arm", status="ok", **facts))
-        bad = to_line(make_row(name="arm", status="failed", kind="proof", errors=[{"message": "it is off"}], **facts))
+        arm = Outcome(name="arm", status="ok", source="arm.csv", drawn={"a_1": 0.125})
+        facts = {**arm.row("00", []), "proof": {"urdf": proof_facts(proof)}}
+        good = to_line(facts)
+        bad = to_line({**facts, "status": "failed", "kind": "proof", "errors": [{"message": "it is off"}]})
         plan = make_plan(load_config(_file(tmp_path, "run.yaml", RUN, arms=table(["arm"]))), load())
 
         def made(count: int) -> tuple[bytes, int]:

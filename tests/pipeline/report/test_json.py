@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf import __version__
-from dh2urdf.conversion.outcome import make_row, to_line, to_text
+from dh2urdf.conversion.outcome import Outcome, to_line, to_text
 from dh2urdf.errors import OutputError
 from dh2urdf.output.open_store import open_store
 from dh2urdf.report.json import SCHEMA, run_report, timing, write_reports, write_timing
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 
 def row(name: str, status: Any = "ok", **facts: Any) -> ManipulatorEntry:
-    plain = {"source": "arm.csv", "key": "00ff", "keeps_kinematics": True}
-    empty: dict[str, Any] = {"files": [], "proofs": {}, "drawn": {}, "notices": [], "errors": []}
-    return make_row(**{"name": name, "status": status, **plain, **empty, **facts})
+    plain: Any = Outcome(name=name, status=status, source="arm.csv").row("00ff", [])
+    told: ManipulatorEntry = {**plain, **facts}
+    return told
 
 
 TOLD: Any = {"command": "dh2urdf run arm.yaml"}

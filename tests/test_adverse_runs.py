@@ -19,7 +19,8 @@ from dh2urdf.output.file_patterns import matching
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.running.run import load_plan
-from dh2urdf.tasks.batch import Expected, items
+from dh2urdf.tasks.batch import items
+from dh2urdf.tasks.expected import Expected
 from dh2urdf.tasks.manifest_table import ManifestTable
 
 if TYPE_CHECKING:

@@ -9,20 +9,20 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from functools import cache
+from functools import cache, partial
 from itertools import chain, repeat
-from operator import attrgetter, is_
+from operator import attrgetter, is_, ne
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from dh2urdf.elementwise import is_column
-from dh2urdf.manipulator import Inertia, Limits, Manipulator
+from dh2urdf.manipulator import DHRow, Inertia, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.source import Mark
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.validation.coercion import many_unchecked, members_of, replace_unchecked
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Sequence
+    from collections.abc import Callable, Hashable, Iterable, Sequence
 
 T = TypeVar("T")
 Mask: TypeAlias = Any
@@ -59,15 +59,44 @@ class ManipulatorColumns:
     def __len__(self) -> int:
         return len(self.names)
 
+    @classmethod
+    def like(
+        cls,
+        model: Manipulator,
+        *,
+        rows: tuple[DHRow, ...],
+        names: Iterable[str],
+        marks: Iterable[Mark | None],
+        lines: Iterable[tuple[PlaceInFile | None, ...]],
+    ) -> ManipulatorColumns:
+        """Manipulators of some rows that are like another one in everything else."""
+        table = replace_unchecked(model, name="", rows=rows, mark=None)
+        return cls(table=table, names=tuple(names), marks=tuple(marks), lines=tuple(lines))
+
     def pick(self, index: int) -> Manipulator:
         """One of them, as it was."""
-        table = member(self.table, index)
-        mark = self.marks[index]
+        (table,) = self.tables([index])
+        return table
+
+    def tables(self, indices: Sequence[int] | None = None) -> list[Manipulator]:
+        """Some of them, or all, as they were."""
+        members = list(range(len(self)) if indices is None else indices)
+        marks = [self.marks[index] for index in members]
+        lines = [self.lines[index] for index in members]
         rows = [
-            replace(row, mark=replace(mark, line=place[0], column=place[1], place=place[2])) if mark and place else row
-            for row, place in zip(table.rows, self.lines[index], strict=True)
+            many_unchecked(
+                row, len(members), **members_of(row, members), mark=_marks(marks, [own[n] for own in lines], row.mark)
+            )
+            for n, row in enumerate(self.table.rows)
         ]
-        return replace(table, name=self.names[index], rows=tuple(rows), mark=mark)
+        return many_unchecked(
+            self.table,
+            len(members),
+            **members_of(replace_unchecked(self.table, rows=()), members),
+            name=[self.names[index] for index in members],
+            rows=list(zip(*rows, strict=True)),
+            mark=marks,
+        )
 
     def take(self, indices: Sequence[int]) -> ManipulatorColumns:
         """Some of them, in the order of their indices."""
@@ -119,43 +148,111 @@ class RobotColumns:
         return replace(robot, name=self.names[index], comment=self.comments[index], links=tuple(links))
 
 
-def in_columns(manipulators: Sequence[Manipulator]) -> list[tuple[list[int], ManipulatorColumns]]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManipulatorGroups:
+    """Manipulators that follow each other, in groups that differ in numbers only.
+
+    Attributes:
+        groups: each with the places of its members among them all, in ascending order. Every place from 0 is in one.
+    """
+
+    groups: tuple[tuple[tuple[int, ...], ManipulatorColumns], ...]
+
+    def __len__(self) -> int:
+        return sum([len(places) for places, _ in self.groups])
+
+    @property
+    def names(self) -> list[str]:
+        """Their names, in their order."""
+        return self._in_order([some.names for _, some in self.groups])
+
+    @property
+    def marks(self) -> list[Mark | None]:
+        """The place of each in its file, in their order."""
+        return self._in_order([some.marks for _, some in self.groups])
+
+    def tables(self) -> list[Manipulator]:
+        """All of them, in their order."""
+        return self._in_order([some.tables() for _, some in self.groups])
+
+    def _in_order(self, values: Sequence[Sequence[T]]) -> list[T]:
+        if len(values) == 1:
+            return list(values[0])
+        found = {
+            place: value
+            for (own, _), some in zip(self.groups, values, strict=True)
+            for place, value in zip(own, some, strict=True)
+        }
+        return [found[place] for place in range(len(found))]
+
+    def part(self, start: int, stop: int) -> ManipulatorGroups:
+        """Those from one place to before another one."""
+        found = []
+        for places, some in self.groups:
+            members = [member for member, place in enumerate(places) if start <= place < stop]
+            if members:
+                own = tuple([places[member] - start for member in members])
+                found.append((own, some if len(members) == len(places) else some.take(members)))
+        return ManipulatorGroups(groups=tuple(found))
+
+
+def in_columns(
+    manipulators: Sequence[Manipulator | ManipulatorColumns],
+) -> list[tuple[list[int], ManipulatorColumns]]:
     """Manipulators in groups that differ in numbers only, each with the places of its members in the sequence.
 
-    Notices keep a manipulator apart from all that have others.
+    Columns in the sequence stand for as many manipulators as they have. Notices keep a manipulator apart from all that
+    have others.
     """
     groups: defaultdict[Hashable, list[int]] = defaultdict(list)
     numbers: list[tuple[Any, ...]] = []
-    for index, manipulator in enumerate(manipulators):
-        said = tuple(chain.from_iterable(map(_numbers_of, manipulator.rows)))
+    starts: list[int] = []
+    count = 0
+    for index, each in enumerate(manipulators):
+        table = each.table if isinstance(each, ManipulatorColumns) else each
+        said = tuple(chain.from_iterable(map(_numbers_of, table.rows)))
         missing = bytes(map(is_, said, repeat(None)))
-        words = tuple(map(_words_of, manipulator.rows))
+        words = tuple(map(_words_of, table.rows))
         # A mesh is named in one place for all of a group: problems with it are reported there.
-        shapes = chain.from_iterable(map(_meshes_of, manipulator.rows))
+        shapes = chain.from_iterable(map(_meshes_of, table.rows))
         marks = tuple([shape.mark for shape in shapes if shape])
-        groups[_common_of(manipulator), words, marks, missing].append(index)
+        groups[_common_of(table), words, marks, missing].append(index)
         numbers.append(said)
+        starts.append(count)
+        count += len(each) if isinstance(each, ManipulatorColumns) else 1
+    starts.append(count)
     return [
-        (indices, _columns([manipulators[i] for i in indices], [numbers[i] for i in indices]))
+        (
+            [place for index in indices for place in range(starts[index], starts[index + 1])],
+            _columns([manipulators[index] for index in indices], [numbers[index] for index in indices]),
+        )
         for indices in groups.values()
     ]
 
 
-def _columns(manipulators: list[Manipulator], numbers: list[tuple[Any, ...]]) -> ManipulatorColumns:
-    model = manipulators[0]
+def _columns(some: list[Manipulator | ManipulatorColumns], numbers: list[tuple[Any, ...]]) -> ManipulatorColumns:
+    first = some[0]
+    if len(some) == 1 and isinstance(first, ManipulatorColumns):
+        return first
+    counts = [len(each) if isinstance(each, ManipulatorColumns) else 0 for each in some]
+    joined = partial(_joined, counts=counts) if any(counts) else column
     columns = zip(*numbers, strict=True)
+    model = first.table if isinstance(first, ManipulatorColumns) else first
     rows = []
     for row in model.rows:
         com, tensors = next(columns), next(columns)
-        named = {name: column(next(columns)) for name in NUMBERS}
-        limits = Limits(**{name: column(next(columns)) for name in LIMITS})
-        rows.append(replace_unchecked(row, **named, com=_com(com), inertia=_inertia(tensors), limits=limits, mark=None))
-    return ManipulatorColumns(
-        table=replace_unchecked(model, name="", rows=tuple(rows), mark=None),
-        names=tuple([manipulator.name for manipulator in manipulators]),
-        marks=tuple([manipulator.mark for manipulator in manipulators]),
-        lines=tuple([row_places(table) for table in manipulators]),
-    )
+        named = {name: joined(next(columns)) for name in NUMBERS}
+        limits = Limits(**{name: joined(next(columns)) for name in LIMITS})
+        changes = {**named, "com": _com(com, joined), "inertia": _inertia(tensors, joined), "limits": limits}
+        rows.append(replace_unchecked(row, **changes, mark=None))
+    told = [
+        (each.names, each.marks, each.lines)
+        if isinstance(each, ManipulatorColumns)
+        else ((each.name,), (each.mark,), (row_places(each),))
+        for each in some
+    ]
+    names, marks, lines = [tuple(chain.from_iterable(parts)) for parts in zip(*told, strict=True)]
+    return ManipulatorColumns.like(model, rows=tuple(rows), names=names, marks=marks, lines=lines)
 
 
 def row_places(table: Manipulator) -> tuple[PlaceInFile | None, ...]:
@@ -163,16 +260,16 @@ def row_places(table: Manipulator) -> tuple[PlaceInFile | None, ...]:
     return tuple([_place_of(row.mark) if row.mark else None for row in table.rows])
 
 
-def _com(centres: Sequence[Any]) -> Any:  # noqa: ANN401 - None, or a vector of columns
+def _com(centres: Sequence[Any], joined: Callable[[Sequence[Any]], Any]) -> Any:  # noqa: ANN401 - None, or a vector
     if centres[0] is None:
         return None
-    return tuple([column(coordinates) for coordinates in zip(*centres, strict=True)])
+    return tuple([joined(coordinates) for coordinates in zip(*centres, strict=True)])
 
 
-def _inertia(tensors: Sequence[Any]) -> Inertia | None:
+def _inertia(tensors: Sequence[Any], joined: Callable[[Sequence[Any]], Any]) -> Inertia | None:
     if tensors[0] is None:
         return None
-    return Inertia(**{name: column([getattr(tensor, name) for tensor in tensors]) for name in INERTIA})
+    return Inertia(**{name: joined([getattr(tensor, name) for tensor in tensors]) for name in INERTIA})
 
 
 def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an array
@@ -183,6 +280,24 @@ def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an
     import numpy as np
 
     return np.array(entries, dtype=float)
+
+
+def _joined(entries: Sequence[Any], counts: Sequence[int]) -> Any:  # noqa: ANN401 - None, a float or an array
+    """Columns behind each other, as `column` has them.
+
+    Args:
+        entries: columns, and numbers.
+        counts: of how many each number is that of a column all of whose members have it; 0 for one by itself.
+    """
+    first = entries[0]
+    if first is None or not (any(map(is_column, entries)) or any(map(ne, entries, repeat(first)))):
+        return first
+    import numpy as np
+
+    parts = [
+        each if is_column(each) else np.full(max(1, count), each) for each, count in zip(entries, counts, strict=True)
+    ]
+    return _alike(np.concatenate(parts, dtype=float))
 
 
 def _alike(numbers: Any) -> Any:  # noqa: ANN401 - a float or an array
@@ -230,6 +345,23 @@ def stacked(records: Sequence[T]) -> T:
         changes = {name: stacked([getattr(record, name) for record in records]) for name in names}
         return cast("T", replace_unchecked(first, **changes))
     return cast("T", first)
+
+
+def _marks(
+    marks: Sequence[Mark | None], places: Sequence[PlaceInFile | None], known: Mark | None
+) -> Sequence[Mark | None]:
+    """The places of a row of many manipulators, in the files of these; the known one where they have none."""
+    found = [(mark, place) for mark, place in zip(marks, places, strict=True) if mark and place]
+    if not found:
+        return [known] * len(marks)
+    lines, columns, names = zip(*[place for _, place in found], strict=True)
+    made = many_unchecked(
+        found[0][0], len(found), file=[mark.file for mark, _ in found], line=lines, column=columns, place=names
+    )
+    if len(made) == len(marks):
+        return made
+    others = iter(made)
+    return [next(others) if mark and place else known for mark, place in zip(marks, places, strict=True)]
 
 
 @cache

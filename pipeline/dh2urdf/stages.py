@@ -22,7 +22,7 @@ from dh2urdf._stage_defaults import (
     option_picture,
     option_poses,
 )
-from dh2urdf.columns import ManipulatorColumns, RobotColumns
+from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, RobotColumns
 from dh2urdf.foreign_robot import Follower, ForeignRobot
 from dh2urdf.inspections import (
     PACKAGE_FILE,
@@ -118,6 +118,9 @@ class Reader(Generic[O]):
         read_cells: yields the manipulators of rows of cells that come from no file, such as those of a DataFrame, as
             `read` does those of a file. It takes the rows from the top, comments and header included, and what messages
             name as the file. `Catalog.cell_reader` finds the reader that has it; None for all others.
+        read_columns: yields what `read` yields, in the same order, but for manipulators that follow each other in the
+            file: they may come as `dh2urdf.columns.ManipulatorGroups`, which spares a run the records of each. Notices
+            of the table of a group hold for each of its members. None where the reader has no faster way than `read`.
         leaves: the links at the ends of a robot description's chains, each with the number of moving joints before it:
             a reader that has it reads descriptions, and their chains are its tables. None for files of tables.
 
@@ -135,6 +138,7 @@ class Reader(Generic[O]):
     texts: Callable[[Path], Iterator[TableText]] | None = None
     trace: Callable[[Path, O, Trace], Iterator[Manipulator | Rejected]] | None = None
     read_cells: Callable[[Iterable[CellRow], str, O], Iterator[Manipulator | Rejected]] | None = None
+    read_columns: Callable[[Path, O], Iterator[Manipulator | ManipulatorGroups | Rejected]] | None = None
     leaves: Callable[[Path, O], Mapping[str, int]] | None = None
 
 

@@ -1,4 +1,4 @@
-"""The records of a robot without their checks, for stages that have computed the values themselves.
+"""The records of a robot, and rows of tables, without their checks, for stages that have computed the values.
 
 Each function takes what the class of the same name takes, and keeps it as it is: a float has to be a float, and a
 vector a tuple of floats. Whatever somebody else handed over belongs into the class, which checks it. `changed` is
@@ -7,12 +7,13 @@ vector a tuple of floats. Whatever somebody else handed over belongs into the cl
 
 from __future__ import annotations
 
-from dh2urdf.manipulator import Inertia, Limits
+from dh2urdf.manipulator import DHRow, Inertia, Limits
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Visual
 from dh2urdf.validation.coercion import replace_unchecked, unchecked
 
 changed = replace_unchecked
 collision = unchecked(Collision)
+dh_row = unchecked(DHRow)
 inertia = unchecked(Inertia)
 inertial = unchecked(Inertial)
 joint = unchecked(Joint)

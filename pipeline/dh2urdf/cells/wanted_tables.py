@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
@@ -24,12 +25,14 @@ class Gathering:
         self._wanted: dict[str, list[Manipulator | Rejected]] = {name: [] for name in names}
         self._names: list[str] = []
 
-    def see(self, item: Manipulator | Rejected) -> None:
+    def see(self, item: Manipulator | ManipulatorGroups | Rejected) -> None:
         """Takes notice of what a reader gave."""
-        if item.name in self._wanted:
-            self._wanted[item.name] = [*self._wanted[item.name][:1], item]  # Of too many, two are enough to say so.
-        if len(self._names) < REMEMBERED:
-            self._names.append(item.name)
+        names = item.names if isinstance(item, ManipulatorGroups) else [item.name]
+        if not self._wanted.keys().isdisjoint(names):
+            for each in item.tables() if isinstance(item, ManipulatorGroups) else [item]:
+                if each.name in self._wanted:  # Of too many, two are enough to say so.
+                    self._wanted[each.name] = [*self._wanted[each.name][:1], each]
+        self._names += names[: REMEMBERED - len(self._names)]
 
     def table(self, name: str, user: str, mark: Mark | None) -> Manipulator | tuple[Problem, ...]:
         """The manipulator of a name, once everything has been seen; why not, where there is none.

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
+from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.making import a_robot, keeps_kinematics
 from dh2urdf.conversion.own_folders import refuse_one_folder
 from dh2urdf.errors import EmitterError, ProofError, TableError
@@ -21,6 +22,7 @@ from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefi
 from dh2urdf.meshes.forms import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
 from dh2urdf.plugin_system.calls import Call, blaming
+from dh2urdf.plugin_system.column_calls import checked_groups
 from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, emitted_files, items_of, whole_records
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Edit, EmittedFile, Emitter, Loader, Reader, Rejected, Transform
@@ -279,13 +281,24 @@ def accept(proof: Proof, emitter: Emitter[Any], name: str, mark: Mark | None, *,
         )
 
 
-def read_items(call: Call[Reader[Any]], path: Path, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
+@overload
+def read_items(
+    call: Call[Reader[Any]], path: Path, trace: Trace | None = None, *, columns: Literal[False] = False
+) -> Iterator[Manipulator | Rejected]: ...
+@overload
+def read_items(
+    call: Call[Reader[Any]], path: Path, trace: Trace | None = None, *, columns: bool
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]: ...
+def read_items(
+    call: Call[Reader[Any]], path: Path, trace: Trace | None = None, *, columns: bool = False
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """What a reader yields of a file, one by one.
 
     Args:
         call: the reader.
         path: the file.
         trace: takes what the cells of each manipulator say, where it is wanted and the reader knows it.
+        columns: whether manipulators may come in columns, where the reader has a way to yield these.
 
     Raises:
         TableError: the file as a whole cannot be read, or it has changed while it was read.
@@ -294,11 +307,13 @@ def read_items(call: Call[Reader[Any]], path: Path, trace: Trace | None = None) 
     before, reader = _state_of(path), call.stage
     try:
         with blaming(call):
-            if trace is None or reader.trace is None:
+            if columns and reader.read_columns is not None:
+                items = items_of(reader.read_columns(path, call.options), Manipulator)
+            elif trace is None or reader.trace is None:
                 items = items_of(reader.read(path, call.options), Manipulator)
             else:
                 items = items_of(reader.trace(path, call.options, trace), Manipulator)
-        yield from checked_items(items, call)
+        yield from checked_items(items, call, columns=columns)
     except TableError as error:
         if _state_of(path) != before:
             raise TableError([_changed(path), *error.problems], error.notices) from error
@@ -307,7 +322,17 @@ def read_items(call: Call[Reader[Any]], path: Path, trace: Trace | None = None) 
         raise TableError(_changed(path))
 
 
-def checked_items(items: Iterator[Manipulator | Rejected], call: Call[Reader[Any]]) -> Iterator[Manipulator | Rejected]:
+@overload
+def checked_items(
+    items: Iterator[Manipulator | Rejected], call: Call[Reader[Any]]
+) -> Iterator[Manipulator | Rejected]: ...
+@overload
+def checked_items(
+    items: Iterator[Manipulator | ManipulatorGroups | Rejected], call: Call[Reader[Any]], *, columns: bool
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]: ...
+def checked_items(
+    items: Iterator[Manipulator | ManipulatorGroups | Rejected], call: Call[Reader[Any]], *, columns: bool = False
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """What a reader yields, each looked at.
 
     Raises:
@@ -324,6 +349,8 @@ def checked_items(items: Iterator[Manipulator | Rejected], call: Call[Reader[Any
                 a_whole_record(item, Rejected)
                 if not item.problems:
                     raise ValueError(f"it rejected {shown(item.name)} and did not say why")
+            elif isinstance(item, ManipulatorGroups) and columns:
+                checked_groups(item)
             else:
                 a_record(item, Manipulator, Rejected)
         yield item

@@ -5,18 +5,21 @@ Whatever they raise, or give that is not what `dh2urdf.stages` says, is a `Stage
 
 from __future__ import annotations
 
-from operator import index
+from operator import attrgetter, index
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.columns import RobotColumns
+from dh2urdf.columns import ManipulatorColumns, RobotColumns, columns_of
+from dh2urdf.elementwise import is_column
 from dh2urdf.plugin_system.calls import Call, blaming
 from dh2urdf.plugin_system.stage_answers import a_record, emitted_files
 from dh2urdf.robot import Robot
+from dh2urdf.row_fields import LIMITS, NUMBERS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from dh2urdf.columns import ManipulatorColumns
+    from dh2urdf.columns import ManipulatorGroups
+    from dh2urdf.manipulator import DHRow
     from dh2urdf.stages import EmittedFile, Emitter, Transform
 
 T = TypeVar("T")
@@ -70,3 +73,43 @@ def _groups(given: Sequence[Any], count: int, kind: type[T]) -> list[tuple[tuple
     if len(set(members)) < len(members) or not set(members) <= set(range(count)):
         raise ValueError(f"its groups are of the members {members!r:.60}, not of 0 to {count - 1}, each once at most")
     return groups
+
+
+def checked_groups(groups: ManipulatorGroups) -> ManipulatorGroups:
+    """What a reader gave, held against what `ManipulatorGroups` says of itself.
+
+    Raises:
+        TypeError: a group holds something else than columns.
+        ValueError: places are missing or not in order, or columns are not of the members of their group.
+    """
+    count = len(groups)
+    found = _groups(groups.groups, count, ManipulatorColumns)
+    if not count or sum([len(places) for places, _ in found]) < count:
+        raise ValueError(f"its groups are not of the members 0 to {count - 1}, each once")
+    for places, some in found:
+        told = tuple(map(len, (some.names, some.marks, some.lines)))
+        if told != (len(places),) * 3 or list(places) != sorted(places):
+            names, marks, lines = told
+            raise ValueError(
+                f"a group of {len(places)} members, which come in ascending order, has {names} names, {marks} marks "
+                f"and the lines of {lines}"
+            )
+        if set(map(len, some.lines)) != {len(some.table.rows)}:
+            raise ValueError(
+                f"a member of a group has no line for each of the {len(some.table.rows)} rows of its table"
+            )
+        for numbers in _columns_of_rows(some.table.rows):
+            if numbers.shape != (len(places),):
+                raise ValueError(f"a column of a group of {len(places)} members has the shape {numbers.shape}")
+    return groups
+
+
+_numbers_of = attrgetter(*NUMBERS, *(f"limits.{name}" for name in LIMITS))
+
+
+def _columns_of_rows(rows: Sequence[DHRow]) -> Iterator[Any]:
+    """The columns among the numbers of rows: what `columns_of` finds, in a tenth of the time."""
+    for row in rows:
+        yield from filter(is_column, _numbers_of(row))
+        if row.com is not None or row.inertia is not None:
+            yield from columns_of((row.com, row.inertia))

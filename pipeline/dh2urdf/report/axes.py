@@ -31,8 +31,8 @@ class AxesOfRun:
 
     def see(self, batch: Batch) -> None:
         """Take notice of a batch; batches come in the order of the run."""
-        for place, name in enumerate(batch.names[: self._left]):
-            for arms, table in tables_of(batch.single(place)):
+        for name, what in zip(batch.names, batch.begin(self._left), strict=False):
+            for arms, table in tables_of(what):
                 self.entries.append({"name": name, "arms": list(arms), **axes_entry(table)})
         self._left = max(0, self._left - len(batch))
 

@@ -43,8 +43,7 @@ class Exhibits:
 
     def see(self, batch: Batch) -> None:
         """Takes notice of a batch; batches come in the order of the run."""
-        for place in range(min(len(batch), self._most - len(self._found))):
-            self._found.append(batch.single(place))
+        self._found += batch.begin(self._most - len(self._found))
 
     def shown(self, count: int) -> list[Single]:
         """Those that are shown of a run of so many manipulators."""

@@ -35,8 +35,9 @@ from dh2urdf.running.run_inputs import refuse_overwriting
 from dh2urdf.running.worker import Maker
 from dh2urdf.source import Problem, printable
 from dh2urdf.stages import Executor, Lost
-from dh2urdf.tasks.batch import Batch, Doomed, Expected, batches
+from dh2urdf.tasks.batch import Batch, Doomed, batches
 from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.expected import Expected
 from dh2urdf.tasks.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.tasks.result import Result
 

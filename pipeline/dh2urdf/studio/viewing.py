@@ -25,7 +25,8 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.drawing.scene import Drawing, Figure, extent, meshes_of
-from dh2urdf.tasks.batch import Expected, items
+from dh2urdf.tasks.batch import items
+from dh2urdf.tasks.expected import Expected
 from dh2urdf.variations.variation import Variant
 
 if TYPE_CHECKING:

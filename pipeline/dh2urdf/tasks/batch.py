@@ -8,14 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
-from itertools import islice
-from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from itertools import chain
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, overload
 
 from dh2urdf.cells.cell import Cell, with_tables
 from dh2urdf.cells.wanted_tables import Gathering
-from dh2urdf.columns import ManipulatorColumns, in_columns
+from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, in_columns
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.isolation.garbage import collected_at_the_end
@@ -24,6 +22,8 @@ from dh2urdf.output.whole_files import Stems
 from dh2urdf.run_file.mesh_section import MeshGiver
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
+from dh2urdf.tasks.run_item import RunItem, RunItems
+from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.variation import Variant, Variation, VariationCall
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.run_file.plan import Plan
+    from dh2urdf.tasks.expected import Expected
 
 SMALL = 16
 """Manipulators of a batch at most, where each takes long."""
@@ -53,20 +54,6 @@ class Doomed(NamedTuple):
 
 
 Single: TypeAlias = Manipulator | Cell | Rejected | Doomed
-
-
-class RunItem(NamedTuple):
-    """Something that a run has to make.
-
-    Attributes:
-        what: the manipulator, cell or variant, or why it cannot be read.
-        source: the file it comes from.
-        traceback: where its reader failed.
-    """
-
-    what: Manipulator | Cell | Variant | Rejected
-    source: str
-    traceback: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,19 +89,17 @@ class Batch:
     def __len__(self) -> int:
         return len(self.names)
 
-    def single(self, place: int) -> Single:
-        """What is to be made at a place."""
-        if place in self.singles:
-            return self.singles[place]
+    def begin(self, count: int) -> list[Single]:
+        """What is to be made at so many places from the first one on."""
+        found: dict[int, Single] = dict(self.singles)
         for first, variation, numbers in self.variants:
-            if first <= place < first + len(numbers):
-                variant = Variant(variation=variation, number=numbers[place - first])
-                try:
-                    return variant.manipulator(variant.drawn())
-                except ManipulatorError as error:
-                    return Doomed(variant.name, error, variant.mark)
-        table = next(some.pick(places.index(place)) for places, some in self.columns if place in places)
-        return self.with_notices(place, table)
+            for place, number in zip(range(first, count), numbers, strict=False):
+                found[place] = _made(Variant(variation=variation, number=number))
+        for places, some in self.columns:
+            members = [member for member, place in enumerate(places) if place < count]
+            for member, table in zip(members, some.tables(members), strict=True):
+                found[places[member]] = self.with_notices(places[member], table)
+        return [found[place] for place in range(min(count, len(self)))]
 
     def with_notices(self, place: int, table: Manipulator) -> Manipulator:
         """A table of the columns with the notices of its reader."""
@@ -123,11 +108,6 @@ class Batch:
     def part(self, start: int, stop: int) -> Batch:
         """Those from one place to before another one."""
         wanted = range(start, stop)
-        columns = []
-        for places, some in self.columns:
-            members = [member for member, place in enumerate(places) if place in wanted]
-            if members:
-                columns.append((tuple([places[member] - start for member in members]), some.take(members)))
         variants = []
         for first, variation, numbers in self.variants:
             inside = numbers[max(0, start - first) : max(0, stop - first)]
@@ -138,7 +118,7 @@ class Batch:
             names=self.names[start:stop],
             stems=self.stems[start:stop],
             sources=self.sources[start:stop],
-            columns=tuple(columns),
+            columns=ManipulatorGroups(groups=self.columns).part(start, stop).groups,
             variants=tuple(variants),
             singles={place - start: what for place, what in self.singles.items() if place in wanted},
             notices={place - start: notices for place, notices in self.notices.items() if place in wanted},
@@ -152,59 +132,12 @@ class Batch:
         return replace(self, singles={**self.singles, **doomed}, rows={})
 
 
-class Expected:
-    """How many manipulators a run will have, as far as can be told while its inputs are being read.
-
-    Attributes:
-        total: how many; None as long as there is no saying.
-    """
-
-    def __init__(self, plan: Plan) -> None:
-        self.total: int | None = None
-        self._inputs = max(1, len(plan.inputs))
-        self._read = 0
-        self._lines: dict[str, int] = {}
-        counts = [call.count for call in plan.variations]
-        self._besides = None if None in counts else len(plan.cells) + sum(filter(None, counts))
-
-    def see(self, count: int, item: RunItem) -> None:
-        """Takes notice of how far the reading has come."""
-        if self._besides is None or not isinstance(item.what, Manipulator | Rejected):
-            return
-        mark = item.what.mark
-        lines = self._lines_of(item.source)
-        part = mark.line / lines if mark and mark.line and mark.line <= lines else 0.0
-        if (fraction := (self._read + part) / self._inputs) > 0.0:
-            self.total = round(count / fraction) + self._besides
-
-    def finish_input(self) -> None:
-        """One more input is read."""
-        self._read += 1
-
-    def finish_inputs(self, count: int) -> None:
-        """All inputs are read, with so many manipulators."""
-        if self._besides is not None:
-            self.total = count + self._besides
-
-    def finish(self, count: int) -> None:
-        """Everything has been read."""
-        self.total = count
-
-    def _lines_of(self, source: str) -> int:
-        """Lines of a file; 0 where it is none of text."""
-        if source not in self._lines:
-            self._lines = {source: _count_lines(Path(source))}
-        return self._lines[source]
-
-
-def _count_lines(path: Path) -> int:
+def _made(variant: Variant) -> Single:
+    """The table of a variant; why there is none, where no arm has its values."""
     try:
-        with path.open("rb") as file:
-            blocks = iter(partial(file.read, 1 << 20), b"")
-            first = next(blocks, b"")
-            return 0 if b"\0" in first else first.count(b"\n") + sum(block.count(b"\n") for block in blocks)
-    except OSError:
-        return 0  # Its reader says why.
+        return variant.manipulator(variant.drawn())
+    except ManipulatorError as error:
+        return Doomed(variant.name, error, variant.mark)
 
 
 def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
@@ -215,18 +148,36 @@ def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
         expected: is told how far the reading has come.
     """
     stems = Stems(plan.layout.stem_of)
-    waiting = items(plan, expected)
+    waiting = _Waiting(items(plan, expected, columns=True))
     first = 0
     for size in plan.layout.batch_sizes(_sizes(plan)):
         with collected_at_the_end():
-            some = list(islice(waiting, size))
+            some = waiting.take(size)
             batch = _batch(first, some, stems)
         if not some:
             expected.finish(first)
             return
         yield batch
-        first += len(some)
+        first += len(batch)
         expected.see(first, some[-1])
+
+
+class _Waiting:
+    """What waits for its batch."""
+
+    def __init__(self, waiting: Iterator[RunItem | RunItems]) -> None:
+        self._waiting = waiting
+
+    def take(self, size: int) -> list[RunItem | RunItems]:
+        """The next manipulators, so many of them or all that are left."""
+        taken: list[RunItem | RunItems] = []
+        while size and (item := next(self._waiting, None)):
+            if isinstance(item, RunItems) and item.size > size:
+                item, rest = item.cut(size)
+                self._waiting = chain([rest], self._waiting)
+            taken.append(item)
+            size -= item.size
+        return taken
 
 
 def _sizes(plan: Plan) -> Iterator[int]:
@@ -244,21 +195,19 @@ def _sizes(plan: Plan) -> Iterator[int]:
             size = min(size + 1, SMALL)
 
 
-def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
-    # Of an input that cannot be read there will be no files, and its name may be another manipulator's.
-    claimed = iter(stems.claim_all([item.what.name for item in some if not isinstance(item.what, Rejected)]))
-    own_stems: list[str] = []
+def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batch:
+    names = [name for item in some for name in item.names]
+    sources = [source for item in some for source in (item.source,) * item.size]
+    own_stems = [""] * len(names)
     notices: dict[int, tuple[Problem, ...]] = {}
     singles: dict[int, Single] = {}
-    plain: dict[int, Manipulator] = {}
+    plain: list[tuple[Sequence[int], Manipulator | ManipulatorColumns]] = []
     of_readers: dict[int, tuple[Problem, ...]] = {}
     variants: list[tuple[int, Variation, range]] = []
-    for place, (what, _, _) in enumerate(some):
-        stem, clash = ("", None) if isinstance(what, Rejected) else next(claimed)
-        own_stems.append(stem)
-        if clash:
-            notices[place] = (clash,)
-        match what:
+    tracebacks: dict[int, str] = {}
+    place = 0
+    for item in some:
+        match what := item.what:
             case Variant(variation=variation, number=number):
                 # The variants of a variation come one after the other, by their numbers.
                 if variants and variants[-1][1] is variation:
@@ -266,36 +215,71 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
                     variants[-1] = (start, variation, range(numbers.start, number + 1))
                 else:
                     variants.append((place, variation, range(number, number + 1)))
-            case Manipulator(notices=()):
-                plain[place] = what
-            case Manipulator():  # Tables that differ in numbers only have notices of their own all the same.
-                plain[place], of_readers[place] = replace(what, notices=()), what.notices
+            case Manipulator():
+                plain.append(((place,), what))
+            case ManipulatorGroups(groups=groups):
+                plain += [([place + member for member in members], columns) for members, columns in groups]
             case _:
                 singles[place] = what
-    places = list(plain)
+        if isinstance(item, RunItem) and item.traceback:
+            tracebacks[place] = item.traceback
+        place += item.size
+    # Of an input that cannot be read there will be no files, and its name may be another manipulator's.
+    claiming = [place for place in range(len(names)) if not isinstance(singles.get(place), Rejected)]
+    for place, (stem, clash) in zip(claiming, stems.claim_all([names[place] for place in claiming]), strict=True):
+        own_stems[place] = stem
+        if clash:
+            notices[place] = (clash,)
     return Batch(
         first=first,
-        names=tuple([item.what.name for item in some]),
+        names=tuple(names),
         stems=tuple(own_stems),
-        sources=tuple([source for _, source, _ in some]),
-        columns=tuple(
-            [
-                (tuple([places[member] for member in members]), columns)
-                for members, columns in in_columns(list(plain.values()))
-            ]
-        ),
+        sources=tuple(sources),
+        columns=_groups(plain, of_readers),
         variants=tuple(variants),
         singles=singles,
         notices=notices,
         of_readers=of_readers,
-        tracebacks={place: traceback for place, (_, _, traceback) in enumerate(some) if traceback},
+        tracebacks=tracebacks,
     )
 
 
-def items(plan: Plan, expected: Expected) -> Iterator[RunItem]:
+def _groups(
+    plain: Sequence[tuple[Sequence[int], Manipulator | ManipulatorColumns]],
+    of_readers: dict[int, tuple[Problem, ...]],
+) -> tuple[tuple[tuple[int, ...], ManipulatorColumns], ...]:
+    """Manipulators that differ in numbers only, with their places.
+
+    Args:
+        plain: manipulators and columns, with their places.
+        of_readers: takes their notices, by place: tables that differ in numbers only have notices of their own.
+    """
+    tables: list[Manipulator | ManipulatorColumns] = []
+    for places, what in plain:
+        table = what.table if isinstance(what, ManipulatorColumns) else what
+        if table.notices:
+            of_readers.update(dict.fromkeys(places, table.notices))
+            bare = replace_unchecked(table, notices=())
+            tables.append(replace(what, table=bare) if isinstance(what, ManipulatorColumns) else bare)
+        else:
+            tables.append(what)
+    all_places = [place for places, _ in plain for place in places]
+    return tuple([(tuple([all_places[k] for k in members]), some) for members, some in in_columns(tables)])
+
+
+@overload
+def items(plan: Plan, expected: Expected, *, columns: Literal[False] = False) -> Iterator[RunItem]: ...
+@overload
+def items(plan: Plan, expected: Expected, *, columns: Literal[True]) -> Iterator[RunItem | RunItems]: ...
+def items(plan: Plan, expected: Expected, *, columns: bool = False) -> Iterator[RunItem | RunItems]:
     """The manipulators of all inputs, one by one; a bad input ends itself, not the run.
 
     Cells and variants come last: of the manipulators, only those that they need are kept so long.
+
+    Args:
+        plan: the run.
+        expected: is told how far the reading has come.
+        columns: whether manipulators may come in columns.
     """
     needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
     gathering = Gathering(needed)
@@ -304,12 +288,13 @@ def items(plan: Plan, expected: Expected) -> Iterator[RunItem]:
     for path, call in plan.inputs:
         source, before = str(path), count
         try:
-            for item in map(meshes.give, read_items(call, path)):
-                said = plan.input_notices.get(path) if count == before else None
-                what = replace(item, notices=(said, *item.notices)) if said else item
-                gathering.see(what)
-                count += 1
-                yield RunItem(what, source)
+            for item in read_items(call, path, columns=columns and not plan.meshes):
+                what = meshes.give(item) if not isinstance(item, ManipulatorGroups) else item
+                for part in _first_noticed(what, plan.input_notices.get(path) if count == before else None):
+                    gathering.see(part)
+                    made = RunItems(part, source) if isinstance(part, ManipulatorGroups) else RunItem(part, source)
+                    count += made.size
+                    yield made
             if count == before:
                 raise TableError("there is no manipulator in it")
         except (TableError, StageError) as error:
@@ -328,6 +313,21 @@ def items(plan: Plan, expected: Expected) -> Iterator[RunItem]:
         source = _file(variation.mark)
         for variant in _variants(variation, gathering):
             yield RunItem(variant, source)
+
+
+def _first_noticed(
+    what: Manipulator | ManipulatorGroups | Rejected, notice: Problem | None
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+    """What was read, with a notice of the whole input before those of its first manipulator."""
+    if notice is None:
+        yield what
+    elif isinstance(what, ManipulatorGroups):
+        (table,) = what.part(0, 1).tables()
+        yield replace(table, notices=(notice, *table.notices))
+        if len(what) > 1:
+            yield what.part(1, len(what))
+    else:
+        yield replace(what, notices=(notice, *what.notices))
 
 
 def _file(mark: Mark | None) -> str:

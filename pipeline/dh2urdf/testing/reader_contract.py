@@ -9,8 +9,10 @@ from dataclasses import fields, is_dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.errors import InputError, PluginError, TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.column_calls import checked_groups
 from dh2urdf.provenance import Trace
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark
@@ -196,6 +198,13 @@ class ReaderContract(StageContract):
                 remedy="give problems the marks of `CellRow.marks`",
             )
 
+    def test_reads_columns_as_tables(self, tmp_path: Path) -> None:
+        """What it reads in columns is to the last bit what it reads one by one, with marks, notices and errors."""
+        clause, reads = self.test_reads_columns_as_tables, (self.stage.read, self.stage.read_columns or self.stage.read)
+        for content in (_bytes(self.example), *self._broken().values(), _bytes(self.many(MANY) or self.example)):
+            path = self._file(tmp_path, content)
+            self.same(clause, *[outcome(_read_all, read, path, self.given()) for read in reads])
+
     # --- What the clauses use
 
     def _broken(self) -> dict[str, bytes]:
@@ -312,7 +321,10 @@ def _bytes(content: str | bytes) -> bytes:
 
 
 def _read_all(read: Callable[[Path, Any], Iterator[Any]], path: Path, options: Any) -> list[Any]:  # noqa: ANN401 - the stage's own
-    return list(read(path, options))
+    found: list[Any] = []
+    for item in read(path, options):
+        found += checked_groups(item).tables() if isinstance(item, ManipulatorGroups) else [item]
+    return found
 
 
 def _outcomes(read: Callable[[Path, Any], Iterator[Any]], paths: list[Path], options: Any) -> list[Any]:  # noqa: ANN401 - the stage's own

@@ -9,8 +9,10 @@ record and the field. The types come from the annotations of the dataclass, so t
 from __future__ import annotations
 
 import operator
-from dataclasses import MISSING, fields
+from collections import deque
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
+from itertools import islice, repeat
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -22,12 +24,13 @@ from typing import (
     get_type_hints,
 )
 
+from dh2urdf.elementwise import is_column
 from dh2urdf.errors import RecordTypeError, RecordValueError
 from dh2urdf.source import Mark, Problem
 from dh2urdf.validation.field_types import RefusedError, number_of, settled, take_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Sequence
 
     Take = Callable[[Any], Any]
 
@@ -99,6 +102,47 @@ def replace_unchecked(record: T, **changes: Any) -> T:  # noqa: ANN401 - whateve
     for name in _names_of(kind):
         object.__setattr__(made, name, changes[name] if name in changes else getattr(record, name))
     return made
+
+
+def many_unchecked(model: T, count: int, **changes: Iterable[Any]) -> list[T]:
+    """Many records like another one, as `replace_unchecked` makes one.
+
+    They are filled field by field and not record by record, which takes a fifth of the time.
+
+    Args:
+        model: what they are like.
+        count: how many.
+        changes: of some fields the value in each.
+    """
+    kind: Any = type(model)
+    made: list[Any] = list(map(object.__new__, repeat(kind, count)))
+    for name in _names_of(kind):
+        values = changes[name] if name in changes else repeat(getattr(model, name))
+        deque(map(getattr(kind, name).__set__, made, values), maxlen=0)
+    return made
+
+
+def members_of(record: Any, members: Sequence[int]) -> dict[str, list[Any]]:  # noqa: ANN401 - any record
+    """The fields of a record that hold columns of `dh2urdf.columns`, with the value of each for some members."""
+    found = {name: _entries(getattr(record, name), members) for name in _names_of(type(record))}
+    return {name: entries for name, entries in found.items() if entries is not None}
+
+
+def _entries(value: Any, members: Sequence[int]) -> list[Any] | None:  # noqa: ANN401 - whatever a field holds
+    """A value for each of some members; None where there is no column in it."""
+    if is_column(value):
+        numbers: list[float] = value[members].tolist()
+        return numbers
+    if isinstance(value, tuple):
+        parts = [_entries(item, members) for item in value]
+        if all(part is None for part in parts):
+            return None
+        columns = [repeat(item) if part is None else part for item, part in zip(value, parts, strict=True)]
+        entries = list(islice(zip(*columns, strict=False), len(members)))
+        return [type(value)(*entry) for entry in entries] if hasattr(value, "_fields") else entries
+    if is_dataclass(value) and (changed := members_of(value, members)):
+        return many_unchecked(value, len(members), **changed)
+    return None
 
 
 def unchecked(kind: Callable[P, T]) -> Callable[P, T]:

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 from dh2urdf.stages import Reader
 from dh2urdf_plugins.readers.csv_file import texts as csv_texts
 from dh2urdf_plugins.readers.csv_file.rows import CsvRows
-from dh2urdf_plugins.readers.table import TableOptions, read_table
+from dh2urdf_plugins.readers.table import TableOptions, read_table, read_table_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from dh2urdf.columns import ManipulatorGroups
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.provenance import Trace
     from dh2urdf.stages import Rejected
@@ -35,6 +36,15 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
     return read_table(CsvRows(path), str(path), options, name=path.stem, trace=trace)
 
 
+def read_columns(path: Path, options: TableOptions) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+    """The same as `read`, most of them in columns.
+
+    Raises:
+        TableError: as of `read`.
+    """
+    return read_table_columns(CsvRows(path), str(path), options, name=path.stem)
+
+
 READER: Reader[TableOptions] = Reader(
     name="csv",
     summary="tables with one row per joint, cells separated by commas, semicolons or tabs; many manipulators in a file",
@@ -45,4 +55,5 @@ READER: Reader[TableOptions] = Reader(
     texts=csv_texts.texts,
     trace=read,
     read_cells=read_table,
+    read_columns=read_columns,
 )

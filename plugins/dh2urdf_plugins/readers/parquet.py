@@ -14,6 +14,7 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import check_file, load_yaml
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.patterns import late_pattern
@@ -34,15 +35,15 @@ from dh2urdf_plugins.readers.parquet_file.columns import (
     unread,
     with_unit,
 )
-from dh2urdf_plugins.readers.rows.records import make_marks
 from dh2urdf_plugins.readers.statements.comment_phrases import unit_of_measure
 from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT, STATEMENTS
-from dh2urdf_plugins.readers.table import TableOptions, read_table
+from dh2urdf_plugins.readers.table import TableOptions, read_table_columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
 
+    from dh2urdf.columns import PlaceInFile
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.provenance import Trace
@@ -82,6 +83,26 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
         TableError: the file is no Parquet file, is broken, or its columns or metadata are wrong.
         MissingDependencyError: pyarrow is not installed.
     """
+    for item in _items(path, options, trace):
+        if isinstance(item, ManipulatorGroups):
+            yield from item.tables()
+        else:
+            yield item
+
+
+def read_columns(path: Path, options: TableOptions) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+    """The same as `read`, most of them in columns.
+
+    Raises:
+        TableError: as of `read`.
+        MissingDependencyError: as of `read`.
+    """
+    return _items(path, options, None)
+
+
+def _items(
+    path: Path, options: TableOptions, trace: Trace | None
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     try:
         from pyarrow.parquet import ParquetFile
     except ImportError:
@@ -93,7 +114,7 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
             fields = list(file.schema_arrow)
         said = _statements(file.metadata.metadata or {}, str(path))
         file_rows = _ParquetRows(file, fields, str(path))
-        yield from read_table(file_rows, str(path), options, name=path.stem, statements=said, trace=trace)
+        yield from read_table_columns(file_rows, str(path), options, name=path.stem, statements=said, trace=trace)
 
 
 READER: Reader[TableOptions] = Reader(
@@ -103,6 +124,7 @@ READER: Reader[TableOptions] = Reader(
     options=TableOptions,
     suffixes=(".parquet",),
     trace=read,
+    read_columns=read_columns,
 )
 
 
@@ -287,9 +309,13 @@ class _ParquetRows:
                 )
             )
 
-    def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
-        """The places of rows."""
-        return make_marks(self.path, keys, "row ")
+    def row_places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
+        """The numbers of rows."""
+        return ((key, None, f"row {key}") for key in keys)
+
+    def row_marks(self, keys: Iterable[int]) -> Iterator[Mark]:
+        """The same, with the file."""
+        return (Mark(file=self.path, line=line, place=place) for line, _, place in self.row_places(keys))
 
     def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:  # noqa: ARG002 - as of each source
         """The place of each cell of a row."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
+from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.rows.source import RowSource
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import Rejected
 
-__all__ = ["CellRow", "TableOptions", "read_table"]
+__all__ = ["CellRow", "TableOptions", "read_table", "read_table_columns"]
 
 
 def read_table(
@@ -65,6 +66,38 @@ def read_table(
 
     Raises:
         TableError: there is no header, or it is wrong, or a statement about all rows is.
+    """
+    for item in read_table_columns(
+        rows,
+        file,
+        options,
+        name=name,
+        statements=statements,
+        decimal_comma=decimal_comma,
+        notices=notices,
+        trace=trace,
+    ):
+        if isinstance(item, ManipulatorGroups):
+            yield from item.tables()
+        else:
+            yield item
+
+
+def read_table_columns(
+    rows: Iterable[CellRow],
+    file: str,
+    options: TableOptions,
+    *,
+    name: str | None = None,
+    statements: Mapping[str, Node] | None = None,
+    decimal_comma: bool = False,
+    notices: Iterable[Problem] = (),
+    trace: Trace | None = None,
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+    """The same as `read_table`, but for manipulators about which there is nothing to say: these come in columns.
+
+    Raises:
+        TableError: as of `read_table`.
     """
     whole = Mark(file=file)
     source = rows if isinstance(rows, RowSource) else CellRows(rows, decimal_comma=decimal_comma)

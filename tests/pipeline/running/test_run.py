@@ -23,7 +23,8 @@ from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
-from dh2urdf.tasks.batch import Expected, batches
+from dh2urdf.tasks.batch import batches
+from dh2urdf.tasks.expected import Expected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

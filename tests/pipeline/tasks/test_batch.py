@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,8 +13,11 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan
+from dh2urdf.source import Problem
 from dh2urdf.stages import Rejected
-from dh2urdf.tasks.batch import LARGE, SMALL, Batch, Doomed, Expected, batches
+from dh2urdf.tasks.batch import LARGE, SMALL, Batch, Doomed, batches
+from dh2urdf.tasks.expected import Expected
+from dh2urdf.testing.comparing import difference
 from dh2urdf.variations.variation import Variant
 
 if TYPE_CHECKING:
@@ -102,6 +106,24 @@ class TestCutting:
         names = [f"arm{number}" for number in range(25)]
         sizes = [len(batch) for batch in taken(plan("output: {layout: shards, size: 10}", one=table(names)))]
         assert sizes == [10, 10, 5]
+
+    @pytest.mark.parametrize("layout", ["{layout: shards, size: 70}", "{layout: files}"])
+    def test_columns_of_a_reader_are_as_its_records(self, plan: Callable[..., Plan], layout: str) -> None:
+        """The same groups, places, marks, notices and stems, wherever a batch ends, a first notice included."""
+        draw = random.Random(5)  # noqa: S311 - no secret
+        kinds = [draw.choice(("arm", "arm", "long", "bad" if number > 300 else "arm")) for number in range(400)]
+        names = [f"{kind}{number}" for number, kind in enumerate(kinds)]
+        variations = "variations: [{of: long7x, count: 3, vary: [{field: d, joints: all, uniform: [0, 1]}]}]"
+        made = plan(f"output: {layout}\n{variations}", one=table([*names, "long7x"]), two=table(["arm0", "y", "z"]))
+        notice = Problem(message="seen twice", severity="notice")
+        with_columns = replace(made, input_notices={made.inputs[1][0]: notice})
+        records = [(path, replace(call, stage=replace(call.stage, read_columns=None))) for path, call in made.inputs]
+        assert all(call.stage.read_columns for _, call in with_columns.inputs)
+        for found, wanted in zip(taken(with_columns), taken(replace(with_columns, inputs=tuple(records))), strict=True):
+            assert difference(whats(found), whats(wanted)) is None
+            assert sorted(places for places, _ in found.columns) == sorted(places for places, _ in wanted.columns)
+            for name in ("first", "names", "stems", "sources", "notices", "of_readers", "tracebacks"):
+                assert getattr(found, name) == getattr(wanted, name), name
 
     def test_alike_ones_share_their_columns(self, plan: Callable[..., Plan]) -> None:
         """Those that differ in numbers only, wherever they stand in the batch."""

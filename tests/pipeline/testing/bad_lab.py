@@ -13,6 +13,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_compl
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import ManipulatorGroups, in_columns
 from dh2urdf.errors import LoaderError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
@@ -152,6 +153,24 @@ def trace_no_place(path: Path, options: Any, its: Any) -> Any:
     for table in trace(path, options, its):
         its.rows = tuple({name: replace(said, mark=None) for name, said in row.items()} for row in its.rows)
         yield table
+
+
+def read_columns(path: Path, options: Any) -> Any:
+    """A good reading: all manipulators in groups."""
+    tables = list(read(path, options))
+    if tables:
+        yield ManipulatorGroups(groups=tuple([(tuple(places), some) for places, some in in_columns(tables)]))
+
+
+def read_columns_without_marks(path: Path, options: Any) -> Any:
+    for item in read_columns(path, options):
+        groups = [(places, replace(some, marks=(None,) * len(places))) for places, some in item.groups]
+        yield ManipulatorGroups(groups=tuple(groups))
+
+
+def read_columns_twice(path: Path, options: Any) -> Any:
+    for item in read_columns(path, options):
+        yield ManipulatorGroups(groups=item.groups * 2)
 
 
 def read_cells_in_metres(rows: Any, file: str, options: Any) -> Any:

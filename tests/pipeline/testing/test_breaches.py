@@ -50,6 +50,8 @@ BREACHES = [
     ("TestTracingNothing", "test_traces_what_it_reads", "0 rows in the trace of 'arm', which has 1"),
     ("TestTracingMillimetres", "test_traces_what_it_reads", "'0.5' in mm as a of "),
     ("TestTracingNoPlace", "test_traces_what_it_reads", "the place None of a of "),
+    ("TestColumnsWithoutMarks", "test_reads_columns_as_tables", "[0].mark is once "),
+    ("TestColumnsTwice", "test_reads_columns_as_tables", "ValueError"),
     ("TestCellsInMetres", "test_reads_cells_as_files", "((400.0, 1.57"),
     ("TestCellsWithoutPlaces", "test_reads_cells_as_files", "['cells of a test:3'] for a cell that is no number"),
     # Transforms
@@ -114,6 +116,7 @@ BREACHES = [
 TESTED = [(plugin, clause) for plugin, clause, _ in BREACHES]
 KEPT = [
     ("TestTracing", "test_traces_what_it_reads"),
+    ("TestInColumns", "test_reads_columns_as_tables"),
     # Before any other executor starts processes in the same interpreter: the helpers would be there already.
     ("TestSpawning", "test_leaves_nothing_behind"),
     # What it changes here is not to be there already where its input is compared.

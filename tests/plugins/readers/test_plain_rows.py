@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -12,6 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf_plugins.readers import csv
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample
@@ -228,8 +228,8 @@ def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, monkeypatch: pyte
     counts: list[int] = []
     fast = PlainRows.read
 
-    def counted(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
-        result = fast(self, rows, lines, sizes)
+    def counted(self: PlainRows, rows: Any, sizes: Any) -> Any:
+        result = fast(self, rows, sizes)
         counts.append(len(sizes) if result else 0)
         return result
 
@@ -247,13 +247,18 @@ def arms_of(count: int, rows: int = 6) -> str:
     return "\n".join(["robot,joint,type,a,alpha,d,offset", *lines])
 
 
-def plant(monkeypatch: pytest.MonkeyPatch, change: Callable[[tuple[DHRow, ...]], tuple[DHRow, ...]]) -> None:
-    """Makes the fast way read every manipulator wrongly."""
+def plant(
+    monkeypatch: pytest.MonkeyPatch, change: Callable[[tuple[DHRow, ...]], tuple[DHRow, ...]], *, after: int = 0
+) -> None:
+    """Makes the fast way read every manipulator wrongly, after so many rows."""
     fast = PlainRows.read
+    read = 0
 
-    def wrong(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
-        result = fast(self, rows, lines, sizes)
-        return result and [change(arm) for arm in result]
+    def wrong(self: PlainRows, rows: Any, sizes: Any) -> Any:
+        nonlocal read
+        read += len(rows)
+        result = fast(self, rows, sizes)
+        return result and [(members, change(own) if read > after else own) for members, own in result]
 
     monkeypatch.setattr(PlainRows, "read", wrong)
 
@@ -265,7 +270,8 @@ def test_a_wrong_fast_reading_is_an_error_that_names_both(
     """The last bit of one offset is enough; the message names the row, both readings and what to do."""
     path = tmp_path / "arms.csv"
     path.write_text(arms_of(3, rows))
-    plant(monkeypatch, lambda arm: (replace(arm[0], offset=math.nextafter(arm[0].offset, 1)), *arm[1:]))
+    least = math.nextafter(0.0, 1.0)
+    plant(monkeypatch, lambda rows: (replace_unchecked(rows[0], offset=rows[0].offset + least), *rows[1:]))
     with pytest.raises(TableError) as caught:
         list(csv.READER.read(path, TableOptions(convention="standard")))
     (problem,) = caught.value.problems
@@ -282,7 +288,9 @@ def test_a_row_that_only_the_fast_way_accepts_is_an_error(tmp_path: Path, monkey
     path = tmp_path / "arms.csv"
     path.write_text(arms_of(2).replace("r0,j1,R,0.1,pi/2", "r0,j1,R,0.1,1.5708"))
     row = DHRow(joint="j1", link="link_1", a=0.1, alpha=1.5708, d=0.1)
-    monkeypatch.setattr(PlainRows, "read", lambda _self, _rows, _lines, sizes: [(row,) * size for size in sizes])
+    monkeypatch.setattr(
+        PlainRows, "read", lambda _self, _rows, sizes: [([k], (row,) * size) for k, size in enumerate(sizes)]
+    )
     with pytest.raises(TableError, match=r"the fast reading of \w+ is .*, and the careful reading is "):
         list(csv.READER.read(path, TableOptions(convention="standard")))
     path.write_text(arms_of(2).replace("pi/2", "400"))
@@ -294,13 +302,7 @@ def test_a_wrong_reading_deep_in_a_file_is_found(tmp_path: Path, monkeypatch: py
     """The sample goes on to the end of a file: an error that sets in after 60,000 rows is found."""
     path = tmp_path / "arms.csv"
     path.write_text(arms_of(20_000))
-    late = 10_000
-
-    def wrong(arm: tuple[DHRow, ...]) -> tuple[DHRow, ...]:
-        line = arm[0].mark.line if arm[0].mark else None
-        return arm if line is None or line < 6 * late else (replace(arm[0], sign=-1), *arm[1:])
-
-    plant(monkeypatch, wrong)
+    plant(monkeypatch, lambda rows: (replace_unchecked(rows[0], sign=-1), *rows[1:]), after=60_000)
     with pytest.raises(TableError, match="the fast reading of sign is -1, and the careful reading is 1"):
         list(csv.READER.read(path, TableOptions(convention="standard")))
 

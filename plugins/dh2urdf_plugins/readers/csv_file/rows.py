@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import repeat
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,6 @@ from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_rows
 from dh2urdf_plugins.readers.csv_file.lines import CsvLines
 from dh2urdf_plugins.readers.header.header_rows import completed
-from dh2urdf_plugins.readers.rows.records import make_marks
 from dh2urdf_plugins.readers.tables.cell_rows import BELOW, is_note, unread_notes
 from dh2urdf_plugins.readers.words.comment_lines import joined, marks_a_comment
 from dh2urdf_plugins.readers.words.fields import REQUIRED
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
+    from dh2urdf.columns import PlaceInFile
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
 
@@ -94,9 +95,13 @@ class CsvRows:
         self.begun = True
         return True
 
-    def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
+    def row_places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
         """The lines of rows."""
-        return make_marks(self.lines.file, keys)
+        return zip(keys, repeat(None), repeat(None), strict=False)
+
+    def row_marks(self, keys: Iterable[int]) -> Iterator[Mark]:
+        """The lines of rows, with the file."""
+        return (Mark(file=self.lines.file, line=key) for key in keys)
 
     def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:
         """Where the cells of a row start."""

@@ -6,10 +6,10 @@ import math
 from operator import le, sub
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf import unchecked_records as own
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.quantities import Dimension
 from dh2urdf_plugins.readers.plain.numbers import REMEMBERED, PlainNumbers, names_foreign_unit, plain_quantity
-from dh2urdf_plugins.readers.rows.records import make_limits
 from dh2urdf_plugins.readers.rows.rows import NO_LIMITS, REMARKABLE_LIMIT
 from dh2urdf_plugins.readers.words.bounds import (
     FASTEST_SLIDE,
@@ -108,7 +108,8 @@ class PlainLimits:
             return None
         count = max(map(len, numbers.values()))
         nothing = [None] * count
-        return make_limits(zip(lower or nothing, upper or nothing, velocity or nothing, effort or nothing, strict=True))
+        bounds = zip(lower or nothing, upper or nothing, velocity or nothing, effort or nothing, strict=True)
+        return [own.limits(lower=low, upper=high, velocity=fast, effort=strong) for low, high, fast, strong in bounds]
 
     def _one(self, word: str, *cells: Value) -> Limits | None:
         """The limits that some cells say to a joint of some type."""

@@ -8,12 +8,15 @@ alone defines what a table means: here a row is read as that would read it, or n
 from __future__ import annotations
 
 import math
-from itertools import accumulate, chain
+from collections import defaultdict
+from itertools import accumulate, chain, pairwise
 from math import remainder
 from operator import add, gt, methodcaller
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from dh2urdf.manipulator import JointType
+from dh2urdf import unchecked_records as own
+from dh2urdf.columns import column
+from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, unit_of
 from dh2urdf_plugins.readers.plain.limits import LIMITS, PlainLimits
@@ -21,7 +24,6 @@ from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNum
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.rows.joint_rows import DECIMAL, NUMBER
 from dh2urdf_plugins.readers.rows.names import are_joints
-from dh2urdf_plugins.readers.rows.records import make_rows
 from dh2urdf_plugins.readers.rows.rows import NEARLY
 from dh2urdf_plugins.readers.statements.plausibility import longest_plain
 from dh2urdf_plugins.readers.words.bounds import SMALL_ANGLE, SMALLEST_LENGTH, are_radians
@@ -31,12 +33,15 @@ from dh2urdf_plugins.readers.words.fields import FIELDS, joint_type
 from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, are_out_of_order
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.source import Mark
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.words.cells import Units, Value
+
+T = TypeVar("T")
+Rows: TypeAlias = slice | list[int]
+"""Where the same row of many manipulators is among the rows of all."""
 
 _GEOMETRY = ("a", "alpha", "d", "theta", "offset")
 _WORDS = ("robot", "convention", "index", "joint", "link", "type")
@@ -86,14 +91,16 @@ class PlainRows:
         self.points = PlainPoints(self.column, units)
 
     def read(
-        self, rows: Sequence[Sequence[Value]], marks: Iterable[Mark], sizes: Sequence[int]
-    ) -> list[tuple[DHRow, ...]] | None:
-        """The rows of each manipulator, or None where one of them is not surely plain.
+        self, rows: Sequence[Sequence[Value]], sizes: Sequence[int]
+    ) -> list[tuple[Sequence[int], tuple[DHRow, ...]]] | None:
+        """The rows of manipulators in columns, or None where one of them is not surely plain.
 
         Args:
             rows: the cells of each row.
-            marks: the place of each row.
             sizes: how many rows each manipulator has.
+
+        Returns:
+            Groups of manipulators that differ in numbers only: which of them these are, and their rows.
         """
         if not self.usable or set(map(len, rows)) != {self.width}:
             return None
@@ -120,9 +127,11 @@ class PlainRows:
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
         if self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
             return None
-        made = make_rows(zip(*names, kinds, a, alpha, d, theta, offset, limits, marks, strict=True))
-        ends = accumulate(sizes)
-        return [tuple(made[end - size : end]) for size, end in zip(sizes, ends, strict=True)]
+        geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}
+        return [
+            (members, tuple([_row_in_columns(*names, kinds, limits, geometry, where) for where in places]))
+            for members, places in _forms((*names, kinds), limits, sizes)
+        ]
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
         """Whether the columns that name no field hold nothing to speak of: what was spoken of, and no quantities."""
@@ -251,11 +260,62 @@ class PlainRows:
         return not (max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))))
 
     def _are_of_their_unit(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
-        for column in (column for name, column in (("a", a), ("d", d)) if name in self.foreign_lengths):
-            largest = (max(map(abs, numbers)) for numbers in _by_arm(column, sizes))
+        for lengths in (lengths for name, lengths in (("a", a), ("d", d)) if name in self.foreign_lengths):
+            largest = (max(map(abs, numbers)) for numbers in _by_arm(lengths, sizes))
             if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
                 return False
         return True
+
+
+def _forms(
+    words: Sequence[Sequence[object]], limits: list[Limits], sizes: Sequence[int]
+) -> Iterator[tuple[Sequence[int], list[Rows]]]:
+    """Manipulators that differ in numbers only: which these are, and where each of their rows is among all rows.
+
+    Args:
+        words: what rows say besides numbers, by column.
+        limits: the limits of the rows, some of which may not be given.
+        sizes: how many rows each manipulator has.
+    """
+    size, count = sizes[0], len(sizes)
+    same = [size] * count == sizes and all(list(each) == list(each[:size]) * count for each in words)
+    if same and limits == limits[:size] * count:
+        yield range(count), [slice(row, None, size) for row in range(size)]
+        return
+    given = [(own.lower is None, own.upper is None, own.velocity is None, own.effort is None) for own in limits]
+    forms: defaultdict[Hashable, list[int]] = defaultdict(list)
+    starts = list(accumulate(sizes, initial=0))
+    for member, (start, end) in enumerate(pairwise(starts)):
+        forms[tuple([tuple(each[start:end]) for each in (*words, given)])].append(member)
+    for members in forms.values():
+        rows = range(sizes[members[0]])
+        yield members, [[starts[member] + row for member in members] for row in rows]
+
+
+def _row_in_columns(  # noqa: PLR0917 - what a row consists of
+    joints: Sequence[str],
+    links: Sequence[str],
+    kinds: Sequence[JointType],
+    limits: Sequence[Limits],
+    numbers: Mapping[str, Sequence[float]],
+    where: Rows,
+) -> DHRow:
+    """One row of many manipulators, which is in some places among the rows of all."""
+    first = where.start if isinstance(where, slice) else where[0]
+    bounds = _some(limits, where)
+    return own.dh_row(
+        joint=joints[first],
+        link=links[first],
+        type=kinds[first],
+        limits=bounds[0]
+        if bounds.count(bounds[0]) == len(bounds)
+        else Limits(**{name: column([getattr(each, name) for each in bounds]) for name in LIMITS}),
+        **{name: column(_some(entries, where)) for name, entries in numbers.items()},
+    )
+
+
+def _some(entries: Sequence[T], where: Rows) -> Sequence[T]:
+    return entries[where] if isinstance(where, slice) else [entries[place] for place in where]
 
 
 def _count(cells: Sequence[str]) -> bool:

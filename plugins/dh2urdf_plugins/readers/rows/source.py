@@ -9,6 +9,7 @@ from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from dh2urdf.columns import PlaceInFile
     from dh2urdf.source import Mark, Problem
     from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.header.columns import Columns
@@ -42,8 +43,11 @@ class RowSource(Protocol):
     def batches(self) -> Iterator[tuple[Sequence[Any], Sequence[Row]]]:
         """Some hundred rows below the header at a time, and the key of each."""
 
+    def row_places(self, keys: Iterable[Any]) -> Iterable[PlaceInFile]:
+        """The places of rows in the file."""
+
     def row_marks(self, keys: Iterable[Any]) -> Iterable[Mark]:
-        """The places of rows."""
+        """The same, with the file."""
 
     def marks(self, key: Any, texts: Sequence[str]) -> Sequence[Mark]:  # noqa: ANN401 - a key of its own
         """The place of each cell of a row."""

@@ -21,6 +21,7 @@ from dh2urdf_plugins.readers.words.fields import FIELDS, REQUIRED
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from dh2urdf.columns import PlaceInFile
     from dh2urdf.source import Mark
     from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.header.columns import Columns
@@ -96,8 +97,12 @@ class CellRows:
         self.notices += unread_notes(BELOW, self.below)
         self.notices += unread_notes("what is beside the table", self.beside)
 
-    def row_marks(self, keys: Iterable[CellRow]) -> Iterator[Mark]:
+    def row_places(self, keys: Iterable[CellRow]) -> Iterator[PlaceInFile]:
         """The places of rows."""
+        return ((row.mark.line, row.mark.column, row.mark.place) for row in keys)
+
+    def row_marks(self, keys: Iterable[CellRow]) -> Iterator[Mark]:
+        """The same, with the file."""
         return (row.mark for row in keys)
 
     def marks(self, key: CellRow, texts: Sequence[object]) -> Sequence[Mark]:

@@ -13,15 +13,15 @@ from itertools import chain, groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import SCREENFUL, TableError
-from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.output import SeenNames
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import unit_notices, unit_problems
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import HEAD, PlainSample, compare
-from dh2urdf_plugins.readers.rows.records import make_manipulators
 from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
 from dh2urdf_plugins.readers.statements.comment_phrases import prose_problems
@@ -39,13 +39,16 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.documents import Node
-    from dh2urdf.manipulator import DHRow
     from dh2urdf.provenance import Trace
     from dh2urdf.source import Mark
     from dh2urdf_plugins.readers.rows.source import Row, RowSource
     from dh2urdf_plugins.readers.statements.top import Top
     from dh2urdf_plugins.readers.words.cells import Value
     from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+
+_ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
+"""For what a table says of all rows, whichever these are."""
 
 
 class RowTable:
@@ -157,8 +160,8 @@ class RowTable:
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
-    def manipulators(self) -> Iterator[Manipulator | Rejected]:
-        """Reads all rows."""
+    def manipulators(self) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+        """Reads all rows; what is read fast comes in columns."""
         any_rows = False
         for groups in self._groups():
             any_rows = any_rows or bool(groups)
@@ -169,7 +172,10 @@ class RowTable:
                 self.source.comments.clear()
             while groups and (self.notices or not self.plain_table):
                 yield self._careful(groups.pop(0))
-            yield from self._plain(groups) or map(self._any, groups)
+            if plain := self._plain(groups):
+                yield plain
+            else:
+                yield from map(self._any, groups)
         if not any_rows:
             yield self._careful(Rows(self.name.text))
 
@@ -224,9 +230,9 @@ class RowTable:
 
     def _any(self, rows: Rows) -> Manipulator | Rejected:
         plain = self._plain([rows])
-        return plain[0] if plain else self._careful(rows)
+        return plain.tables()[0] if plain else self._careful(rows)
 
-    def _plain(self, groups: list[Rows]) -> list[Manipulator] | None:
+    def _plain(self, groups: list[Rows]) -> ManipulatorGroups | None:
         """Manipulators about which there is nothing to say, read fast; None where there may be something."""
         for rows in groups:
             name = rows.name
@@ -240,17 +246,35 @@ class RowTable:
             ):
                 return None
         cells = list(chain.from_iterable(rows.cells for rows in groups))
-        marks = self.source.row_marks(chain.from_iterable(rows.keys for rows in groups))
         sizes = [len(rows.keys) for rows in groups]
-        if not cells or (read := self.plain.read(cells, marks, sizes)) is None:
+        if not cells or (read := self.plain.read(cells, sizes)) is None:
             return None
         if (statements := self._agreed(cells)) is None:
             return None
-        model = statements.manipulator(groups[0].name, read[0][:1], None)
-        arms = make_manipulators(model, zip([rows.name for rows in groups], read, strict=True))
+        model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
+        names, marks = [rows.name for rows in groups], list(self.source.row_marks(rows.keys[0] for rows in groups))
+        lines = [tuple(self.source.row_places(rows.keys)) for rows in groups]
+        arms = ManipulatorGroups(
+            groups=tuple(
+                [
+                    (
+                        tuple(members),
+                        ManipulatorColumns.like(
+                            model,
+                            rows=rows,
+                            names=[names[member] for member in members],
+                            marks=[marks[member] for member in members],
+                            lines=[lines[member] for member in members],
+                        ),
+                    )
+                    for members, rows in read
+                ]
+            )
+        )
         if (index := self.sample.choose(sizes)) is not None:
             head = Rows(groups[index].name, groups[index].keys[:HEAD], groups[index].cells[:HEAD])
-            compare(arms[index], self._read_with_care(head, TableCells(self.columns, self.units)), head.count)
+            (arm,) = arms.part(index, index + 1).tables()
+            compare(arm, self._read_with_care(head, TableCells(self.columns, self.units)), head.count)
         return arms
 
     def _agreed(self, cells: list[Row]) -> Statements | None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.errors import InputError, PluginError, TableError
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf.plugin_system.column_calls import checked_groups
 from dh2urdf.provenance import Trace
 from dh2urdf.quantities.units import UNITS
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path
 
-    from dh2urdf.manipulator import DHRow
     from dh2urdf.provenance import Said
 
 LARGE = 2**20

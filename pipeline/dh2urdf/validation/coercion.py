@@ -124,7 +124,8 @@ def many_unchecked(model: T, count: int, **changes: Iterable[Any]) -> list[T]:
 
 def members_of(record: Any, members: Sequence[int]) -> dict[str, list[Any]]:  # noqa: ANN401 - any record
     """The fields of a record that hold columns of `dh2urdf.columns`, with the value of each for some members."""
-    found = {name: _entries(getattr(record, name), members) for name in _names_of(type(record))}
+    kind: Any = type(record)
+    found = {name: _entries(getattr(record, name), members) for name in _names_of(kind)}
     return {name: entries for name, entries in found.items() if entries is not None}
 
 

@@ -76,7 +76,7 @@ def _groups(given: Sequence[Any], count: int, kind: type[T]) -> list[tuple[tuple
 
 
 def checked_groups(groups: ManipulatorGroups) -> ManipulatorGroups:
-    """What a reader gave, held against what `ManipulatorGroups` says of itself.
+    """What a reader gave, compared with the description of `ManipulatorGroups`.
 
     Raises:
         TypeError: a group holds something else than columns.

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
-"""For what a table says of all rows, whichever these are."""
+"""A row that takes the place of all rows, where only what holds for each of them counts."""
 
 
 class RowTable:

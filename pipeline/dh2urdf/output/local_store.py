@@ -199,11 +199,14 @@ class LocalStore(Store):
                 self.remove_tree(_TEMPORARY)
                 yield
             finally:
+                if fcntl is None:  # Windows removes no file that is open, and the file is no lock there.
+                    os.close(lock)
                 with suppress(OSError, OutputError):
                     self.remove_tree(_TEMPORARY)
                     os.unlink(self._path(_LOCK))  # noqa: PTH108
                     os.rmdir(self._path(WORKING))  # noqa: PTH106 - unless the run keeps something there
-                os.close(lock)
+                if fcntl is not None:
+                    os.close(lock)
         finally:
             _locked.discard(place)
 

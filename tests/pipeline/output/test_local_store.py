@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import OutputError
+from dh2urdf.output import local_store
 from dh2urdf.output.local_store import LocalStore
 from dh2urdf.output.store import WORKING
 
@@ -334,6 +335,32 @@ with LocalStore(Path(sys.argv[1])).lock():
             store.remove_tree(f"{WORKING}/journal")
         assert files(store.directory) == {}
         assert list(store.directory.iterdir()) == []
+
+    def test_without_locks_of_posix_nothing_is_left(self, store: LocalStore, monkeypatch: pytest.MonkeyPatch) -> None:
+        """As on Windows, where an open file cannot be removed: the lock file is closed first, and its folder goes too."""
+        opened: list[int] = []
+        monkeypatch.setattr(local_store, "fcntl", None)
+        lock_file, unlink = store._lock_file, os.unlink
+
+        def remembered() -> int:
+            opened.append(lock_file())
+            return opened[-1]
+
+        def unlink_closed(path: str) -> None:
+            try:
+                os.fstat(opened[-1])
+            except OSError:
+                unlink(path)
+            else:
+                raise PermissionError(path)
+
+        monkeypatch.setattr(store, "_lock_file", remembered)
+        monkeypatch.setattr(os, "unlink", unlink_closed)
+        for _ in range(2):
+            with store.lock():
+                store.write("a.urdf", b"a")
+        assert len(opened) == 2
+        assert [path.name for path in store.directory.rglob("*")] == ["a.urdf"]
 
     def test_other_folders_are_free(self, store: LocalStore, tmp_path: Path) -> None:
         """Runs in different folders do not concern each other."""

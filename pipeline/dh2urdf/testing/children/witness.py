@@ -152,7 +152,7 @@ def _running(mark: str) -> dict[int, _Process]:
                 found[int(folder.name)] = _Process(int(parent), command, has_mark)
     elif os.name == "posix":  # `e` shows the environment after the command.
         listing = ["ps", "axeww", "-o", "pid=,ppid=,command="]
-        listed = subprocess.run(listing, capture_output=True, text=True, check=True)  # noqa: S603 - nobody's input
+        listed = subprocess.run(listing, capture_output=True, text=True, encoding="utf-8", errors="replace", check=True)  # noqa: S603 - nobody's input
         for line in listed.stdout.splitlines():
             number, parent, command = line.split(None, 2)
             if "ps axeww" not in command:

@@ -98,7 +98,9 @@ def find_command() -> tuple[str, str]:
 @cache
 def _version(command: str) -> str:
     """The version of sdformat that a command has; empty where it has none."""
-    asked = subprocess.run([command, "sdf", "--versions"], capture_output=True, check=False, text=True)  # noqa: S603 - no words of a stranger
+    asked = subprocess.run(  # noqa: S603 - no words of a stranger
+        [command, "sdf", "--versions"], capture_output=True, check=False, text=True, encoding="utf-8"
+    )
     version = re.search(r"^\d+(\.\d+)+$", asked.stdout, re.MULTILINE)
     return version[0] if version else ""
 

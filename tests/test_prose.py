@@ -83,13 +83,7 @@ def packages() -> list[Path]:
     return found
 
 
-LATER = (
-    *(
-        f"pipeline/dh2urdf/{name}"
-        for name in ("commands", "isolation", "report", "run_file", "running", "studio", "tasks")
-    ),
-    "plugins/dh2urdf_plugins/executors",
-)
+LATER = ("pipeline/dh2urdf/studio",)
 """Packages that are still to be written in plain words."""
 
 

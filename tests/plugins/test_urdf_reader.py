@@ -127,7 +127,7 @@ def test_a_missing_file_is_an_error_with_its_path(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_not_a_robot_is_refused_with_its_line(found: str, written: str, message: str) -> None:
-    """The message says where and what, and never a default is in for what cannot be read."""
+    """The message says where and what, and no default replaces what cannot be read."""
     assert found in ARM
     assert message in refusal(ARM.replace(found, written, 1))
 

@@ -1,4 +1,4 @@
-"""What is to be said of a robot description of any origin: the work of `dh2urdf check`."""
+"""Findings about a robot description of any origin: the work of `dh2urdf check`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def inspect(
     catalog: Catalog, file: Path, format_name: str | None, choice: str, expansion: Expansion | None = None
 ) -> Inspection:
-    """What the emitter of a file's format says of it.
+    """The findings of the emitter of a file's format.
 
     Args:
         catalog: the emitters that there are.
@@ -58,7 +58,7 @@ _UNREADABLE = Finding(rule="unreadable-file", message="", fix="make it a file th
 
 
 class Inspections(NamedTuple):
-    """What is to be said of several files.
+    """Findings about several files.
 
     Attributes:
         files: the descriptions that were inspected.
@@ -76,7 +76,7 @@ class Inspections(NamedTuple):
 def inspect_several(
     catalog: Catalog, paths: Iterable[Path], format_name: str | None, choice: str, expansion: Expansion
 ) -> Inspections:
-    """What the emitters say of files, and of the descriptions in folders, which know the ROS packages in there.
+    """The findings about files and about the descriptions in folders, which know the ROS packages in there.
 
     Args:
         catalog: the emitters that there are.
@@ -157,7 +157,7 @@ def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path
     """What an emitter's functions that read a file of any origin are given beside the file.
 
     Raises:
-        ConfigError: the format knows no macros, and something was said of their expansion.
+        ConfigError: the format knows no macros, and a setting of their expansion was given.
     """
     if emitter.expandable:
         return (expansion or Expansion(),)

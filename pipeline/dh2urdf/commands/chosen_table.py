@@ -69,7 +69,7 @@ def read_manipulator(
 
 @contextmanager
 def refuse_run_file(table: Path, asker: Asker) -> Iterator[None]:
-    """Says of a file that cannot be read as a table that it is a run file, where it is one.
+    """Reports that a file which cannot be read as a table is a run file, where it is one.
 
     Raises:
         ConfigError: it is one.
@@ -87,7 +87,7 @@ def refuse_run_file(table: Path, asker: Asker) -> Iterator[None]:
             Problem(
                 message="this is a run file, not a table",
                 mark=Mark(file=str(table)),
-                suggestion=f"`{asker.run(str(table))}` does what it says",
+                suggestion=f"`{asker.run(str(table))}` runs it",
             )
         ) from None
 
@@ -140,7 +140,7 @@ def chosen_manipulator(
 
 
 def table_as_run_file(path: Path) -> Problem:
-    """What is said of a table where a run file is wanted."""
+    """The message about a table where a run file is expected."""
     return Problem(
         message="this is a table, not a run file",
         mark=Mark(file=str(path)),

@@ -66,7 +66,7 @@ class Conversion:
 
     @property
     def files(self) -> dict[str, bytes]:
-        """What stands in every file, by its name."""
+        """What is in every file, by its name."""
         return {file.name: file.content for written in self.written for file in written.files}
 
     @property
@@ -96,7 +96,7 @@ class Planned:
         robot: which manipulator of a table that holds several.
         asker: who asks.
         inputs: further files that must not be overwritten.
-        meshes: the words about meshes that were said, with what stands before each.
+        meshes: the words about meshes that were given, with what stands before each.
         notices: what a careful person would want to know of what was asked for.
     """
 
@@ -145,7 +145,7 @@ class Planned:
         )
 
     def _unused_meshes(self, robot: Robot) -> Iterator[Problem]:
-        """A notice where something is said about meshes, and there are none."""
+        """A notice where a setting of meshes is given, and there are none."""
         for before, word in self.meshes if not mesh_files(robot) else ():
             message = f"{before}{shown(word)} has no effect: the arm has no meshes"
             yield Problem(message=message, severity="notice", mark=self.asker.mark, field="meshes")

@@ -51,7 +51,7 @@ def as_file(source: Source, kind: str, name: str | None, catalog: Catalog, choic
     Args:
         source: a file, a text of several lines, bytes, or a stream.
         kind: ``reader`` or ``emitter``: what knows the format.
-        name: the name of the format, where it is said.
+        name: the name of the format, where it is given.
         catalog: the stages that there are.
         choice: how the format is named, for messages: ``reader=NAME``.
 
@@ -150,7 +150,7 @@ class GivenRows:
             raise self._wrong(f"the columns are named {self.headers}", accepted=accepted)
 
     def _said(self, attributes: Any) -> dict[str, object]:  # noqa: ANN401 - whatever a table has
-        """What the attributes of a data frame say of all rows, as the metadata of a Parquet file do.
+        """What the attributes of a data frame declare about all rows, as the metadata of a Parquet file do.
 
         Raises:
             RecordValueError: one of them seems to say something under a key that nothing reads.

@@ -20,7 +20,7 @@ class Asker(NamedTuple):
     """Who asks for a conversion: a command line or a program, as messages speak to it.
 
     Attributes:
-        mark: the place of whatever is wrong with what was asked.
+        mark: the place that problems of the settings name.
         reader: what stands before the name of a reader.
         format: what stands before the name of an emitter.
         robot: what stands before the name of a manipulator.
@@ -70,8 +70,8 @@ class Setting(NamedTuple):
     """An option of some stage.
 
     Attributes:
-        text: as it was said.
-        key: ``frames``, or ``transform.frames`` where it has to be said whose option it is.
+        text: as it was typed.
+        key: ``frames``, or ``transform.frames`` where the kind of its stage has to be named.
         value: its value as a word of the command line; None where there is none.
     """
 
@@ -96,13 +96,13 @@ def stage_calls(
 
     Args:
         catalog: where the stages are from.
-        stages: the stages by kind. Those of one kind share what is said: each takes the options that it has.
+        stages: the stages by kind. Those of one kind share the settings: each takes the options that it has.
         asker: who asks.
         given: options by kind; a stage that has no such option is an error.
         settings: options that go to the kind of stage which has them.
 
     Raises:
-        ConfigError: an option is unknown or its value wrong; all of it is said at once.
+        ConfigError: an option is unknown or its value wrong; all problems are reported at once.
     """
     words: dict[str, dict[str, str]] = {
         kind: {name: value for name, value in given.get(kind, {}).items() if value is not None} for kind in stages
@@ -137,7 +137,7 @@ def stage_calls(
     calls: dict[str, list[Call[Any]]] = {kind: [] for kind in stages}
     for kind, some in stages.items():
         for stage in some:
-            # What no stage of the kind has is left in, for the message that says so.
+            # What no stage of the kind has is left in, for the message about it.
             foreign = known[kind].keys() - _fields(stage).keys()
             own = {name: word for name, word in words[kind].items() if name not in foreign}
             plugin, where = catalog.plugin_of(stage), f"{kind} {stage.name!r}"

@@ -78,7 +78,7 @@ def run_in_child(
     Raises:
         TimeLimitError: the child did not finish in time.
         CrashError: the child crashed, left without a result, cannot be started, or cannot import the function.
-        Exception: whatever the function raised, in its own type; as a `RuntimeError` that tells of it where that
+        Exception: whatever the function raised, in its own type; as a `RuntimeError` that describes it where that
             cannot be pickled. What the child printed is in its cause, a `ChildFailure`.
     """
     call = pickled_call(function, args, who)
@@ -153,7 +153,7 @@ def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) 
     """
     if getattr(function, "__module__", None) == "__main__":
         raise CrashError(
-            f"{function.__qualname__} stands in the script that is run, where a child process cannot import it",
+            f"{function.__qualname__} is in the script that is run, where a child process cannot import it",
         )
     try:
         return pickle.dumps(function), pickle.dumps(args)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @contextmanager
 def collected_at_the_end() -> Iterator[None]:
     """Keeps the collector away, and calls it for what is new at the end; in a process of our own alone."""
-    if not (is_own() and gc.isenabled()):  # Whoever keeps it away will call it.
+    if not (is_own() and gc.isenabled()):  # The caller that keeps it away will call it.
         yield
         return
     gc.disable()

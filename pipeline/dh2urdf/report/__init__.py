@@ -1,1 +1,1 @@
-"""What a run says of itself when it is done."""
+"""What a run reports when it is done."""

@@ -1,4 +1,4 @@
-"""What the axes of a table say of its kinematics, as plain data."""
+"""What the axes of a table declare about its kinematics, as plain data."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ class Exhibit:
         row: its row of the manifest.
         what: its table or tables; None where they could not be read.
         robot: its robot; None where it has no files.
-        truth: what the tables say of it.
+        truth: what the tables declare about it.
     """
 
     number: int
@@ -117,7 +117,7 @@ class Exhibit:
             return cls(number=number, row=row, what=None)
         try:
             robot, truth = make_item(what, recipe.transform, recipe.edits) if row["files"] else (None, None)
-        except ManipulatorError:  # A transform that gives once this and once that has been told of already.
+        except ManipulatorError:  # A transform with changing results is reported already.
             robot = truth = None
         return cls(number=number, row=row, what=what, robot=robot, truth=truth)
 

@@ -2,7 +2,7 @@
 
 Their colours are those of the page, light, dark or printed: matplotlib draws with a colour that stands for each, and
 the SVG gets the page's CSS variable in its place. The same facts give the same bytes with the same version of
-matplotlib. No text of a table stands in a figure.
+matplotlib. No text of a table is in a figure.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def arm_figure(truth: Truth, key: str) -> str:
     """The arms of a robot where all joint values are 0, with joint axes and DH frames, as SVG.
 
     Args:
-        truth: what the tables say of it.
+        truth: what the tables declare about it.
         key: a word of the figure's own on its page, for the names of its parts.
     """
     return skeleton_figure(
@@ -295,7 +295,7 @@ def _ticks(count: int, *, whole: bool = False) -> Any:  # noqa: ANN401 - matplot
 
 @contextmanager
 def without_warnings() -> Iterator[None]:
-    """Keeps to itself what matplotlib says of its font cache and its folders when it is used for the first time."""
+    """Hides what matplotlib prints about its font cache and its folders at its first use."""
     logger = logging.getLogger("matplotlib")
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -340,7 +340,7 @@ _REFERENCE = re.compile(r"""(url\(#|href="#)([\w.-]+)""")
 
 
 def _inline(svg: bytes, what: str, key: str) -> str:
-    """SVG as it stands in HTML: no name spaces, no size of its own, no names of its parts but those that are used."""
+    """SVG as it is in HTML: no name spaces, no size of its own, no names of its parts but those that are used."""
     root = ET.fromstring(svg)  # noqa: S314 - matplotlib wrote it
     used = {name for _, name in _REFERENCE.findall(svg.decode())}
     for element in root.iter():

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 PAGE = "report.html"
 HOW_TO_GET = "a page with pictures of it, report.html, needs jinja2 and matplotlib: pip install 'dh2urdf[report]'"
-"""What is said where the page cannot be written."""
+"""The message where the page cannot be written."""
 LARGEST_PICTURE = 4_000_000
 """Pictures beyond are left out of the page [B]."""
 _PNG = b"\x89PNG\r\n\x1a\n"

@@ -1,6 +1,6 @@
-"""The files that tell of a run: its report, the index of its failures, the manifest as a table, and its durations.
+"""The files about a run: its report, the index of its failures, the manifest as a table, and its durations.
 
-All that a run found stands in its manifest, and no duration: a repeated run writes the same bytes. Durations stand in
+All that a run found is in its manifest, and no duration: a repeated run writes the same bytes. Durations are in
 `timing.json`.
 """
 
@@ -71,7 +71,7 @@ def write_reports(store: Store, ledger: Ledger, result: Result) -> RunReport:
             ledger.table.finish(ledger.rows)
         store.put(TABLE, ledger.table.path)
     else:
-        store.remove(TABLE)  # An older one would tell of another run.
+        store.remove(TABLE)  # An older one would describe another run.
     return report
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf.tasks.manifest_table import ManifestTable
 
 REPORTED = 1000
-"""Manipulators that the report repeats from the manifest: the first ones; `timing.json` tells of as many."""
+"""Manipulators that the report repeats from the manifest: the first ones; `timing.json` has as many."""
 
 
 class Ledger:
@@ -40,7 +40,7 @@ class Ledger:
 
         Args:
             rows: an empty file.
-            place: where the manifest will be, which errors tell of.
+            place: where the manifest will be, which errors name.
             told: what is needed to do the run again.
             verdicts: gathers what simulators say; None where none is asked.
         """

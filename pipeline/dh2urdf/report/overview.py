@@ -1,4 +1,4 @@
-"""What a run's page says of all its manipulators: gathered while the rows of the manifest pass by; few are kept."""
+"""The facts of a run's page about all manipulators: gathered from the rows of the manifest; few are kept."""
 
 from __future__ import annotations
 
@@ -212,7 +212,7 @@ class Entry:
 
 
 class Overview:
-    """What there is to say of a whole run.
+    """Findings about a whole run.
 
     Of a long run it keeps what was drawn for a sample only. Each manipulator has a rank, and the lowest ranks are kept:
     multiples of the golden ratio, which are spread evenly, also where a grid repeats itself.
@@ -235,7 +235,7 @@ class Overview:
 
         Args:
             most: how many of the first rows to keep.
-            index: is told of the same rows.
+            index: gets the same rows.
         """
         self.index = index
         self.count = self.files = self.size = self.remarks = self.sampled = 0

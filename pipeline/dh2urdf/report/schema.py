@@ -96,7 +96,7 @@ def _along(hint: Any) -> Iterable[str]:  # noqa: ANN401 - any type
 
 
 def _value(hint: Any, named: Mapping[Any, str]) -> dict[str, Any]:  # noqa: ANN401 - any type
-    """A value of a type; what is said of a value that may be null is said of what it is otherwise."""
+    """A value of a type; keywords of a value that may be null apply to its other type."""
     kind, arguments = get_origin(hint), get_args(hint)
     if kind is NotRequired:
         return _value(arguments[0], named)

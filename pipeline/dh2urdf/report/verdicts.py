@@ -1,4 +1,4 @@
-"""What simulators say of a whole run: how many manipulators each was given, and what several of them have in common.
+"""What simulators report about a whole run: how many manipulators each was given, and findings of several of them.
 
 All comes from the rows of the manifest, so that a run that was resumed, or made by many workers, tells the same.
 """

@@ -78,7 +78,7 @@ def _same_names(arms: Sequence[ArmCall]) -> Iterator[Problem]:
                     mark=arm.mark,
                     found=word,
                     accepted=f"a {what} of its own for each",
-                    suggestion=f"the first stands at {first[word].mark}",
+                    suggestion=f"the first is at {first[word].mark}",
                 )
 
 
@@ -137,7 +137,7 @@ ARM = Record(
         "prefix": Key(ANY_TEXT, "before the names of its links and joints; NAME_ by default"),
         "parent": Key(TEXT, "world, or a link of another arm, such as left/tool0"),
         "xyz": Key(triple(Dimension.LENGTH), "where it stands on its parent [m]"),
-        "rpy": Key(triple(Dimension.ANGLE), "how it stands there: roll, pitch, yaw [rad]"),
+        "rpy": Key(triple(Dimension.ANGLE), "its orientation there: roll, pitch, yaw [rad]"),
     },
     marks={"mark": ("",), "of_mark": ("of",), "parent_mark": ("parent",)},
 )

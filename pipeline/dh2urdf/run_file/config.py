@@ -48,7 +48,7 @@ def load_config(
         path: the run file.
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
         root: what the run file says, where it is not in the file.
-        asked: where the changes are said.
+        asked: where the changes are given.
 
     Returns:
         The run file; `RunConfig.problems` says what is wrong with its structure.

@@ -1,6 +1,6 @@
 """The section `meshes` of a run file: which mesh files the links of a manipulator are drawn and touched as.
 
-It is for tables that cannot say it, such as CSV files. What it says of a joint holds before what the table says.
+It is for tables that cannot say it, such as CSV files. Its values for a joint override those of the table.
 """
 
 from __future__ import annotations
@@ -170,8 +170,8 @@ MESH = Record(
             "a file in STL, OBJ or DAE, from the folder of the run file",
             missing=NO_FILE,
         ),
-        "xyz": Key(triple(Dimension.LENGTH), "where it stands in the DH frame after the row [m]"),
-        "rpy": Key(triple(Dimension.ANGLE), "how it stands there: roll, pitch, yaw [rad]"),
+        "xyz": Key(triple(Dimension.LENGTH), "where it is in the DH frame after the row [m]"),
+        "rpy": Key(triple(Dimension.ANGLE), "its orientation there: roll, pitch, yaw [rad]"),
         "scale": Key(ValueType(_scale, {"anyOf": [NUMBER, numbers(3)]}), "a factor, or one for each axis"),
     },
     short="file",
@@ -209,7 +209,7 @@ MESHES = Many(
         marks={"mark": ("of",)},
         elsewhere={
             "convert": (
-                "this section says which meshes links have; what becomes of them is said of the output",
+                "this section says which meshes links have; the output section decides what becomes of them",
                 "output: {meshes: {convert: …}}",
             )
         },

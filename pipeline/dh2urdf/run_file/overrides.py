@@ -23,7 +23,7 @@ MAX_KEYS = 16
 
 
 class Asked(NamedTuple):
-    """Where settings are said, for messages.
+    """Where settings are given, for messages.
 
     Attributes:
         mark: the place.
@@ -44,7 +44,7 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
         root: the run file.
         setting: KEY=VALUE, where KEY is a path of names and of indices from 0.
         sections: the sections that a run file has.
-        asked: where the setting is said.
+        asked: where the setting is given.
 
     Raises:
         ConfigError: the setting leads nowhere.
@@ -83,7 +83,7 @@ def _refuse_broken(word: str, setting: str, asked: Asked) -> None:
             setting,
             f"cannot be read: {error.problems[0].message}",
             accepted="a value as in a run file: a word, a number, [a, b], {key: value}",
-            suggestion="a text with such characters stands in quotes: 'KEY=\"TEXT\"'",
+            suggestion="a text with such characters is in quotes: 'KEY=\"TEXT\"'",
         ) from None
 
 

@@ -37,11 +37,11 @@ class Plan:
 
     Attributes:
         inputs: files with the reader of each.
-        input_notices: what there is to say of inputs before they are read, by path.
+        input_notices: the findings about inputs before they are read, by path.
         recipe: what is done with every manipulator.
         key: the recipe's, by which a later run knows files that are still right.
         store: where the output goes.
-        reports: where what tells of the run goes, where that is another place.
+        reports: where the files about the run go, where that is another place.
         layout: under which names.
         executor: does the work.
         cells: robots of several of the manipulators, made when all have been read.
@@ -69,7 +69,7 @@ class Plan:
 
     @property
     def report_store(self) -> Store:
-        """Where what tells of the run goes: report, manifest, index, journal."""
+        """Where the files about the run go: report, manifest, index, journal."""
         return self.reports or self.store
 
 
@@ -77,7 +77,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     """Resolve every stage and every option of a run file, before anything is read or written.
 
     Raises:
-        ConfigError: something in the run file is wrong; all of it is said at once.
+        ConfigError: something in the run file is wrong; all problems are reported at once.
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
     asked = AskedStages(catalog, config.problems, config.folder)
@@ -126,7 +126,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
 
 
 def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -> Store | None:
-    """Where what tells of a run goes: beside the output, where that holds folders of packages and nothing else."""
+    """Where the files about a run go: beside the output, where that holds folders of packages and nothing else."""
     asked, output = config.report.directory, config.output.directory
     if asked is not None:
         return None if str(asked) == str(output) else open_store(asked)

@@ -51,7 +51,7 @@ class InputCall:
         stage: name of the reader; None leaves it to each file's suffix.
         options: the reader's options as they are written.
         mark: where the input stands.
-        notices: what there is to say of the pattern.
+        notices: the findings about the pattern.
     """
 
     paths: tuple[Path, ...]
@@ -97,7 +97,7 @@ class ProofSection:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportSection:
-    """What is told of the run.
+    """What is reported of the run.
 
     Attributes:
         html: whether the run writes a page for people, where its packages are installed.
@@ -125,7 +125,7 @@ class RunConfig:
         meshes: mesh files that links are drawn and touched as.
         proof: how much is compared with the tables.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
-        report: what is told of the run.
+        report: what is reported of the run.
         folder: the folder of the run file, which paths in options of stages are relative to.
         problems: what is wrong with the file; nothing may start while there is any.
     """

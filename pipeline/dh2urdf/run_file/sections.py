@@ -113,7 +113,7 @@ def _sample_keys(what: str) -> dict[str, Key]:
     """The keys of a sample: the first manipulators of the run, and some of the rest."""
     return {
         "first": Key(whole(0, MOST), f"so many manipulators at the beginning of the run {what}"),
-        "every": Key(whole(1, MOST), f"of the rest every how many-th {what}"),
+        "every": Key(whole(1, MOST), f"n, for every n-th of the other {what}"),
     }
 
 
@@ -174,7 +174,7 @@ _SECTIONS = {
     "execution": Key(EXECUTION, "what does the work"),
     "proof": Key(PROOF, "how much is compared with the tables; all by default"),
     "sample": Key(SAMPLE, "how much goes through what is slow"),
-    "report": Key(REPORT, "what is told of the run"),
+    "report": Key(REPORT, "what is reported of the run"),
 }
 RUN_FILE = Record(RunConfig, {name: section._replace(is_vital=False) for name, section in _SECTIONS.items()})
 """The whole file. A section that is wrong has its defaults, so that the stages of the others are looked at too."""

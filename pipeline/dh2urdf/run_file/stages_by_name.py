@@ -27,7 +27,7 @@ class AskedStages:
 
     Attributes:
         problems: all that is wrong, each with its place in the run file.
-        notices: what there is to say of inputs, by the path of the file that says it: named twice, or by a pattern that
+        notices: the findings about inputs, by the path of the file that says it: named twice, or by a pattern that
             could not be searched everywhere.
     """
 
@@ -53,7 +53,7 @@ class AskedStages:
         return None
 
     def calls(self, kind: Any, asked: Sequence[StageCall]) -> list[Call[Any] | None]:  # noqa: ANN401 - a kind of stage
-        """Stages of a kind, each name once: files and reports are told by these names."""
+        """Stages of a kind, each name once: files and reports are named by these names."""
         calls = [self.call(kind, each) for each in asked]
         first: dict[str, StageCall] = {}
         for given, call in zip(asked, calls, strict=True):
@@ -148,7 +148,7 @@ class AskedStages:
 
     @contextmanager
     def _at(self, mark: Mark | None) -> Iterator[None]:
-        """Whatever is wrong with what is asked for at a place is told with the place."""
+        """Problems with what a place asks for are reported with the place."""
         try:
             yield
         except InputError as error:

@@ -119,7 +119,7 @@ class ValueType(Generic[T]):
         self._take, self._keywords = take, keywords
 
     def read(self, node: Node, field: str, to: Validator) -> T | None:
-        """The value; None where the validator was told what is wrong with it."""
+        """The value; None where the validator got a problem with it."""
         return self._take(node, field, to)
 
     def schema(self, catalog: Catalog) -> JsonSchema:
@@ -169,7 +169,7 @@ class Record(ValueType[T]):
             short: the key that a text alone is the value of.
             marks: arguments of `make` that are places: that of the first of these keys which is there, of the mapping
                 itself for an empty name.
-            elsewhere: keys that belong into another section: what to say of each, and what is accepted.
+            elsewhere: keys that belong into another section: the message about each, and what is accepted.
             also: more keywords of its JSON Schema.
             null_is_absent: whether an empty value is the same as none.
         """
@@ -304,7 +304,7 @@ class Many(ValueType[tuple[T, ...]]):
             if self.distinct and (name := getattr(value, self.distinct.name)):
                 other = first.setdefault(self.distinct.key(name), each)
                 if other is not each:
-                    message, where = self.distinct.message.format(shown(name)), f"the first stands at {other.mark}"
+                    message, where = self.distinct.message.format(shown(name)), f"the first is at {other.mark}"
                     to.say(message, each, place, found=name, accepted=self.distinct.accepted, suggestion=where)
                     continue
             taken.append(value)

@@ -156,7 +156,7 @@ def path_of(resolve: Callable[[str, Node, str, Validator], T | None]) -> ValueTy
 
 
 class FoundFiles(NamedTuple):
-    """Files, and what there is to say of their pattern."""
+    """Files, and the findings about their pattern."""
 
     paths: tuple[Path, ...]
     notices: tuple[Problem, ...]

@@ -56,7 +56,7 @@ class _LawReader:
     Attributes:
         what: the field.
         field: the law, by which problems name it.
-        to: is told what is wrong.
+        to: gets the problems.
         units: what the units measure that its values name.
     """
 

@@ -52,7 +52,7 @@ class Assignment:
         key: the key of the recipe.
         store: where everything goes.
         layout: under which names.
-        reports: where what tells of the run goes.
+        reports: where the files about the run go.
         journal: folder of it for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
@@ -136,7 +136,7 @@ class BatchContent:
         )
 
     def key(self, place: int, *, noticed: bool, mark: Mark | None) -> str:
-        """The key of a row; where a file's lines are told in it, they count too."""
+        """The key of a row; where it names a file's lines, they count too."""
         return key_of(str(mark), self.keys[place]) if noticed else self.keys[place]
 
     # --- What an earlier run has made

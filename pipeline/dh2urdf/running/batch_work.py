@@ -117,7 +117,7 @@ class Work(BatchContent):
     def _group(self, places: list[int], columns: ManipulatorColumns) -> dict[int, Outcome]:
         """The outcomes of manipulators that differ in numbers only; what fails here is made one by one, to say why.
 
-        A stage that fails at many and not at one is at fault all the same, and a notice of each tells of it.
+        A stage that fails at many and not at one is at fault all the same, and a notice of each reports it.
         """
         outcomes: dict[int, Outcome] = {}
         try:
@@ -219,7 +219,7 @@ class Work(BatchContent):
         what, batch = self.what(place), self.batch
         index = batch.first + place
         seconds: dict[str, float] = defaultdict(float)
-        # What its table was read with is told with the nominal manipulator, not with each of its variants.
+        # What its table was read with is reported with the nominal manipulator, not with each of its variants.
         own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
         outcome = Outcome(
             name=what.name,
@@ -282,7 +282,7 @@ class Work(BatchContent):
         # Who rejected it has said whom each problem is about: it may be a file, or a section of the run file.
         name = what.name if was_read else None
         problems = [problem.about(robot=name, mark=self.mark(place)) for error in errors for problem in error.problems]
-        if place in self.drawn:  # Its table says nothing of it, and many variants have the same joints.
+        if place in self.drawn:  # Its table has no such notice, and many variants have the same joints.
             problems = [replace(problem, message=f"{what.name}: {problem.message}") for problem in problems]
         tracebacks = [text for error in errors if (text := getattr(error, "traceback", ""))]
         return replace(

@@ -65,7 +65,7 @@ def lay_out(top: Path, robot: Robot, prefix: str) -> Path:
         prefix: what descriptions write before the names of copies.
 
     Returns:
-        The folder in which a description of the robot finds them. (That a package stands beside or above a
+        The folder in which a description of the robot finds them. (That a package is beside or above a
         description that names it is how PyBullet finds packages.)
     """
     package = prefix.removeprefix("package://")

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from dh2urdf.results import RunReport
 
 Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
-"""Is told of a batch, and how many manipulators the run will probably have."""
+"""Gets each batch, and how many manipulators the run will probably have."""
 
 
 def load_plan(
@@ -71,10 +71,10 @@ def load_plan(
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
         output: where the output goes, if not where the run file says: a folder or an address.
         root: what the run file says, where it is not in the file.
-        asked: where the changes are said.
+        asked: where the changes are given.
 
     Raises:
-        ConfigError: something in the run file is wrong; all of it is said at once.
+        ConfigError: something in the run file is wrong; all problems are reported at once.
         OutputError: nothing can be written there.
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
@@ -100,7 +100,7 @@ def execute(
         resume: keep what earlier runs into the same place have finished, where it is whole and nothing of it changed.
         dry_run: read, transform and check, but write nothing.
         keep: leave the files of the last run into the same place that this one has no part in.
-        note: is told of every batch as it comes, as soon as something could be read, and how many manipulators the run
+        note: gets every batch as it comes, as soon as something could be read, and how many manipulators the run
             will probably have.
 
     Returns:
@@ -148,8 +148,8 @@ def execute(
             if ledger.overview:
                 write_html(store, ledger, exhibits, plan.recipe, plan.layout, reports=reports)
             else:
-                reports.remove(PAGE)  # An older one would tell of another run.
-            # While the old manifest stands there, as what is removed is known from it alone.
+                reports.remove(PAGE)  # An older one would describe another run.
+            # While the old manifest is there, as what is removed is known from it alone.
             kept_meshes = plan.recipe.mesh_prefix is None
             result.leftovers = clear_leftovers(store, reports, rows, keep=keep, keep_meshes=kept_meshes)
             result.seconds["total"] = time.perf_counter() - started
@@ -210,9 +210,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                 ledger.axes.see(batch)
                 yield known
 
-    unread: list[
-        BatchReport
-    ] = []  # Where nothing can be read, the error at the end says why, and nobody says it twice.
+    unread: list[BatchReport] = []  # Where nothing can be read, the error at the end names the reason, once.
     readable = False
     # An error or an interrupt here ends the workers and the children of loaders, not some time later.
     with maker.children, closing(_answers(plan, maker, handed_over(), under_way)) as answers:
@@ -249,7 +247,7 @@ def _answers(
         under_way: the batches without a result.
 
     Raises:
-        BrokenPluginError: the executor failed, and not because of what is told of a batch.
+        BrokenPluginError: the executor failed, and not because of a batch.
     """
     call = plan.executor
     with depending_on(call):

@@ -40,7 +40,7 @@ LARGE = 500
 
 
 class Doomed(NamedTuple):
-    """A manipulator that cannot be made, since whoever tried did not survive it.
+    """A manipulator that cannot be made, since each worker that tried died.
 
     Attributes:
         name: its name.
@@ -58,7 +58,7 @@ Single: TypeAlias = Manipulator | Cell | Rejected | Doomed
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Batch:
-    """Manipulators that stand behind each other in a run, as they travel to a worker.
+    """Consecutive manipulators of a run, as they travel to a worker.
 
     Attributes:
         first: number of the first one in the run.
@@ -71,7 +71,7 @@ class Batch:
         notices: what is known of them before the work begins, by their places.
         of_readers: the notices of their tables, which those in columns are without, by their places.
         tracebacks: where a reader failed, by place.
-        rows: what earlier runs tell of manipulators of the same name, by place.
+        rows: what earlier runs recorded of manipulators of the same name, by place.
     """
 
     first: int
@@ -145,7 +145,7 @@ def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
 
     Args:
         plan: the run.
-        expected: is told how far the reading has come.
+        expected: gets how far the reading has come.
     """
     stems = Stems(plan.layout.stem_of)
     waiting = _Waiting(items(plan, expected, columns=True))

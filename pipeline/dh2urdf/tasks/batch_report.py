@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion.outcome import Outcome
 
 TIMED = 1000
-"""Manipulators of a run whose durations are told one by one; those of the others are added up."""
+"""Manipulators of a run whose durations are listed one by one; those of the others are added up."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +25,7 @@ class BatchReport:
         rows: its part of the manifest, a line of JSON for each.
         statuses: how many are ok, kept from an earlier run, failed or skipped.
         kinds: how many failed, by kind.
-        problems: what was noticed and what failed, a screenful of each; what is noticed of many stands there once.
+        problems: what was noticed and what failed, a screenful of each; what is noticed of many is there once.
         severities: how many notices and errors there are.
         tracebacks: where stages failed, a screenful.
         was_read: whether there was a manipulator at all.
@@ -54,11 +54,11 @@ class BatchReport:
 
 
 def is_new(problem: Problem, said: set[Problem]) -> bool:
-    """Whether a message is still to be said; a notice without a place is the same for all manipulators of a run.
+    """Whether a message is still to be reported; a notice without a place is the same for all manipulators of a run.
 
     Args:
         problem: the message.
-        said: the notices of that kind that were said; it takes this one.
+        said: the notices of that kind that were reported; this one is added.
     """
     if problem.severity != "notice" or problem.mark is not None:
         return True

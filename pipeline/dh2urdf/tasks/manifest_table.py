@@ -53,7 +53,7 @@ class ManifestTable:
 
     Attributes:
         path: the file that is written.
-        place: where it will be in the end, which errors tell of.
+        place: where it will be in the end, which errors name.
     """
 
     def __init__(self, path: Path, place: str | None = None) -> None:
@@ -200,7 +200,7 @@ class _Columns:
 
 
 def _common_types() -> dict[str, pa.DataType]:
-    """The columns that stand in a row as they are."""
+    """The columns that are in a row as they are."""
     return _types(ManipulatorEntry, "name", "status", "kind", "source", "key", "keeps_kinematics", "files")
 
 

@@ -71,7 +71,7 @@ class DaskOptions:
         if self.workers != "auto" and self.workers < 1:
             raise ValueError("workers is a number from 1 on, or auto")
         if self.workers != "auto" and self.scheduler is not None:
-            raise ValueError("workers are those of the scheduler: their number is said where they are started")
+            raise ValueError("workers are those of the scheduler: you choose their number when you start them")
 
 
 def require(_options: DaskOptions) -> None:
@@ -277,7 +277,7 @@ def _gone() -> ExecutorError:
 @cache
 def _versions(names: tuple[str, ...]) -> dict[str, str]:
     """The versions of some distributions, and of Python, in this process; empty where one is not installed."""
-    return dict(eval(_VERSIONS, {"NAMES": names}))  # noqa: S307 - the text stands above
+    return dict(eval(_VERSIONS, {"NAMES": names}))  # noqa: S307 - the text is above
 
 
 def _others(address: str, ours: dict[str, str], theirs: dict[str, str]) -> Iterator[Problem]:

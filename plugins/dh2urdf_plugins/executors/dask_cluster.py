@@ -27,7 +27,7 @@ def main() -> None:
         preload=[_HUSH],
     )
     os.write(1, f"{cluster.scheduler_address}\n".encode())
-    exec(_HUSH)  # noqa: S102 - the text stands above
+    exec(_HUSH)  # noqa: S102 - the text is above
     sys.stdin.read()
     if hasattr(os, "killpg"):
         os.killpg(0, signal.SIGKILL)

@@ -178,7 +178,7 @@ def _result(answer: tuple[Any, ...]) -> Any:  # noqa: ANN401 - the result of the
             raise ExecutorError(
                 Problem(
                     message=f"a worker process cannot take the work over: {answer[1]}",
-                    suggestion="stages stand in modules that can be imported, not in a script; `--workers 1` takes any",
+                    suggestion="stages have to be in importable modules, not in a script; `--workers 1` takes any",
                 )
             )
 

@@ -91,7 +91,7 @@ def _on_terminate(_number: int, _frame: object) -> None:
 
 
 def _pickled(error: BaseException) -> bytes:
-    """The exception as the parent can raise it; what does not survive the way is told by a `RuntimeError`."""
+    """The exception as the parent can raise it; what cannot be pickled becomes a `RuntimeError`."""
     try:
         data = pickle.dumps(error)
         pickle.loads(data)  # noqa: S301 - made in the line before

@@ -68,7 +68,7 @@ def leave(how: str) -> None:
 
 
 def hang(pids: str) -> None:
-    """Hangs, with a child of its own that hangs too; both process ids stand in the file."""
+    """Hangs, with a child of its own that hangs too; both process ids are in the file."""
     other = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
     path = Path(pids)
     path.with_suffix(".new").write_text(f"{os.getpid()} {other.pid}")
@@ -226,7 +226,7 @@ KEPT = replace(LOADER, load=kept_load, prepare=prepare, time_limit=lambda _optio
 
 
 def load_and_wait(path: str) -> None:
-    """Loads a file in a kept child; its number, and that of what it started, stand in ``hang.pids`` meanwhile."""
+    """Loads a file in a kept child; its number, and that of what it started, are in ``hang.pids`` meanwhile."""
     from dh2urdf.robot import Robot
 
     robot = Robot(name="arm", links=(), joints=())

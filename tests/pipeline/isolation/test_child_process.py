@@ -127,7 +127,7 @@ def test_unpicklable_exception_is_wrapped(functions: ModuleType) -> None:
 
 
 def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:
-    """A value that cannot be sent is told as what pickle says of it."""
+    """A value that cannot be sent is told as what pickle declares about it."""
     with pytest.raises((pickle.PicklingError, AttributeError, TypeError), match="lambda"):
         run_in_child(functions.return_unpicklable, timeout=LONG)
 
@@ -212,7 +212,7 @@ def test_script_needs_no_main_guard(tmp_path: Path) -> None:
 
 
 def test_function_of_the_script_itself_is_refused(tmp_path: Path) -> None:
-    """A function that stands in the script cannot be imported by the child, and the error says so."""
+    """A function that is in the script cannot be imported by the child, and the error says so."""
     script = tmp_path / "script.py"
     script.write_text(
         "from dh2urdf.isolation.child_process import run_in_child\n"
@@ -221,4 +221,4 @@ def test_function_of_the_script_itself_is_refused(tmp_path: Path) -> None:
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True, check=False)
-    assert "mine stands in the script that is run" in done.stdout
+    assert "mine is in the script that is run" in done.stdout

@@ -127,7 +127,7 @@ def variants(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 class TestOneManipulator:
     def test_the_agreement_is_that_of_the_report(self, ur5: Path) -> None:
-        """Errors, tolerances, joint vectors and numbers of poses stand there to the last digit, with a verdict."""
+        """Errors, tolerances, joint vectors and numbers of poses are there to the last digit, with a verdict."""
         (row,) = report(ur5)["manipulators"]
         asked = {**row["proof"], **row["loaders"]}
         found = cells(parsed(ur5), "agreement")
@@ -142,7 +142,7 @@ class TestOneManipulator:
             assert text(line[1]) == "same arm"
 
     def test_the_table_is_the_given_one(self, ur5: Path) -> None:
-        """The DH table stands there as the person gave it, in SI units."""
+        """The DH table is there as the person gave it, in SI units."""
         given = [line for line in (CONFIGS / "tables" / "ur5.csv").read_text().splitlines() if line[0] != "#"]
         angle = {"pi/2": math.pi / 2, "-pi/2": -math.pi / 2, "0": 0.0}
         found = cells(parsed(ur5), "dh")

@@ -48,7 +48,7 @@ def no_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("no_matplotlib")
 class TestTables:
     def test_that_of_a_manipulator(self) -> None:
-        """Convention, base and tool stand above; lengths are in m, angles in rad and degrees, all with their units."""
+        """Convention, base and tool are above; lengths are in m, angles in rad and degrees, all with their units."""
         slide = DHRow(joint="slide", link="b", type=JointType.PRISMATIC, a=0, alpha=0, d=0.25, offset=0.1, sign=-1)
         turn = DHRow(joint="turn", link="a", a=0.5, alpha=math.pi / 2, d=-0.0, limits=Limits(lower=-1, upper=math.pi))
         base = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.3))

@@ -22,7 +22,7 @@ def config(folder: Path, cells: str, *settings: str) -> RunConfig:
 
 
 def problem(folder: Path, arms: str) -> str:
-    """What is wrong with a cell of these arms, which stand in the fourth line of the run file."""
+    """What is wrong with a cell of these arms, which are in the fourth line of the run file."""
     found = config(folder, f"- name: pair\n  arms: [{arms}]").problems
     assert len(found) == 1, [str(each) for each in found]
     return str(found[0]).removeprefix(f"{folder}/")
@@ -123,14 +123,14 @@ def test_one_cell_needs_no_list_and_settings_reach_it(tmp_path: Path) -> None:
             "{name: a, of: x, prefix: p}, {name: b, of: x, prefix: p}",
             (
                 "run.yaml:4:39: error: field 'cells.0.arms': two arms of this cell have the prefix 'p'\n"
-                "    accepted: a prefix of its own for each\n    the first stands at run.yaml:4:10"
+                "    accepted: a prefix of its own for each\n    the first is at run.yaml:4:10"
             ),
         ),
         (
             "{name: a, of: x, prefix: p}, {name: a, of: x}",
             (
                 "run.yaml:4:39: error: field 'cells.0.arms': two arms of this cell have the name 'a'\n"
-                "    accepted: a name of its own for each\n    the first stands at run.yaml:4:10"
+                "    accepted: a name of its own for each\n    the first is at run.yaml:4:10"
             ),
         ),
         (

@@ -134,7 +134,7 @@ def test_a_pattern_finds_no_hidden_files(folder: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_searched_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What the system says of a folder of running processes, word for word."""
+    """What the system declares about a folder of running processes, word for word."""
 
     def gone(*_: object) -> None:
         raise OSError(22, "Invalid argument", "/proc/1/net")
@@ -304,7 +304,7 @@ def test_a_setting_that_leads_nowhere_is_told(folder: Path, setting: str, messag
 
 @pytest.mark.parametrize("word", ["*.csv", "@x", "50%", "C:\\\\arms\\\\out", '"[x"'])
 def test_a_setting_that_is_a_text_needs_no_quotes(folder: Path, word: str) -> None:
-    """A pattern is no YAML, and what is meant all the same; a text that begins like a list stands in quotes."""
+    """A pattern is no YAML, and what is meant all the same; a text that begins like a list is in quotes."""
     found = config(folder, TABLE, f"output.directory={word}")
     assert not found.problems
     assert Path(found.output.directory or "").name == Path(word.strip('"')).name
@@ -312,7 +312,7 @@ def test_a_setting_that_is_a_text_needs_no_quotes(folder: Path, word: str) -> No
 
 @given(setting=st.text() | st.from_regex(r"\A(inputs|emitters|output|proof)(\.[a-z0]+){0,3}=[\[\]{}a-z: ]*\Z"))
 def test_any_setting_is_taken_or_refused(tmp_path_factory: pytest.TempPathFactory, setting: str) -> None:
-    """Whatever stands behind --set gives a run file or problems."""
+    """Whatever is behind --set gives a run file or problems."""
     path = tmp_path_factory.getbasetemp() / "any.yaml"
     path.write_text("inputs: any.yaml\nemitters: [urdf]\n")
     assert isinstance(load_config(path, [setting]), RunConfig)

@@ -60,7 +60,7 @@ def test_every_variant_is_edited_and_proved(cli: Cli, folder: Path) -> None:
 
 
 def test_each_arm_of_a_cell_is_edited(cli: Cli, folder: Path) -> None:
-    """The names of the edit stand behind the prefix of the arm, and the proof finds both tips."""
+    """The names of the edit are behind the prefix of the arm, and the proof finds both tips."""
     with (folder / "run.yaml").open("a") as file:
         file.write("cells: {name: pair, arms: [{name: l, of: arm}, {name: r, of: arm, parent: l/tool0}]}\n")
     cli("run", "run.yaml")

@@ -1,4 +1,4 @@
-"""Tables with something to say of each are made side by side as others are, and their notices are kept."""
+"""Tables with something to declare about each are made side by side as others are, and their notices are kept."""
 
 from __future__ import annotations
 

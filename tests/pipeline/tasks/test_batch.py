@@ -126,7 +126,7 @@ class TestCutting:
                 assert getattr(found, name) == getattr(wanted, name), name
 
     def test_alike_ones_share_their_columns(self, plan: Callable[..., Plan]) -> None:
-        """Those that differ in numbers only, wherever they stand in the batch."""
+        """Those that differ in numbers only, wherever they are in the batch."""
         (batch,) = taken(plan("output: {layout: shards}", one=table(["a", "long1", "b", "bad", "long2", "c"])))
         assert sorted(places for places, _ in batch.columns) == [(0, 2, 5), (1, 4)]
         assert list(batch.singles) == [3]
@@ -191,7 +191,7 @@ class TestParts:
         assert [*whats(first).values(), *whats(second).values()] == list(whats(batch).values())
 
     def test_the_doomed_stand_in_their_places(self, batch: Batch) -> None:
-        """Whatever stood there; all others stay, and none is taken from an earlier run."""
+        """Whatever was there; all others stay, and none is taken from an earlier run."""
         doomed = {3: Doomed("b", CrashError("it crashed"), None), 9: Doomed("b_3", CrashError("it crashed"), None)}
         rest = batch.without(doomed)
         assert {place: rest.singles[place] for place in doomed} == doomed

@@ -199,7 +199,7 @@ class TestACluster:
     def test_a_task_that_kills_every_worker_is_lost_alone(
         self, functions: ModuleType, cluster: Cluster, death: str
     ) -> None:
-        """Its place says so; every other task has its result, also those that stood beside it."""
+        """Its place says so; every other task has its result, also those that was beside it."""
         results = list(map_on_dask(functions.double_or_die, [*range(10), death, *range(10, 20)], cluster.options))
         lost = results.pop(10)
         assert results == [2 * number for number in range(20)]

@@ -53,7 +53,7 @@ def options(request: pytest.FixtureRequest) -> LocalOptions:
 class TestResults:
     @pytest.mark.parametrize("number", [0, 1, 2, 3, 200])
     def test_come_in_the_order_of_the_tasks(self, options: LocalOptions, number: int) -> None:
-        """Every task has its result, in order, whoever is done first."""
+        """Every task has its result, in order, whichever task is done first."""
         sizes = [2000 if i % 50 == 0 else i for i in range(number)]
         assert list(map_locally(math.factorial, sizes, options)) == [math.factorial(size) for size in sizes]
 
@@ -160,7 +160,7 @@ class TestErrors:
         assert found.value.code == 3
 
     def test_a_function_that_workers_cannot_import(self, functions: ModuleType) -> None:
-        """What stands in a script needs no second process, and the message says so."""
+        """What is in a script needs no second process, and the message says so."""
         with pytest.raises(
             ExecutorError, match=r"cannot take the work over: ImportError: no module named 'lab'\n.*--workers 1"
         ):

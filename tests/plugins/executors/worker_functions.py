@@ -107,7 +107,7 @@ def print_much(text: str) -> int:
 
 
 def hang_half_written(path: Path) -> None:
-    """Hangs with a child process and a file that only cleaning up takes away; process ids stand beside it."""
+    """Hangs with a child process and a file that only cleaning up takes away; process ids are beside it."""
     path.write_text("half")
     try:
         other = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])

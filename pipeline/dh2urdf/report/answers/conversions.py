@@ -134,7 +134,7 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
     Args:
         conversion: what became of it.
         source: the table.
-        directory: the folder of the files; None where they were not written, and their contents are told.
+        directory: the folder of the files; None where they were not written, and their contents are in the answer.
 
     Raises:
         ConfigError: a file that was not written is no text.

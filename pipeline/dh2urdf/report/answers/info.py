@@ -163,7 +163,7 @@ def _fields(row: DHRow, cells: Mapping[str, Said], joint: Joint | None, mass: fl
 
 
 def _fields_of_motion(row: DHRow, cells: Mapping[str, Said], joint: Joint | None) -> Iterator[FieldEntry]:
-    """Offset, sign and limits of a row that moves; offset and sign may be said as ``q2 + pi/2`` or ``-q2``."""
+    """Offset, sign and limits of a row that moves; offset and sign may be written as ``q2 + pi/2`` or ``-q2``."""
     home = cells.get("d" if row.type is JointType.PRISMATIC else "theta")
     offset = cells.get("offset") or (home if row.offset else None)
     yield _field(row, "offset", row.offset, cells, offset)
@@ -222,7 +222,7 @@ def largest_distance(manipulator: Manipulator, joints: Mapping[str, Joint]) -> D
 
     Args:
         manipulator: the table.
-        joints: the joints of its robot, whose limits stand in for those that the table leaves open.
+        joints: the joints of its robot, whose limits replace those that the table leaves open.
     """
     sum_of = norm(manipulator.tool.translation)
     open_ends = []
@@ -256,7 +256,7 @@ def _mass(manipulator: Manipulator, robot: Robot | None) -> MassEntry:
 
 
 def _stated(manipulator: Manipulator) -> dict[str, Any]:
-    """What else the table says of the whole arm, by key."""
+    """What else the table declares about the whole arm, by key."""
     from dataclasses import asdict, is_dataclass
 
     found = {}

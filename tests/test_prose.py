@@ -83,15 +83,9 @@ def packages() -> list[Path]:
     return found
 
 
-LATER = ("pipeline/dh2urdf/studio",)
-"""Packages that are still to be written in plain words."""
-
-
 @pytest.mark.parametrize("package", packages(), ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_code_has_plain_words(package: Path) -> None:
     """Docstrings, comments, messages, help texts, rules, templates and examples."""
-    if package.relative_to(ROOT).as_posix() in LATER:
-        return
     found = {}
     for path in sorted(package.rglob("*")) if package.is_dir() else [package]:
         if path.suffix not in SUFFIXES or "__pycache__" in path.parts:

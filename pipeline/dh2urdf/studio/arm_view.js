@@ -351,7 +351,7 @@ export default {
       return ball;
     },
 
-    // Where a row is picked, only its own parameters are told.
+    // Where a row is picked, only its own parameters are shown.
     emphasise(tube) {
       const on = [null, this.row].includes(tube.userData.row) || this.row === null;
       tube.material.opacity = on ? 1 : 0.3;

@@ -20,7 +20,7 @@ MOST_PROBLEMS = 30
 
 
 class ProblemList:
-    """What is to be said of the table.
+    """The problems of the table.
 
     Args:
         on_click: is called with a problem that a person has clicked.
@@ -33,7 +33,7 @@ class ProblemList:
             self._told = ui.element("div").style("display: contents")
 
     def show(self, session: Session) -> dict[str, str]:
-        """Shows what is to be said of a session's table.
+        """Shows the problems of a session's table.
 
         Returns:
             What is wrong by attribute of the table: base, tool, payload.

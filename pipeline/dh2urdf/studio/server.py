@@ -85,7 +85,7 @@ def serve(
         host: the address to listen at.
         port: see `listen`.
         browser: whether to open the page in the person's browser.
-        say: is told the address of the page, and who else may come.
+        say: gets the address of the page, and who else may open it.
         title: the title of the pages.
 
     Raises:

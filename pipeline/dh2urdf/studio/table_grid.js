@@ -230,7 +230,7 @@
       if (edit) api.startEditingCell({ rowIndex: row, colKey: field });
     },
 
-    // The letter that opens an editor is in it already: it is told like those that follow.
+    // The letter that opens an editor is in it already: the editor gets it like those that follow.
     started({ event }) {
       asked = false; // an answer may have been lost with the connection
       if (event?.key?.length !== 1) return;

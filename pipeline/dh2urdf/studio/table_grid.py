@@ -174,7 +174,7 @@ class TableGrid:
 
 
 def all_problems(session: Session) -> Sequence[CellProblem]:
-    """What is wrong with a table, whoever says it."""
+    """What is wrong with a table, from every source."""
     return (*session.reading.problems, *session.problems_of_making)
 
 

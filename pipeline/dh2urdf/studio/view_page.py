@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from dh2urdf.studio.widgets import ShownScene
 
 MOST_TIPS = 12
-"""Ends of arms whose poses are told."""
+"""Ends of arms whose poses are shown."""
 
 
 class ViewPage:

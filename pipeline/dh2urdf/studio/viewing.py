@@ -53,7 +53,7 @@ def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion |
         expansion: how those of them are expanded that hold macros.
 
     Raises:
-        InputError: a file cannot be read; the problems of all files are said at once.
+        InputError: a file cannot be read; the problems of all files are reported at once.
     """
     found: list[Figure] = []
     problems: list[Problem] = []

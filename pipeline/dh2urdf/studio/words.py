@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import TableText
 
 MOST_LOST = 6
-"""What a table cannot hold, as far as it is told."""
+"""What a table cannot hold, as far as it is reported."""
 
 
 def status(session: Session, errors: int) -> tuple[str, str]:
-    """What is to be said of the table in a line, and whether it is good or bad."""
+    """The state of the table in a line, and whether it is good or bad."""
     rows, waiting = len(session.table.rows), session.reading.waiting
     if errors:
         told = count(errors, "problem", "problems")
@@ -63,7 +63,7 @@ def some_of(things: Sequence[str]) -> str:
 
 
 def left_out(number: int) -> str:
-    """What is said where pasted cells found no place."""
+    """The message where pasted cells found no place."""
     cells = count(number, "cell finds", "cells find")
     return (
         f"{cells} no place to the right of the last column or below the last row.\n"
@@ -107,7 +107,7 @@ def _plain(number: float, digits: int) -> str:
 
 
 def remark(session: Session) -> str:
-    """What is to be said of the variant on the screen."""
+    """The message about the variant on the screen."""
     if session.arm is None or session.variant == session.variants[0]:
         return ""
     name = session.variants[-1]

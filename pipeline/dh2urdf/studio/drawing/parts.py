@@ -41,7 +41,7 @@ class SceneNode:
         name: what it is called: a link's name, or ``frame 3``.
         row: number of the row of the table that it belongs to, counted from 0.
         parts: its bodies.
-        label: a text that stands at its origin.
+        label: a text that is at its origin.
         layer: with what the label is shown.
         rooted: whether no joint moves it, in a robot that may stand elsewhere than at its root.
     """

@@ -61,8 +61,8 @@ class Figure:
         place: where its root is.
         tint: a colour in place of its own ones.
         opacity: less than 1 for a robot that is looked through, to see another one at its place.
-        typed: the table as it was typed, whose texts and units stand at its parameters.
-        title: a text that stands at its root.
+        typed: the table as it was typed, whose texts and units are at its parameters.
+        title: a text that is at its root.
         link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
         files: the files that the addresses of its meshes mean.
         as_in_ros: whether the axis up of their COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.

@@ -51,7 +51,7 @@ def strokes(
         q: joint values by name [rad or m].
         place: where its base_link is.
         radius: of the arcs of angles [m].
-        typed: the table as it was typed, whose texts and units stand at the parameters.
+        typed: the table as it was typed, whose texts and units are at the parameters.
     """
     words = typed or TableText(angle_unit="deg")
     vector = [q.get(row.joint, 0.0) for row in table.moving_rows]

@@ -36,7 +36,7 @@ class Opened(NamedTuple):
 
     Attributes:
         table: it as a table to edit.
-        lost: what it says besides, which such a table has no place for: meshes, for one.
+        lost: what else the file contains, which such a table has no place for: meshes, for one.
         notices: what the reader noticed of the file, and cannot notice of the table: an ignored column, for one.
     """
 

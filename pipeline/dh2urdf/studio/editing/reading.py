@@ -1,7 +1,7 @@
-"""What the readers say of a table that is being typed: the manipulator, or a message for every wrong cell.
+"""What the readers report about a table that is being typed: the manipulator, or a message for every wrong cell.
 
 The table is written as a file and read by the reader of that format, so that the studio accepts what the command line
-accepts, and says of a wrong cell what the command line says.
+accepts, and has the same message for a wrong cell.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Reading:
 
 
 def read(table: TableText, catalog: Catalog) -> Reading:
-    """What the reader says of a table, as far as its rows have been begun."""
+    """What the reader reports about a table, as far as its rows have been begun."""
     count = begun(table)
     if not count:
         return Reading(table=table, waiting=len(table.rows))
@@ -95,7 +95,7 @@ def read(table: TableText, catalog: Catalog) -> Reading:
 
 
 def read_whole(table: TableText, catalog: Catalog) -> Reading:
-    """What the reader says of all rows of a table."""
+    """What the reader reports about all rows of a table."""
     reader = catalog.cell_reader()
     if blank := [number for number, row in enumerate(table.rows) if not row]:
         return Reading(table=table, problems=tuple(map(_blank, blank)))
@@ -172,7 +172,7 @@ class Made:
 
     Attributes:
         robot: the robot.
-        problems: what the transform says of the table.
+        problems: what the transform declares about the table.
     """
 
     robot: Robot | None = None

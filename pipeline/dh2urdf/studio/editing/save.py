@@ -44,7 +44,7 @@ class Saved:
 
     Attributes:
         name: its name.
-        content: what stands in it.
+        content: what is in it.
         proof: how far it is from the DH product, where it is a robot description.
     """
 

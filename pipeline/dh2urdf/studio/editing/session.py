@@ -1,4 +1,4 @@
-"""A tab of the studio: the table and its past, what the readers say of it, the arm on the screen and its pose.
+"""A tab of the studio: the table and its past, what the readers report about it, the arm on the screen and its pose.
 
 It knows no browser. Whatever a person does is a method; the page shows what the attributes say afterwards.
 """
@@ -75,7 +75,7 @@ class Session:
     Attributes:
         catalog: the installed stages.
         history: the table and its past.
-        reading: what the readers say of the table.
+        reading: what the readers report about the table.
         arm: the last arm that could be made; None before there is one.
         drawing: it, as it is drawn.
         sliders: its moving joints.

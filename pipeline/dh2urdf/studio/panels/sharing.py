@@ -93,7 +93,7 @@ async def show_link(table: TableText) -> None:
 async def linked_table() -> TableText | None:
     """The table of the link by which the page was opened; None where it was opened without one.
 
-    A person is told of a link whose table cannot be read.
+    A link whose table cannot be read is shown as a problem.
     """
     text = await ui.run_javascript("return dhPage.linked()", timeout=10.0)
     if text is None:

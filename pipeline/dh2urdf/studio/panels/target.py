@@ -76,7 +76,7 @@ class TargetPanel:
         self._focused = name
 
     def _blur(self, name: str) -> None:
-        if self._focused == name:  # The browser tells of it after the focus of the next box.
+        if self._focused == name:  # The browser reports it after the focus of the next box.
             self._focused = ""
 
     def switch(self) -> None:

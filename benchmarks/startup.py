@@ -158,7 +158,7 @@ def main() -> None:
 
 
 def _row(name: str, none: list[Turn], many: list[Turn], bare: float) -> list[str]:
-    # Of turns that stand beside each other: what else the machine does at the time falls on both.
+    # Of turns that are beside each other: what else the machine does at the time falls on both.
     ratio = median(more.seconds / less.seconds for less, more in zip(none, many, strict=True))
     bounds = {"import dh2urdf": f"≤ {IMPORT_BOUND:g} × python"}
     bound = bounds.get(name, f"≤ {BOUND:g}" if name.startswith("dh2urdf") else "")

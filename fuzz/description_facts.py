@@ -89,7 +89,7 @@ def _number(element: ET.Element | None, name: str) -> float | None:
 
 
 def difference(consumer: str, file: Plain, behaviour: Behaviour) -> str:
-    """The first thing that a reader has loaded otherwise than it stands in the file; empty where there is none."""
+    """The first thing that a reader has loaded otherwise than it is in the file; empty where there is none."""
     return next(_differences(consumer, file, behaviour), "")
 
 

@@ -18,7 +18,7 @@ class Node:
 
     Attributes:
         tag: its name.
-        attributes: names and texts; a name may stand there twice.
+        attributes: names and texts; a name may be there twice.
         children: the elements in it.
         text: raw text in it, before its children.
     """

@@ -1,4 +1,4 @@
-"""Descriptions with random faults through the readers themselves, against what `dh2urdf check` says of them.
+"""Descriptions with random faults through the readers themselves, against what `dh2urdf check` declares about them.
 
     python fuzz/descriptions.py --files 20000 --seed 1 --workers 2 --found build/mispredicted
 

@@ -1,4 +1,4 @@
-"""What a change of a table does to the arm that is read, and to what is said of it."""
+"""What a change of a table does to the arm that is read, and to the messages about it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Outcome:
-    """What reading a file gives: its arms, part by part, and what is said of them."""
+    """What reading a file gives: its arms, part by part, and the messages about them."""
 
     parts: dict[str, str] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)

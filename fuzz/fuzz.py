@@ -6,7 +6,7 @@
     python fuzz/fuzz.py csv --seconds 600 --keep    # what covers new code goes into fuzz/corpus
 
 Each target runs in a process of its own, from the corpus and from the project's reference tables. An input that breaks
-a target is written to fuzz/found/, its traceback is printed, and the exit status is 1. Mend the bug and move the input
+a target is written to fuzz/found/, its traceback is printed, and the exit status is 1. Fix the bug and move the input
 to fuzz/corpus/<target>/, where `tests/test_fuzz.py` sees that it stays fixed.
 """
 

@@ -49,7 +49,7 @@ class Placement:
 
 @dataclass
 class KnownPayload:
-    """What an arm carries: its mass, the centre of mass in tool0, and the inertia about it, if it is said."""
+    """What an arm carries: its mass, the centre of mass in tool0, and the inertia about it, if it is given."""
 
     mass: Exact
     com: list[Exact]
@@ -58,7 +58,7 @@ class KnownPayload:
 
 @dataclass
 class KnownShape:
-    """A shape of links or of the base: its word and its radius, where they are said."""
+    """A shape of links or of the base: its word and its radius, where they are given."""
 
     shape: str | None = None
     radius: Exact | None = None
@@ -160,7 +160,7 @@ def known_row(rng: random.Random, fields: frozenset[str], kinds: tuple[str, ...]
 
 
 def _of_the_joint(rng: random.Random, row: KnownRow, fields: frozenset[str], dimension: str, rate: str) -> None:
-    """What a joint that moves says of its variable."""
+    """What a joint that moves declares about its variable."""
     degrees, linear = dimension == ANGLE and rng.random() < 0.7, dimension == LENGTH
     numbers = row.numbers
     if "offset" in fields:
@@ -188,7 +188,7 @@ def _of_the_joint(rng: random.Random, row: KnownRow, fields: frozenset[str], dim
 
 
 def _of_the_link(rng: random.Random, row: KnownRow, fields: frozenset[str]) -> None:
-    """What a row says of the link that it moves."""
+    """What a row declares about the link that it moves."""
     numbers = row.numbers
     if "mass" in fields and rng.random() < 0.8:
         numbers["mass"] = Exact(hundredths(rng, 10, 2000), MASS)

@@ -89,7 +89,7 @@ class Text:
     """A cell.
 
     Attributes:
-        bare: what stands in a column whose header may have a unit.
+        bare: what is in a column whose header may have a unit.
         full: the same where nothing outside the cell has one.
     """
 

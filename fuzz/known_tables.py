@@ -78,7 +78,7 @@ class Column:
 
 @dataclass
 class Arm:
-    """An arm as texts: what is said of all rows, and the cells by field."""
+    """An arm as texts: the statements about all rows, and the cells by field."""
 
     known: KnownArm
     said: dict[str, Any]
@@ -92,8 +92,8 @@ class Table:
     Attributes:
         columns: the columns in their order.
         arms: the arms.
-        said: what is said of all arms, by key; the leaves are texts.
-        options: what is said by options of the reader.
+        said: the statements about all arms, by key; the leaves are texts.
+        options: the statements by options of the reader.
         convention_column: whether each row says its convention.
         language: the language of its headers.
         in_texts: whether every number has to stay the text that it is, since others show which sign is decimal.

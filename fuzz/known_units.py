@@ -1,4 +1,4 @@
-"""The units of known tables: where each kind of quantity says its own, and what stands beside the rows in them."""
+"""The units of known tables: where each kind of quantity says its own, and what is beside the rows in them."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def key_of(dimension: str) -> str:
 
 
 class Beside:
-    """Writes what stands beside the rows: base, tool, payload, and what holds for all links."""
+    """Writes what is beside the rows: base, tool, payload, and what holds for all links."""
 
     def __init__(self, rng: random.Random, units: Units, *, plain: bool) -> None:
         """Takes a source of chance, where the table says its units, and whether its rows are all bare."""
@@ -224,7 +224,7 @@ class Beside:
             (table.options if rng.random() < 0.3 else table.said)["payload"] = self.payload(example.payload)
 
     def _body(self, said: dict[str, Any], example: KnownArm) -> None:
-        """Says what stands at the base, beside where it stands."""
+        """Says what is at the base, beside where it stands."""
         base = said.get("base", {})
         if isinstance(base, list):  # a matrix has no place for it
             return

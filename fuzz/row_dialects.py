@@ -1,4 +1,4 @@
-"""Known tables as rows: CSV files and workbooks, with what stands above their headers."""
+"""Known tables as rows: CSV files and workbooks, with what is above their headers."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ class _SheetWriter:
         return f"{self.numbers} {self.beside} {self.two} {self.merged} {self.formats} {self.note}"
 
     def write(self, sheet: Any, arms: Sequence[Arm], *, bulk: bool) -> None:
-        """Writes a table anywhere, with what stands above it, and a note below it."""
+        """Writes a table anywhere, with what is above it, and a note below it."""
         row, left = self.rng.randint(1, 4), self.rng.randint(1, 3)
         table = replace(self.table, arms=list(arms))
         for key, value in statements(table, bulk=bulk).items():

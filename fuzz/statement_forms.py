@@ -1,4 +1,4 @@
-"""What stands above the header of a table of rows, in every form that the page lists."""
+"""What is above the header of a table of rows, in every form that the page lists."""
 
 from __future__ import annotations
 

@@ -136,7 +136,7 @@ def check(known: KnownArm, found: Manipulator | Rejected, poses: Poses) -> None:
 
 
 def _check_arm(found: Manipulator, known: KnownArm) -> None:
-    """Compares what is said of the base, the links and the payload."""
+    """Compares the base, the links and the payload."""
     _close("base_mass", found.base_mass, _si(known.base_mass))
     _close("density", found.density, _si(known.density))
     for what, shape, wanted in (
@@ -194,7 +194,7 @@ def _close(what: str, found: float | None, wanted: float | None) -> None:
 
 
 def signature(arm: Manipulator) -> str:
-    """Everything that a reading says of an arm, to the last bit; not where it was read, and not its name."""
+    """Everything that a reading declares about an arm, to the last bit; not where it was read, and not its name."""
     rows = [[getattr(row, part.name) for part in fields(row) if part.name != "mark"] for row in arm.rows]
     others = [getattr(arm, part.name) for part in fields(arm) if part.name not in ("name", "rows", "mark", "notices")]
     return repr((rows, others))

@@ -312,7 +312,7 @@ _SETTING = re.compile(rb"^# --set (.*)$", re.MULTILINE)
 
 
 def run_file(content: bytes) -> None:
-    """Run files, with the settings of the command line that stand in their comments: `# --set KEY=VALUE`.
+    """Run files, with the settings of the command line that are in their comments: `# --set KEY=VALUE`.
 
     Nothing is run. A pattern for files of other folders is passed over: it would be searched for on this machine.
     """

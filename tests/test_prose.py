@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")] + sorted(
+PAGES = [ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")] + sorted(
     (ROOT / "docs").rglob("*.md")
 )
-CODE = ("pipeline", "plugins", "examples", "configs", "docs/generators", "hatch_build.py")
+CODE = ("pipeline", "plugins", "examples", "configs", "docs/generators", "fuzz", "benchmarks", "hatch_build.py")
 SUFFIXES = {".py", ".md", ".yaml", ".csv", ".in", ".toml", ".js"}
 POOR = {
     r"\bmend(s|ed|ing)?\b": "fix",

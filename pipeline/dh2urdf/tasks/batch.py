@@ -278,7 +278,7 @@ def items(plan: Plan, expected: Expected, *, columns: bool = False) -> Iterator[
 
     Args:
         plan: the run.
-        expected: is told how far the reading has come.
+        expected: gets how far the reading has come.
         columns: whether manipulators may come in columns.
     """
     needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Expected:
-    """How many manipulators a run will have, as far as can be told while its inputs are being read.
+    """How many manipulators a run will have, as far as is known while its inputs are being read.
 
     Attributes:
         total: how many; None as long as there is no saying.

@@ -5,6 +5,10 @@ which the scene has been drawn with the new arm. On the way are the socket, the 
 and three.js. Wants the extra `studio`, Playwright and a Chromium:
 
     python benchmarks/studio.py
+    python benchmarks/studio.py --meshes
+    python benchmarks/studio.py --meshes robot.urdf
+
+With `--meshes` it is how soon `dh2urdf view` shows an arm whose meshes have 30 MB, or another description.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
@@ -27,7 +32,7 @@ from playwright.sync_api import sync_playwright
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from playwright.sync_api import Page
+    from playwright.sync_api import Browser, Page
 
 PANDA = Path(__file__).parents[1] / "configs" / "tables" / "panda.yaml"
 LONG = "# convention: standard\na, alpha, d\n" + "0.1, pi/2, 0\n" * 100
@@ -59,9 +64,9 @@ POLLING = 50
 
 
 @contextmanager
-def studio(path: Path) -> Iterator[str]:
-    """The address of a studio that has a table open."""
-    command = [Path(sys.executable).parent / "dh2urdf", "studio", path, "--no-browser", "--port", "0"]
+def studio(path: Path, command_name: str = "studio") -> Iterator[str]:
+    """The address of a studio that has a table open, or of a view."""
+    command = [Path(sys.executable).parent / "dh2urdf", command_name, path, "--no-browser", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
             yield re.findall(r"http://\S+", next(iter(server.stdout or ())))[0]
@@ -98,10 +103,69 @@ def slid(page: Page, address: str, rounds: int) -> list[float]:
     return page.evaluate("times")
 
 
+def mesh_arm(folder: Path, suffix: str, size: float) -> Path:
+    """A description of eight links, each a ball as a file of its own, of about so many MB together."""
+    import trimesh
+
+    name = f"arm_{suffix[1:]}"
+    links, joints, written, number = [], [], 0.0, 0
+    while written < size:
+        ball = trimesh.creation.icosphere(subdivisions=6, radius=0.1 + 0.001 * number)  # 81,920 triangles
+        path = folder / f"{name}_{number}{suffix}"
+        ball.export(path)
+        written += path.stat().st_size / 1e6
+        mesh = f"<visual><geometry><mesh filename='{path.name}'/></geometry></visual>"
+        links.append(f"<link name='link_{number}'>{mesh}</link>")
+        ends = f"<parent link='link_{number - 1}'/><child link='link_{number}'/><origin xyz='0.2 0 0.1'/>"
+        joints.append(f"<joint name='joint_{number}' type='continuous'>{ends}</joint>" if number else "")
+        number += 1
+    path = folder / f"{name}.urdf"
+    path.write_text(f"<robot name='arm'>{''.join((*links, *joints))}</robot>")
+    return path
+
+
+def seen(page: Page, address: str) -> tuple[float, float]:
+    """From asking for the page until its progress bar is there, and until all is drawn; in s."""
+    page.goto("about:blank")
+    started = time.perf_counter()
+    page.goto(address, wait_until="commit")
+    page.wait_for_function("document.querySelector('.arm-view')?.shown > 0", polling=POLLING)
+    shown = time.perf_counter() - started
+    drawn = """() => {
+        const view = document.querySelector('.arm-view');
+        if (document.querySelector('.arm-view-progress')) return false;
+        const gl = view.querySelector('canvas').getContext('webgl2');
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        return true;
+    }"""
+    page.wait_for_function(drawn, polling=POLLING)
+    return shown, time.perf_counter() - started
+
+
+def measure_meshes(browser: Browser, folder: Path, own: Path | None, rounds: int) -> None:
+    """How soon robots of meshes are seen: right after the server has started, and at a reload."""
+    rows = []
+    for told, path in ((own.name, own),) if own else ((s, mesh_arm(folder, s, 30.0)) for s in (".stl", ".dae")):
+        first, again, bars = [], [], []
+        for _ in range(rounds):
+            with studio(path, "view") as address:
+                page = browser.new_page(viewport={"width": 1280, "height": 720})
+                for times in (first, again):
+                    bar, all_of_it = seen(page, address)
+                    bars.append(bar)
+                    times.append(all_of_it)
+                page.close()
+        rows.append((told, *(f"{median(times):.1f}" for times in (bars, first, again)), f"{max(first):.1f}"))
+    head = ("meshes", "bar, s", "all, first page, s", "all, reload, s", "slowest first page, s")
+    table(head, rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=50)
-    rounds = parser.parse_args().rounds
+    parser.add_argument("--meshes", nargs="?", const=True, help="how soon meshes are seen; of DESCRIPTION")
+    given = parser.parse_args()
+    rounds = given.rounds
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         print(machine(Path(folder), PACKAGES))
         long = Path(folder) / "long.csv"
@@ -111,6 +175,10 @@ def main() -> None:
             executable_path=chromium, args=["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
         )
         print(f"Chromium {browser.version}, headless, drawn in software, 1280 x 720; {rounds} rounds each\n")
+        if given.meshes:
+            measure_meshes(browser, Path(folder), None if given.meshes is True else Path(given.meshes), rounds)
+            browser.close()
+            return
         rows = []
         for path, arm in ((PANDA, "Panda, 7 axes"), (long, "100 axes")):
             with studio(path) as address:

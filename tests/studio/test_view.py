@@ -74,7 +74,8 @@ MESHES = """<?xml version="1.0"?>
     <collision><geometry><mesh filename="meshes/ball.obj"/></geometry></collision></link>
   <link name="fore"/>
   <link name="tool0"><visual><geometry><mesh filename="meshes/gone.stl"/></geometry></visual>
-    <visual><geometry><mesh filename="meshes/broken.stl"/></geometry></visual></link>
+    <visual><geometry><mesh filename="meshes/broken.stl"/></geometry></visual>
+    <visual><geometry><mesh filename="meshes/painted.dae"/></geometry><material name="blue"/></visual></link>
   <joint name="hip" type="continuous"><parent link="base_link"/><child link="upper"/><origin xyz="0 0 0.5"/></joint>
   <joint name="knee" type="continuous"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.5"/></joint>
   <joint name="end" type="fixed"><parent link="fore"/><child link="tool0"/><origin xyz="0.4 0 0.3"/></joint>
@@ -89,6 +90,11 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
     (package / "package.xml").write_text("<package><name>arm_description</name></package>")
     trimesh.creation.box((0.2, 0.2, 0.1)).export(package / "meshes" / "box.stl")
     trimesh.creation.icosphere(subdivisions=2, radius=0.05).export(package / "meshes" / "ball.obj")
+    painted = trimesh.creation.box((0.3, 0.3, 0.3))
+    painted.visual = trimesh.visual.TextureVisuals(
+        material=trimesh.visual.material.PBRMaterial(baseColorFactor=[0, 255, 0, 255])
+    )
+    painted.export(package / "meshes" / "painted.dae")
     (package / "meshes" / "broken.stl").write_text("solid x\nendsolid x\n")
     (package / "arm.urdf").write_text(MESHES)
     with serving("view", package / "arm.urdf") as address:
@@ -98,6 +104,19 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         page.get_by_text("1 mesh file was not found: meshes/gone.stl").wait_for()
         page.locator(".q-notification", has_text="'broken.stl' cannot be read").wait_for()
         tab.wait_for_triangles(300)
+        asked = [url for url in tab.asked if "/meshes/" in url]
+        page.get_by_text("collision", exact=True).click()
+        page.wait_for_function(
+            """() => {
+                let touching = 0;
+                document.querySelector('.arm-view').scene.traverse(part => touching += !!part.isMesh && part.userData.layer === 'collision');
+                return touching;
+            }"""
+        )
+        later = [url for url in tab.asked if "/meshes/" in url]
+        assert (len(asked), len(later)) == (4, 5), (
+            "what only the collision shapes need is asked for when they are shown"
+        )
         drawn = page.evaluate(
             """() => {
                 const found = [];
@@ -117,7 +136,8 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         assert sizes == {
             ("links", True, "#0000ff"): [0.2, 0.2, 0.1],
             ("links", True, "#b8bdc4"): [0.2, 0.2, 0.2],
-            ("collision", False, "#d93373"): [0.1, 0.1, 0.1],
+            ("links", True, "#00ff00"): [0.3, 0.3, 0.3],  # the file's own colour comes before that of the description
+            ("collision", True, "#d93373"): [0.1, 0.1, 0.1],
         }
         answers = page.evaluate(
             "Promise.all(['meshes/nothing', 'meshes/..%2Farm.urdf', 'meshes/'].map(path => fetch(path).then(a => a.status)))"

@@ -198,12 +198,16 @@ def _joined(pieces: list[tuple[Any, Any]]) -> tuple[Any, Any]:
     """Meshes as one, vertices at the same place merged."""
     import numpy as np
 
-    triangles = np.concatenate([vertices[faces] for vertices, faces in pieces])
-    corners, first, inverse = np.unique(triangles.reshape(-1, 3) + 0.0, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)  # as they come in the file
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    return corners[order], rank[inverse.reshape(-1)].reshape(-1, 3)
+    corners = np.concatenate([vertices[faces] for vertices, faces in pieces]).reshape(-1, 3) + 0.0
+    order = np.lexsort(corners.T)  # stable; much faster than np.unique of rows
+    is_new = np.ones(len(order), dtype=bool)
+    is_new[1:] = (corners[order[1:]] != corners[order[:-1]]).any(axis=1)
+    first, which = order[is_new], np.empty_like(order)
+    which[order] = np.cumsum(is_new) - 1
+    way = np.argsort(first)  # as they come in the file
+    rank = np.empty_like(way)
+    rank[way] = np.arange(len(way))
+    return corners[first[way]], rank[which].reshape(-1, 3)
 
 
 # --- Bodies -----------------------------------------------------------------------------------------------------------

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, Self, TypeVar
 
 from fastapi import Response
-from nicegui import app, run, ui
+from nicegui import app, ui
 
 from dh2urdf.errors import OutputError
-from dh2urdf.studio.drawing.mesh_files import triangles
+from dh2urdf.studio.drawing.mesh_store import MeshStore
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.page import StudioPage
 from dh2urdf.studio.view_page import ViewPage
@@ -89,7 +90,10 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
 def build_view(figures: Sequence[Figure]) -> None:
     """Declares the page that shows some robots."""
     views = Sessions(lambda: View(figures))
-    meshes = View(figures).meshes()
+    first = View(figures)
+    meshes = MeshStore(first.meshes())
+    meshes.begin(first.drawing.first_meshes)
+    app.on_shutdown(meshes.close)
 
     @app.get("/meshes/{key}")
     async def mesh(key: str) -> Response:
@@ -97,7 +101,7 @@ def build_view(figures: Sequence[Figure]) -> None:
         if key not in meshes:
             return Response("there is no such mesh", status_code=404)
         try:
-            content = await run.io_bound(triangles, meshes[key])
+            content = await asyncio.wrap_future(meshes.triangles(key))
         except OutputError as error:
             return Response(str(error), status_code=422)
         return Response(content, media_type="application/octet-stream")

@@ -242,8 +242,8 @@ export default {
       });
     },
 
-    part({ shape, size, pose, layer, colour, opacity, mesh: key }, number) {
-      if (shape === "mesh") return this.mesh(key, pose, layer, colour, opacity, number);
+    part({ shape, size, pose, layer, colour, opacity, mesh: key, ownColours }, number) {
+      if (shape === "mesh") return this.mesh(key, pose, layer, { colour, opacity, ownColours }, number);
       const mesh = new THREE.Mesh(this.geometries[shape], this.material(shape, layer, colour, opacity, number));
       const thin = layer === "links" ? THINNEST * this.reach : 0; // else the links of a very long arm are less than a pixel
       const thick = ["axes", "frames"].includes(layer) ? Math.sqrt(this.lines) : 1;
@@ -257,29 +257,34 @@ export default {
       return mesh;
     },
 
-    // A mesh file: its triangles come in their own time, once for all parts that show it.
-    mesh(key, pose, layer, colour, opacity, number) {
+    // A mesh file: its triangles come in their own time, once for all parts that show it, and when their layer is shown.
+    mesh(key, pose, layer, { colour, opacity, ownColours }, number) {
       const group = new THREE.Group();
       group.matrixAutoUpdate = false;
       group.matrix.copy(matrixOf(pose));
-      if (!this.meshes.has(key)) {
-        const refuse = (error) => (this.$emit("undrawn", { message: error.message }), []);
-        this.meshes.set(key, triangles(`meshes/${key}`).catch(refuse));
-      }
-      this.waiting += 1;
-      this.meshes.get(key).then((parts) => {
-        for (const { rgba, geometry } of parts) {
-          const [own, clear] = [colour ?? rgba?.slice(0, 3) ?? GREY, opacity * (colour ? 1 : (rgba?.[3] ?? 1))];
-          const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
-          mesh.userData = { layer, shared: true };
-          mesh.visible = this.layers.has(layer);
-          mesh.castShadow = layer === "links";
-          group.add(mesh);
+      const load = () => {
+        if (!this.meshes.has(key)) {
+          const refuse = (error) => (this.$emit("undrawn", { message: error.message }), []);
+          this.meshes.set(key, triangles(`meshes/${key}`).catch(refuse));
         }
-        this.arrived();
-        this.shade();
-        this.draw();
-      });
+        this.waiting += 1;
+        this.meshes.get(key).then((parts) => {
+          for (const { rgba, geometry } of parts) {
+            const painted = colour && !(ownColours && rgba); // else it has the colour of its file
+            const [own, clear] = [painted ? colour : (rgba?.slice(0, 3) ?? GREY), opacity * (painted ? 1 : (rgba?.[3] ?? 1))];
+            const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
+            mesh.userData = { layer, shared: true };
+            mesh.visible = this.layers.has(layer);
+            mesh.castShadow = layer === "links";
+            group.add(mesh);
+          }
+          this.arrived();
+          this.shade();
+          this.draw();
+        });
+      };
+      if (this.layers.has(layer)) load();
+      else group.userData.waits = { layer, load };
       return group;
     },
 
@@ -361,7 +366,12 @@ export default {
     setLayers(layers) {
       this.layers = new Set(layers);
       this.arm.traverse((object) => {
-        if (object.userData.layer) object.visible = this.layers.has(object.userData.layer);
+        const { layer, waits } = object.userData;
+        if (layer) object.visible = this.layers.has(layer);
+        if (waits && this.layers.has(waits.layer)) {
+          delete object.userData.waits;
+          waits.load();
+        }
       });
       this.shade();
       this.draw();

@@ -22,6 +22,7 @@ class ScenePart:
         colour: its colour; None for those of a mesh file.
         opacity: 1 for what cannot be looked through.
         mesh: the mesh file.
+        own_colours: whether the colours of the mesh file come before `colour`, as RViz has it of descriptions.
     """
 
     shape: str
@@ -31,6 +32,7 @@ class ScenePart:
     colour: Colour | None = GREY
     opacity: float = 1.0
     mesh: DrawnMesh | None = None
+    own_colours: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

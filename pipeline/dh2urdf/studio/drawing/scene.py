@@ -117,6 +117,12 @@ class Drawing:
         parts = (part for node in self.nodes for part in node.parts)
         return {part.mesh.key: part.mesh for part in parts if part.mesh is not None}
 
+    @property
+    def first_meshes(self) -> tuple[str, ...]:
+        """The keys of the mesh files that links show, in the order of the links: collision shapes come on request."""
+        parts = (part for node in self.nodes for part in node.parts if part.layer == "links")
+        return tuple(dict.fromkeys(part.mesh.key for part in parts if part.mesh is not None))
+
     def poses(self, q: Mapping[str, float]) -> tuple[RigidTransform, ...]:
         """Where the nodes are, in their order.
 
@@ -164,6 +170,7 @@ class Drawing:
                             "colour": part.colour,
                             "opacity": part.opacity,
                             "mesh": part.mesh and part.mesh.key,
+                            "ownColours": part.own_colours,
                         }
                         for part in node.parts
                     ],
@@ -266,7 +273,9 @@ def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
             colour, opacity = _colour(visual.material, figure.tint)
             plain = GREY if part.mesh is None else None
             opacity *= figure.opacity
-            yield replace(part, pose=visual.origin.transform, colour=colour or plain, opacity=opacity)
+            own = isinstance(visual.geometry, Mesh) and visual.geometry.file is None and figure.tint is None
+            pose = visual.origin.transform
+            yield replace(part, pose=pose, colour=colour or plain, opacity=opacity, own_colours=own)
     for collision in link.collisions:
         part = _part(collision.geometry, figure)
         if part is not None:

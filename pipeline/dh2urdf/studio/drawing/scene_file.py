@@ -106,7 +106,7 @@ class _PartMeshes:
             for number, (own, surface) in enumerate(self._of_files[part.mesh]):
                 rgba = (
                     (*part.colour, opacity)
-                    if part.colour
+                    if part.colour and not (own and part.own_colours)
                     else (*own[:3], own[3] * opacity)
                     if own
                     else (*GREY, opacity)

@@ -1,0 +1,70 @@
+"""The triangles of the mesh files that pages ask for: each file is read once, and before anybody asks for it."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.studio.drawing.mesh_files import triangles
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from dh2urdf.studio.drawing.mesh_files import DrawnMesh
+
+_THREADS = 2
+"""Files that are read at a time: much of the work holds Python's lock."""
+
+
+class _Read(NamedTuple):
+    """A file that has been read, or is being read.
+
+    Attributes:
+        stamp: when it was changed, and its size.
+        content: its triangles.
+    """
+
+    stamp: tuple[int, int]
+    content: Future[bytes]
+
+
+class MeshStore:
+    """What `dh2urdf view` serves of mesh files.
+
+    Args:
+        meshes: the files, by the keys that pages ask for them by.
+    """
+
+    def __init__(self, meshes: Mapping[str, DrawnMesh]) -> None:
+        self._meshes = dict(meshes)
+        self._pool = ThreadPoolExecutor(_THREADS, thread_name_prefix="dh2urdf-mesh")
+        self._read: dict[str, _Read] = {}
+
+    def __contains__(self, key: str) -> bool:
+        """Whether there is a file with this key."""
+        return key in self._meshes
+
+    def triangles(self, key: str) -> Future[bytes]:
+        """The triangles of a file, as soon as they are read; of a file that has changed, anew.
+
+        The future raises `OutputError` where the file cannot be read.
+        """
+        mesh = self._meshes[key]
+        try:
+            status = mesh.path.stat()
+            stamp = status.st_mtime_ns, status.st_size
+        except OSError:  # which reading the file reports
+            stamp = 0, 0
+        found = self._read.get(key)
+        if found is None or found.stamp != stamp:
+            found = self._read[key] = _Read(stamp, self._pool.submit(triangles, mesh))
+        return found.content
+
+    def begin(self, keys: Iterable[str]) -> None:
+        """Begin to read files that pages will surely ask for."""
+        for key in keys:
+            self.triangles(key)
+
+    def close(self) -> None:
+        """Read nothing more."""
+        self._pool.shutdown(wait=False, cancel_futures=True)

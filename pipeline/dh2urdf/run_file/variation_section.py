@@ -253,7 +253,7 @@ NORMAL: Record[dict[str, Node]] = Record(
         for key, kind in {"deviation": _NUMBER, "bounds": _PAIR}.items()
     },
 )
-LAWS = {
+_LAW_KEYS = {
     "choices": Key(as_written(_VALUES), "one of these, all equally likely"),
     "grid": Key(
         ValueType(lambda node, *_: node, lambda catalog: {"anyOf": [_VALUES, SPACED.schema(catalog)]}),
@@ -269,6 +269,7 @@ LAWS = {
     "offset": Key(_PAIR, "the nominal value plus a number of this range"),
 }
 """How values are drawn. What a law accepts depends on the field, so that a rule reads it when its field is known."""
+LAWS = tuple(_LAW_KEYS)
 
 
 def _rule(field: str, joints: ChosenJoints | None = None, *, mark: Mark, **laws: Node) -> Rule:
@@ -322,7 +323,7 @@ RULE = Record(
             "what varies",
             missing=("it is not said which field varies", f"`field: NAME`, one of {', '.join(FIELDS)}"),
         ),
-        **LAWS,
+        **_LAW_KEYS,
     },
     marks={"mark": ("",)},
     also={

@@ -23,7 +23,7 @@ from arms import write_table
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers.csv import READER
-from dh2urdf_plugins.readers.statements.statements import TableOptions
+from dh2urdf_plugins.readers.options import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

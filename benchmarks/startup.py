@@ -29,6 +29,7 @@ import dh2urdf_plugins
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+PACKAGES = (dh2urdf, dh2urdf_plugins)
 DISTRIBUTIONS = 200
 """Other distributions, such as a laboratory's environment has."""
 PLUGINS = 10
@@ -85,12 +86,11 @@ def environment(place: Path) -> Path:
         found = distribution(name)
         tops = {file.parts[0] for file in found.files or () if file.parts[0] not in {"..", "__pycache__"}}
         for top in tops:
-            if not top.endswith(".pth"):
+            # An editable installation has a folder of the package's data there, which is not the package.
+            if not top.endswith(".pth") and top not in {package.__name__ for package in PACKAGES}:
                 (site / top).symlink_to(Path(str(found.locate_file(top))))
-    for package in (dh2urdf, dh2urdf_plugins):  # An editable installation has them elsewhere.
-        link = site / package.__name__
-        if not link.exists():
-            link.symlink_to(Path(str(package.__file__)).parent)
+    for package in PACKAGES:
+        (site / package.__name__).symlink_to(Path(str(package.__file__)).parent)
     return site
 
 

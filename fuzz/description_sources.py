@@ -14,7 +14,7 @@ import trimesh
 from description_tree import Node, read
 
 import dh2urdf
-from dh2urdf_plugins.emitters.profiles import ProfileName
+from dh2urdf_plugins.emitters.profile_names import ProfileName
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 

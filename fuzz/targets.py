@@ -41,8 +41,8 @@ from dh2urdf.stages import Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
-from dh2urdf_plugins.readers.statements.statements import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.xacro_fence.expansion import callables, closed_symbols
 from dh2urdf_plugins.xacro_fence.expressions import evaluate as evaluate_xacro

@@ -27,11 +27,11 @@ ADDED = {
         '("friction", joint.friction))',
         '("friction", joint.friction), ("gear", joint.gear_ratio))',
     ),
-    "plugins/dh2urdf_plugins/emitters/sdf.py": (
+    "plugins/dh2urdf_plugins/emitters/sdf_model.py": (
         'for name in ("damping", "friction")]',
         'for name in ("damping", "gear_ratio")]',
     ),
-    "plugins/dh2urdf_plugins/emitters/mjcf.py": (
+    "plugins/dh2urdf_plugins/emitters/mjcf_model.py": (
         '("armature", joint.armature))',
         '("armature", joint.armature), ("user", joint.gear_ratio))',
     ),

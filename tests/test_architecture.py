@@ -151,17 +151,22 @@ class TestImportDirection:
         assert importing([*modules(HOST), *modules(PLUGINS)], lambda name: name.split(".")[0] not in allowed) == []
 
 
-def loaded_after(code: str, folder: Path) -> set[str]:
-    """The packages that a fresh interpreter has imported at the end of a piece of code."""
+def modules_after(code: str, folder: Path) -> set[str]:
+    """The modules that a fresh interpreter has imported at the end of a piece of code."""
     script = (
         "import atexit, json, sys\n"
         "def report():\n"
         "    with open('loaded.json', 'w') as file:\n"
-        "        json.dump(sorted({name.partition('.')[0] for name in sys.modules}), file)\n"
+        "        json.dump(sorted(sys.modules), file)\n"
         "atexit.register(report)\n"
     )
     subprocess.run([sys.executable, "-c", script + code], cwd=folder, check=True, stdout=subprocess.DEVNULL)
     return set(json.loads((folder / "loaded.json").read_text()))
+
+
+def loaded_after(code: str, folder: Path) -> set[str]:
+    """The packages of these modules."""
+    return {name.partition(".")[0] for name in modules_after(code, folder)}
 
 
 class TestQuickStart:
@@ -183,6 +188,33 @@ class TestQuickStart:
         code = f"from dh2urdf.cli import main; main(['convert', 'arm.csv', '-o', 'arm.urdf', *{words}])"
         assert loaded_after(code, tmp_path) & HEAVY == set()
         assert (tmp_path / "arm.urdf").is_file()
+
+    @pytest.mark.parametrize(
+        ("words", "bound"),
+        [(["plugins"], 110), (["convert", "arm.csv", "-o", "arm.urdf"], 195)],
+        ids=["plugins", "convert"],
+    )
+    def test_it_imports_what_it_uses(self, tmp_path: Path, words: list[str], bound: int) -> None:
+        """A list of stages needs their records alone, and a conversion the functions of its own stages."""
+        (tmp_path / "arm.csv").write_text(TABLE)
+        modules = modules_after(f"from dh2urdf.cli import main; main({words})", tmp_path)
+        assert len([name for name in modules if name.startswith("dh2urdf")]) <= bound
+        host = {"dh2urdf.inspections", "dh2urdf.load_records", "dh2urdf.cells.cell"}
+        work = {
+            "calibrations.files",
+            "emitters.mjcf_model",
+            "emitters.sdf_model",
+            "emitters.xacro_files",
+            "xacro_fence",
+        }
+        others = {"yaml_file", "parquet_file", "xlsx_file"}
+        foreign = {f"dh2urdf_plugins.readers.{name}.reading" for name in others} | {
+            f"dh2urdf_plugins.{w}" for w in work
+        }
+        if words == ["plugins"]:
+            host |= {"dh2urdf.columns", "dh2urdf.manipulator", "dh2urdf.quantities.units", "lxml", "orjson", "yaml"}
+            foreign |= {"dh2urdf_plugins.readers.table", "dh2urdf_plugins.transforms.robots"}
+        assert modules & (host | foreign) == set()
 
     def test_converting_in_a_program(self, tmp_path: Path) -> None:
         """Neither does the function, with the table read before."""

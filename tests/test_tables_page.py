@@ -33,9 +33,9 @@ from dh2urdf_plugins import readers
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.csv_file import header as csv_header
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
+from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.rows import cells as row_cells, rows
 from dh2urdf_plugins.readers.statements import csv_comments, plausibility, text, top
-from dh2urdf_plugins.readers.statements.statements import TableOptions
 from dh2urdf_plugins.readers.tables import tables
 from dh2urdf_plugins.readers.words import fields, names, unheld
 from dh2urdf_plugins.readers.words.word_keys import key_of

@@ -1,7 +1,9 @@
-"""What the functions of a stage's record do where a plugin gives none."""
+"""What the functions of a stage's record do where a plugin gives none, and constants of stages."""
 
 from __future__ import annotations
 
+PACKAGE_FILE = "package.xml"
+"""What the folder of a ROS package holds."""
 LOAD_TIME_LIMIT = 300.0
 """How long a loader may take where its record names no other time [s]."""
 

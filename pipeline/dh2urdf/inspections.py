@@ -101,10 +101,6 @@ class Annotation:
     notices: tuple[Problem, ...] = ()
 
 
-PACKAGE_FILE = "package.xml"
-"""What the folder of a ROS package holds."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expansion:
     """How a description that holds macros is expanded.

@@ -12,10 +12,10 @@ import re
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.columns import columns_of, member
 from dh2urdf.formula_check import formula_problems
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import inertia_problem, is_sound
+from dh2urdf.patterns import late_pattern
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import DYNAMICS
@@ -37,7 +37,7 @@ UNIT = 1e-9
 # XML holds none of these, or holds them so that readers make spaces of them (XML 1.0, sections 2.2 and 3.3.3).
 # It is compiled at the first name that is not plain ASCII: that alone takes as long as checking a robot.
 _NOT_IN_NAMES = "[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]"
-_TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
+_TROUBLESOME = late_pattern(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 
 
 def check_robot(robot: Robot) -> tuple[Problem, ...]:
@@ -72,6 +72,8 @@ def sure_columns(robot: Robot, names: Sequence[str]) -> Condition:
         names: the names of all of them.
     """
     import numpy as np
+
+    from dh2urdf.columns import columns_of, member
 
     sure = np.array([bool(name.strip()) for name in names])
     if columns := columns_of(robot):
@@ -279,6 +281,8 @@ def _body_problems(link: Link, holder: Joint | None, *, is_root: bool) -> Iterat
 
 
 def _is_sure_link(link: Link) -> Condition:
+    from dh2urdf.columns import columns_of
+
     sure: Condition = True
     body = link.inertial
     if body and columns_of(body):

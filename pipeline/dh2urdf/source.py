@@ -7,7 +7,6 @@ point to the line and column where a person has to fix it.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
@@ -132,5 +131,7 @@ def printable(text: str) -> str:
 
 def did_you_mean(word: str, choices: Iterable[str]) -> str | None:
     """The sentence that names the choice nearest to a word, or None where nothing is near."""
+    from difflib import get_close_matches
+
     near = get_close_matches(word.casefold(), list(choices), n=1, cutoff=0.6)
     return f"did you mean {near[0]!r}?" if near else None

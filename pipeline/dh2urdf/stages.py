@@ -5,16 +5,17 @@ options dataclass that the function takes. The options' fields have defaults, an
 ``field(metadata={"help": …})``; pydantic checks what the user gives against their types.
 """
 
+# ruff: noqa: TC004 - nobody asks for the types of these records' fields; most commands make few of what they name
+
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Generic, Literal, TypeAlias, TypeVar
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias, TypeVar
 
 from dh2urdf._stage_defaults import (
     LOAD_TIME_LIMIT,
+    PACKAGE_FILE,
     all_there,
     always,
     load_time_limit,
@@ -22,25 +23,30 @@ from dh2urdf._stage_defaults import (
     option_picture,
     option_poses,
 )
-from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, RobotColumns
-from dh2urdf.foreign_robot import Follower, ForeignRobot
-from dh2urdf.inspections import (
-    PACKAGE_FILE,
-    SEVERITIES,
-    Annotation,
-    Effect,
-    Expansion,
-    Finding,
-    Inspection,
-    Repair,
-    Severity,
-)
-from dh2urdf.load_records import LoadReport, LoadRequest, SimulatedArm
-from dh2urdf.manipulator import Manipulator
-from dh2urdf.provenance import Trace
-from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.table_text import CellRow, TableText, WrittenTable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from contextlib import AbstractContextManager
+    from pathlib import Path
+
+    from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, RobotColumns
+    from dh2urdf.foreign_robot import Follower, ForeignRobot
+    from dh2urdf.inspections import (
+        SEVERITIES,
+        Annotation,
+        Effect,
+        Expansion,
+        Finding,
+        Inspection,
+        Repair,
+        Severity,
+    )
+    from dh2urdf.load_records import LoadReport, LoadRequest, SimulatedArm
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.provenance import Trace
+    from dh2urdf.robot import Robot
+    from dh2urdf.table_text import CellRow, TableText, WrittenTable
 
 __all__ = [
     "LOAD_TIME_LIMIT",
@@ -71,6 +77,21 @@ __all__ = [
     "Stage",
     "Transform",
 ]
+
+_ELSEWHERE = {
+    "foreign_robot": "Follower ForeignRobot",
+    "inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity",
+    "load_records": "LoadReport LoadRequest SimulatedArm",
+}
+"""The names that are imported when they are asked for, by their modules: most commands make no such record."""
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever a module names
+    for module, names in _ELSEWHERE.items():
+        if name in names.split():
+            return getattr(import_module(f"dh2urdf.{module}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 T = TypeVar("T")

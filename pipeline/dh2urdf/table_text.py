@@ -16,6 +16,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import JointType
+from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.units import UNITS, Dimension, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
@@ -346,10 +347,10 @@ def _mapping(*entries: str) -> str:
     return f"{{{said}}}" if said else ""
 
 
-_PLAIN_WORD = re.compile(
+_PLAIN_WORD = late_pattern(
     r"[A-Za-z0-9_.π°√][A-Za-z0-9_.+*/()π°√ -]*(?<! )|-[A-Za-z0-9_.(π√][A-Za-z0-9_.+*/()π°√ -]*(?<! )"
 )
-_OTHER_THAN_TEXT = re.compile(r"~|null|true|false|\.(inf|nan)", re.IGNORECASE)
+_OTHER_THAN_TEXT = late_pattern(r"~|null|true|false|\.(inf|nan)", re.IGNORECASE)
 
 
 def yaml_word(text: str) -> str:

@@ -11,7 +11,6 @@ import click
 
 from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.output.spooled import spooled
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem
 
@@ -91,6 +90,8 @@ def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path
 
 def _kept(content: bytes, suffixes: tuple[str, ...]) -> Path:
     """A file with some content, until the command ends."""
+    from dh2urdf.output.spooled import spooled
+
     return click.get_current_context().with_resource(spooled(content, NAME, suffixes[0] if suffixes else ""))
 
 
@@ -115,6 +116,8 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
     Raises:
         TableError: no reader does, or several do.
     """
+    from dh2urdf.output.spooled import spooled
+
     names: list[str] = []
     is_markup = content.lstrip().startswith(b"<")
     for provided in catalog.provided("reader"):

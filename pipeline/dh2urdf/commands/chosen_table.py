@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
@@ -141,6 +140,8 @@ def chosen_manipulator(
 
 def table_as_run_file(path: Path) -> Problem:
     """The message about a table where a run file is expected."""
+    import shlex
+
     return Problem(
         message="this is a table, not a run file",
         mark=Mark(file=str(path)),

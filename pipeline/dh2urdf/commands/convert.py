@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass, replace
 from os.path import isdir
 from pathlib import Path
@@ -316,6 +315,8 @@ def _write(
     """The files of a robot, proved and put where they belong: at a file's name, into a folder, or nowhere."""
     stem = safe_stem(truth.name)
     if target is None:
+        import tempfile
+
         with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
             return write_robot(truth, robot, recipe, directory=Path(folder), stem=stem)
     if len(recipe.emitters) > 1 or recipe.emitters[0].stage.in_folders:

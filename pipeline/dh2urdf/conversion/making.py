@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.cells.cell import Cell, cannot_be, compose, truth_of
 from dh2urdf.errors import ManipulatorError, RobotError
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import Manipulator
@@ -18,6 +17,7 @@ from dh2urdf.stages import Edit
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from dh2urdf.cells.cell import Cell
     from dh2urdf.source import Mark, Problem
     from dh2urdf.stages import Transform
 
@@ -30,10 +30,10 @@ def make_item(
     Raises:
         ManipulatorError: as `make_robot` and `make_cell`.
     """
-    if isinstance(item, Cell):
-        return make_cell(item, transform, edits)
-    table = edited_table(item, edits)
-    return _robot_of(table, item, transform, edits), Truth.of(table)
+    if isinstance(item, Manipulator):
+        table = edited_table(item, edits)
+        return _robot_of(table, item, transform, edits), Truth.of(table)
+    return make_cell(item, transform, edits)
 
 
 def make_robot(
@@ -57,6 +57,8 @@ def make_cell(
     Raises:
         ManipulatorError: a stage refuses an arm, the arms do not go together, or the robot breaks a rule.
     """
+    from dh2urdf.cells.cell import cannot_be, compose, truth_of
+
     robots: dict[str, Robot] = {}
     tables: dict[str, Manipulator] = {}
     problems: list[Problem] = []

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, TypeAlias
 
 from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
 MAX_DIGITS = 400
@@ -127,9 +127,9 @@ _CONSTANTS = (
     | {sign + inf: float(sign + "inf") for sign in ("", "+", "-") for inf in (".inf", ".Inf", ".INF")}
     | dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan"))
 )
-_INT = re.compile(r"[-+]?[0-9]+")
-_OCTAL_OR_HEXADECIMAL = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INT = late_pattern(r"[-+]?[0-9]+")
+_OCTAL_OR_HEXADECIMAL = late_pattern(r"0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = late_pattern(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 
 
 @lru_cache(maxsize=4096)

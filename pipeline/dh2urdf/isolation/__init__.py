@@ -6,15 +6,21 @@ from dh2urdf._faces import face
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from dh2urdf.isolation.child_process import ChildFailure as ChildFailure, run_in_child as run_in_child
+    from dh2urdf.isolation.child_process import (
+        ChildFailure as ChildFailure,
+        result_of as result_of,
+        run_in_child as run_in_child,
+    )
     from dh2urdf.isolation.fence import enter as enter
+    from dh2urdf.isolation.interpreter import Interpreter as Interpreter
     from dh2urdf.isolation.own_process import claim as claim, is_own as is_own
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "child_process": "ChildFailure run_in_child",
+            "child_process": "ChildFailure result_of run_in_child",
             "fence": "enter",
+            "interpreter": "Interpreter",
             "own_process": "claim is_own",
         },
     )

@@ -123,14 +123,10 @@ def outcome(  # noqa: PLR0917 - what is known of a call
     Raises:
         Exception: as `run_in_child`.
     """
+    if answer[:1] in {("value",), ("raised",)}:
+        return ChildResult(result_of(answer, output), output)
     kind: type[CrashError] = CrashError
     match answer:
-        case ("value", value):
-            return ChildResult(pickle.loads(value), output)  # noqa: S301 - our own child sent it
-        case ("raised", bytes(error), _, traceback):
-            raise pickle.loads(error) from ChildFailure(output, traceback)  # noqa: S301 - our own child sent it
-        case ("raised", _, text, traceback):
-            raise RuntimeError(text) from ChildFailure(output, traceback)
         case ("not imported", reason, _):
             message = f"a child process cannot import {function.__module__}.{function.__qualname__}: {reason}"
         case ("left", code, _):
@@ -143,6 +139,27 @@ def outcome(  # noqa: PLR0917 - what is known of a call
         case _:
             message = f"{who} left the process (exit status {status}) and gave no result"
     raise kind(message + _last_words(output)) from ChildFailure(output)
+
+
+def result_of(answer: tuple[Any, ...], output: str = "") -> Any:  # noqa: ANN401 - what the function returned
+    """What a call in a child returned.
+
+    Args:
+        answer: the answer of a call that returned or raised something.
+        output: what the child printed.
+
+    Raises:
+        Exception: whatever the function raised, as `run_in_child` raises it.
+    """
+    match answer:
+        case ("value", value):
+            return pickle.loads(value)  # noqa: S301 - our own child sent it
+        case ("raised", bytes(error), _, traceback):
+            raise pickle.loads(error) from ChildFailure(output, traceback)  # noqa: S301 - our own child sent it
+        case (_, _, text, traceback):
+            raise RuntimeError(text) from ChildFailure(output, traceback)
+        case _:
+            raise ValueError(answer)
 
 
 def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) -> tuple[bytes, bytes]:

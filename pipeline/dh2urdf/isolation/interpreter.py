@@ -90,11 +90,14 @@ class Interpreter:
         self.output.expect()
         received: list[tuple[Any, ...]] = []
         self._messages += [(function, args), None] if last else [(function, args)]
-        self._talk = threading.Thread(target=self._exchange, args=(received,), daemon=True)
-        self._talk.start()  # Neither side ever waits for a full pipe: another thread takes the output.
-        self._talk.join(timeout)
-        if self._talk.is_alive():
-            return ("late",)
+        if timeout is None:
+            self._exchange(received)  # Neither side ever waits for a full pipe: a thread takes the output.
+        else:
+            self._talk = threading.Thread(target=self._exchange, args=(received,), daemon=True)
+            self._talk.start()
+            self._talk.join(timeout)
+            if self._talk.is_alive():
+                return ("late",)
         if last:
             self.wait(_LEAVING)
         elif received:
@@ -218,6 +221,11 @@ class Output:
         self._tail = (self._tail + data[room:])[-half:]
         self.size += len(data)
 
+    @property
+    def is_cut(self) -> bool:
+        """Whether there was too much to keep all of it."""
+        return self.size > len(self._head) + len(self._tail)
+
     def text(self) -> str:
         """All of it, or its beginning, how much is left out, and its end."""
         left_out = self.size - len(self._head) - len(self._tail)
@@ -226,5 +234,4 @@ class Output:
 
     def last(self) -> str:
         """The end of it."""
-        whole = self.size <= len(self._head) + len(self._tail)
-        return ((self._head if whole else b"") + self._tail).decode("utf-8", "replace")
+        return ((b"" if self.is_cut else self._head) + self._tail).decode("utf-8", "replace")

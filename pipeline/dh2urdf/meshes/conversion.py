@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -164,6 +163,8 @@ def _converted_file(
     except CrashError as error:
         accepted = f"a mesh whose conversion takes less than {seconds:g} s"
         raise type(error)([replace(problem, accepted=accepted) for problem in error.problems]) from error
+    from hashlib import sha256
+
     word = {MeshConversion.HULL: "_hull", MeshConversion.DECOMPOSITION: "_part"}.get(how, "")
 
     def named(kind: str, contents: list[bytes]) -> list[MeshFile]:

@@ -7,10 +7,8 @@ part of the content's hash in it, so that no two files get in each other's way, 
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import replace
 from functools import lru_cache
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +16,7 @@ from dh2urdf.documents.text_files import LONG_PATH, check_file
 from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.patterns import late_pattern
 from dh2urdf.robot import Mesh
 from dh2urdf.source import Problem, shown
 
@@ -38,7 +37,7 @@ REMEDY = "have it converted: `output: {meshes: {convert: auto}}`"
 _DIGITS = 8
 """Hexadecimal digits of a content's hash in the name of its copy."""
 _BLOCK = 1 << 20
-_PACKAGE = re.compile(r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?")
+_PACKAGE = late_pattern(r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?")
 
 
 def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
@@ -134,6 +133,8 @@ def _refuse_link(path: Path, folder: Path, text: str) -> None:
 @lru_cache(maxsize=4096)
 def _digest(path: str, _changed: int, _size: int) -> str:
     """The hash of a file, which many manipulators may share; it is taken again after a change."""
+    from hashlib import sha256
+
     digest = sha256()
     with Path(path).open("rb") as file:
         while block := file.read(_BLOCK):
@@ -149,6 +150,8 @@ def read_mesh(file: MeshFile) -> bytes:
     """
     if file.content is not None:
         return file.content
+    from hashlib import sha256
+
     try:
         content = Path(file.path).read_bytes()
     except OSError as error:

@@ -7,7 +7,6 @@ import re
 import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EISDIR
-from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
@@ -42,6 +41,8 @@ def safe_stem(name: str) -> str:
     if device.casefold() in _DEVICES:  # with any suffix
         stem = f"{device}_{dot}{rest}"
     if len(stem.encode()) > LONGEST_STEM:
+        from hashlib import sha256
+
         digest = sha256(name.encode(errors="surrogatepass")).hexdigest()[:12]
         stem = f"{stem.encode()[: LONGEST_STEM - 13].decode(errors='ignore')}-{digest}"
     return stem

@@ -7,7 +7,6 @@ with the plugin, its distribution and its version: as a `StageError` where it co
 
 from __future__ import annotations
 
-import pickle
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
@@ -82,6 +81,8 @@ class Call(Generic[S]):
     def __reduce__(self) -> tuple[Callable[..., Call[Any]], tuple[Any, ...]]:
         is_installed = self.plugin is not None and self.plugin.is_installed
         whose = (self.plugin.name, self.plugin.distribution_name) if self.plugin and is_installed else None
+        import pickle
+
         with depending_on(self, "options"):
             options = pickle.dumps(self.options)
         return _installed_call, (whose, self.kind, self.stage.name, options)
@@ -93,6 +94,8 @@ def default_call(catalog: Catalog, stage: S) -> Call[S]:
 
 
 def _installed_call(whose: tuple[str, str] | None, kind: Kind, name: str, options: bytes) -> Call[Any]:
+    import pickle
+
     catalog = _catalog(whose)
     stage: Any = catalog.get(kind, name)
     call = Call(stage=stage, options=None, plugin=catalog.plugin_of(stage))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import traceback
-
 INTERRUPTS = (KeyboardInterrupt, GeneratorExit)
 """What comes from outside, and is nobody's fault; all else that code of a plugin raises is its own."""
 
@@ -20,4 +18,6 @@ def reason_of(error: BaseException) -> str:
 
 def traceback_of(error: BaseException) -> str:
     """Where an exception was raised, for `--debug`."""
+    import traceback
+
     return "".join(traceback.format_exception(error))

@@ -8,9 +8,9 @@ neighbour. Any other factor is an exact fraction. Degrees are whole quarter turn
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 
+from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.grammar import parse
 from dh2urdf.quantities.tokens import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable
 from dh2urdf.quantities.units import (
@@ -66,7 +66,7 @@ class Quantity:
         return self.uses_pi and dimension in (Dimension.ANGLE, Dimension.TURN_RATE)
 
 
-_DECIMAL = re.compile(rf"{SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{{1,18}}))?{SPACE}*")
+_DECIMAL = late_pattern(rf"{SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{{1,18}}))?{SPACE}*")
 
 
 def evaluate(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
+from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.units import (
     Decimal,
     Dimension,
@@ -58,7 +59,7 @@ SPACE = r"[^\S\x1c-\x1f]"
 """White space between the parts of a number; Python counts four control characters to it, and `float` does not."""
 
 
-TOKEN = re.compile(
+TOKEN = late_pattern(
     f"(?P<space>{SPACE}+)"
     r"""
       | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.foreign_robot import ForeignRobot
-from dh2urdf.stages import Expansion
-
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from dh2urdf.foreign_robot import ForeignRobot
+    from dh2urdf.stages import Expansion
     from dh2urdf_plugins.descriptions.description import Description
 
 # What reads is imported where a description is read: whatever writes one pays for none of it.
@@ -40,6 +39,7 @@ def foreign_xacro(path: Path, expansion: Expansion | None = None) -> ForeignRobo
     Raises:
         TableError: it cannot be expanded, or what comes out is not the URDF of a robot.
     """
+    from dh2urdf.stages import Expansion
     from dh2urdf_plugins.descriptions.description import xacro_description
 
     return _foreign(xacro_description(path, expansion or Expansion(), colours=True))
@@ -68,6 +68,8 @@ def foreign_mjcf(path: Path) -> ForeignRobot:
 
 
 def _foreign(description: Description) -> ForeignRobot:
+    from dh2urdf.foreign_robot import ForeignRobot
+
     return ForeignRobot(
         robot=description.robot,
         followers=description.followers,

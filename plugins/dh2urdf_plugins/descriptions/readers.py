@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import Expansion, Reader, Rejected
-from dh2urdf_plugins.extraction.numbers import TOLERANCE
+from dh2urdf.stages import Reader, Rejected
+from dh2urdf_plugins.extraction import TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -147,6 +147,7 @@ def _urdf(path: Path, _options: DescriptionOptions) -> Description:
 
 
 def _xacro(path: Path, options: XacroOptions) -> Description:
+    from dh2urdf.stages import Expansion
     from dh2urdf_plugins.descriptions.description import xacro_description
 
     packages = tuple(map(Path, options.package_paths))

@@ -11,7 +11,7 @@ from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.words.fields import joint_type
-from dh2urdf_plugins.readers.yaml import read_table
+from dh2urdf_plugins.readers.yaml_file.reading import read_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

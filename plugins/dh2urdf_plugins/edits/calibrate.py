@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import EditError, TableError
 from dh2urdf.source import Problem
 from dh2urdf.stages import Edit
-from dh2urdf_plugins.calibrations.files import CalibrationFile, unreadable
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf_plugins.calibrations.files import CalibrationFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,12 +37,18 @@ class CalibrateOptions:
         Raises:
             EditError: there is no such file.
         """
-        if self.file is not None and (problems := unreadable(self.file, "file")):
+        if self.file is None:
+            return
+        from dh2urdf_plugins.calibrations.files import unreadable
+
+        if problems := unreadable(self.file, "file"):
             raise TableError(replace(each, mark=None) for each in problems)
 
     @cached_property
     def calibration(self) -> CalibrationFile | None:
         """The file, which is read once for all arms of a process."""
+        from dh2urdf_plugins.calibrations.files import CalibrationFile
+
         units = {"length_unit": self.length_unit, "angle_unit": self.angle_unit}
         return None if self.file is None else CalibrationFile(self.file, units)
 

@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import agreed, is_column
 from dh2urdf.errors import EditError
-from dh2urdf.manipulator import JointType
-from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Edit
-from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Limits, Manipulator
@@ -50,6 +47,10 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     Raises:
         EditError: a joint is unknown, or nothing of a range is left.
     """
+    from dh2urdf.manipulator import JointType
+    from dh2urdf.row_fields import LIMITS
+    from dh2urdf.unchecked_records import changed
+
     names = [row.joint for row in manipulator.moving_rows]
     problems = [
         Problem(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal
 from dh2urdf.errors import EditError
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Edit
-from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -59,6 +58,8 @@ def edit_table(manipulator: Manipulator, options: RenameOptions) -> Manipulator:
     Raises:
         EditError: a name is empty afterwards, or two are the same.
     """
+    from dh2urdf.unchecked_records import changed
+
     joints = [row.joint if options.of == "links" else options.renamed(row.joint) for row in manipulator.rows]
     links = [row.link if options.of == "joints" else options.renamed(row.link) for row in manipulator.rows]
     problems = [

@@ -7,7 +7,7 @@ with the reason; `PROFILES` says who decides otherwise. ``docs/profiles.md`` has
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
@@ -26,10 +26,9 @@ from dh2urdf_plugins.coppeliasim_import import (
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
 
+    from dh2urdf_plugins.emitters.profile_names import ProfileName
     from dh2urdf_plugins.emitters.urdf_tree import Notation
 
-ProfileName: TypeAlias = Literal["portable", "ros", "pybullet", "mujoco", "gazebo", "coppeliasim", "drake"]
-PROFILE_HELP = "readers that the file is for; portable: all of them"
 WORLD = "world"
 WEIGHTLESS = Inertial(mass=0.0)
 

@@ -5,20 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import EmitterError
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.descriptions.foreign import foreign_urdf
-from dh2urdf_plugins.emitters.profiles import (
-    PROFILE_HELP,
-    PROFILES,
-    ProfileName,
-    adapted,
-    append_transmissions,
-    notices_of,
-)
-from dh2urdf_plugins.emitters.urdf_tree import Notation, check_lines, serialise, urdf_tree
-from dh2urdf_plugins.read_back.urdf_reader import read_urdf
-from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
+from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName
+from dh2urdf_plugins.read_back import read_urdf, read_urdfs
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -44,6 +34,9 @@ def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
         EmitterError: XML cannot hold one of its names, a name makes a line longer than readers take, or the robot lacks
             what URDF requires.
     """
+    from dh2urdf_plugins.emitters.profiles import PROFILES, adapted, append_transmissions
+    from dh2urdf_plugins.emitters.urdf_tree import Notation, check_lines, serialise, urdf_tree
+
     notation, profile = Notation(), PROFILES[options.profile]
     robot = adapted(robot, profile)
     root = urdf_tree(
@@ -68,6 +61,8 @@ def emit_columns(
     A robot that is not sure, or whose name or comment has to be escaped, gets no file. None where one file is not
     another with other numbers, or where there can be none: `emit` makes them one by one, or says why it cannot.
     """
+    from dh2urdf.errors import EmitterError
+    from dh2urdf_plugins.emitters.profiles import PROFILES
     from dh2urdf_plugins.emitters.urdf_columns import filled_in
 
     if PROFILES[options.profile] != PROFILES["portable"]:
@@ -84,6 +79,8 @@ def emit_columns(
 
 def notices(robot: Robot, options: UrdfOptions) -> list[Problem]:
     """What a person should know of the file, such as that Gazebo drops it."""
+    from dh2urdf_plugins.emitters.profiles import notices_of
+
     return notices_of(robot, options.profile)
 
 
@@ -126,7 +123,7 @@ EMITTER = Emitter(
     read_back=read_urdf,
     read_foreign=foreign_urdf,
     emit_columns=emit_columns,
-    read_columns=scan_columns,
+    read_columns=read_urdfs,
     check=check,
     finds_packages=True,
     fix=fix,

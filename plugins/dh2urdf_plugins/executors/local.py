@@ -11,20 +11,17 @@ import os
 import pickle
 import re
 import signal
-import subprocess
 import sys
-import tempfile
 import threading
 import time
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from operator import length_hint
-from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, PluginError
-from dh2urdf.isolation import ChildFailure
-from dh2urdf.plugin_system import MARK, ChildPlace, handed_over, unmarked
+from dh2urdf.isolation import ChildFailure, Interpreter, claim, result_of
+from dh2urdf.plugin_system import MARK, handed_over, unmarked
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import Executor, Lost
 
@@ -39,9 +36,7 @@ TRIES = 2
 MOST_LINES = 100
 """Lines of what C code and other programs print during a task that are passed on."""
 
-_SCRIPT = Path(__file__).with_name("local_worker.py")
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
-_KEPT = 64 * 1024  # bytes of what a worker printed that are looked at
 _LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
 _FAULT = re.compile(r"^(?:Fatal Python error: |Timeout \().*", re.MULTILINE)  # how the words of faulthandler begin
 _STACK = re.compile(r"^(?:(Current thread)|Thread) .*\n((?:  File .*\n)+)", re.MULTILINE)
@@ -112,7 +107,7 @@ class _Pool:
 
     def _do(self, task: Any) -> Any:  # noqa: ANN401 - a task and its result are the caller's
         """The result of one task, from one worker, or from another one where that dies; in a thread."""
-        data = pickle.dumps(task)
+        data = pickle.dumps((task,))
         for tried in range(TRIES):
             worker = self._take(fresh=tried > 0)
             answer = worker.ask(data)
@@ -140,6 +135,7 @@ class _Pool:
                 worker = self._idle.pop()
                 if worker.is_alive():
                     return worker
+                worker.end()
                 self._workers.remove(worker)
             worker = _Worker(self._function)
             self._workers.append(worker)
@@ -161,43 +157,34 @@ class _Pool:
                 worker.kill()
             self._threads.shutdown(cancel_futures=True)
             for worker in workers:
-                worker.close()
+                worker.end()
 
 
 def _result(answer: tuple[Any, ...]) -> Any:  # noqa: ANN401 - the result of the caller's function
     match answer:
-        case ("value", value):
-            return pickle.loads(value)  # noqa: S301 - our own worker sent it
-        case ("raised", error, traceback):
-            raise pickle.loads(error) from ChildFailure("", traceback)  # noqa: S301 - our own worker sent it
-        case _:
-            with contextlib.suppress(ImportError, AttributeError):  # of what the worker could not import either
-                error = pickle.loads(answer[2])  # noqa: S301 - our own worker sent it
-                if isinstance(error, PluginError):  # It says whose fault it is.
-                    raise error
+        case ("not imported", why, error):
+            with contextlib.suppress(ImportError, AttributeError, TypeError):  # what cannot be had here either
+                raised = pickle.loads(error)  # noqa: S301 - our own worker sent it
+                if isinstance(raised, PluginError):  # It says whose fault it is.
+                    raise raised
             raise ExecutorError(
                 Problem(
-                    message=f"a worker process cannot take the work over: {answer[1]}",
+                    message=f"a worker process cannot take the work over: {why}",
                     suggestion="stages have to be in importable modules, not in a script; `--workers 1` takes any",
                 )
             )
+        case ("left", code, traceback):
+            raise SystemExit(code) from ChildFailure("", traceback)
+        case _:
+            return result_of(answer)
 
 
 class _Worker:
-    """A worker process, in a session of its own, with all that it starts: Ctrl-C in a terminal reaches none of them."""
+    """An interpreter that works for this one: it calls the function of the run with one task after the other."""
 
     def __init__(self, function: bytes) -> None:
-        self._place = ChildPlace()
         try:
-            self._printed = tempfile.TemporaryFile("a+b", buffering=0)  # noqa: SIM115 - closed where it is read
-            self._process = subprocess.Popen(  # noqa: S603 - our own script
-                [sys.executable, "-X", "faulthandler", "-P", str(_SCRIPT)],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=self._printed,
-                start_new_session=True,
-                **self._place.for_child(),
-            )
+            self._interpreter = Interpreter(("-X", "faulthandler"))
         except OSError as error:
             raise ExecutorError(
                 Problem(
@@ -205,38 +192,20 @@ class _Worker:
                     suggestion="`--workers 1` needs none",
                 )
             ) from error
-        self._messages = cast("IO[bytes]", self._process.stdin)
-        self._answers = cast("IO[bytes]", self._process.stdout)
-        self._first: Any = (sys.path, function)
+        self._function = function
         self.is_ready = False
-        self._watch = threading.Thread(target=self._clear_after, daemon=True)
-        self._watch.start()
-
-    def _clear_after(self) -> None:
-        """Ends what the worker started, as soon as it has ended: that may hold the pipe of its answers open."""
-        self._process.wait()
-        if hasattr(os, "killpg"):
-            with contextlib.suppress(ProcessLookupError, PermissionError):  # nothing is left, or (macOS) a zombie
-                os.killpg(self._process.pid, signal.SIGKILL)
+        self.is_alive, self.terminate = self._interpreter.is_alive, self._interpreter.terminate
+        self.wait, self.kill, self.end = self._interpreter.wait, self._interpreter.kill, self._interpreter.end
 
     def ask(self, task: bytes) -> tuple[Any, ...]:
         """The worker's answer to a task; empty where it died before."""
-        try:
-            self._printed.seek(0)  # The worker writes at the same place.
-            self._printed.truncate()
-            if not self.is_ready:
-                answer = self._exchange(self._first)
-                if answer != ("ready",):
+        if not self.is_ready:
+            for function, args in ((pickle.dumps(claim), pickle.dumps(())), (self._function, None)):
+                answer = self._interpreter.call(function, args, None)
+                if answer[:1] not in {("value",), ("imported",)}:
                     return answer
-                self.is_ready = True
-            return self._exchange(task)
-        except (EOFError, OSError, pickle.UnpicklingError):
-            return ()
-
-    def _exchange(self, message: Any) -> tuple[Any, ...]:  # noqa: ANN401 - what is sent
-        pickle.dump(message, self._messages)
-        self._messages.flush()
-        return cast("tuple[Any, ...]", pickle.load(self._answers))  # noqa: S301 - our own worker sent it
+            self.is_ready = True
+        return self._interpreter.call(None, task, None)
 
     def pass_on(self, whose: str) -> None:
         """Prints on standard error what C code and other programs printed during the task.
@@ -244,28 +213,18 @@ class _Worker:
         Args:
             whose: the distributions that may have printed it.
         """
-        if (size := os.fstat(self._printed.fileno()).st_size) > 0:
-            lines = unmarked(self._text())
-            if size > _KEPT or len(lines) > MOST_LINES:
-                lines = [f"[the last {MOST_LINES} lines of {size:,} bytes]", *lines[-MOST_LINES:]]
+        output = self._interpreter.output
+        if output.size > 0:
+            lines = unmarked(output.last())
+            if output.is_cut or len(lines) > MOST_LINES:
+                lines = [f"[the last {MOST_LINES} lines of {output.size:,} bytes]", *lines[-MOST_LINES:]]
             name = f"a stage of {whose}" if whose else "a worker"
             sys.stderr.write("".join(f"{name} prints: {printable(line)}\n" for line in lines))
 
-    def _text(self) -> str:
-        """The end of what it printed."""
-        self._printed.seek(max(0, self._printed.seek(0, os.SEEK_END) - _KEPT))
-        return self._printed.read().decode("utf-8", "replace")
-
-    def is_alive(self) -> bool:
-        """Whether it can be given a task."""
-        return self._process.poll() is None
-
     def reason(self) -> str:
         """How a worker that died came to its end, and what it printed before."""
-        self._watch.join(_CLEARING_UP)
-        self.kill()  # It is gone, unless what it sent was no answer.
-        self._watch.join()
-        status = self._process.returncode
+        self.wait(_CLEARING_UP)
+        status = self.end()  # It is gone, unless what it sent was no answer.
         name = {number.value: number.name for number in signal.Signals}.get(-status, f"signal {-status}")
         if name in {"SIGKILL", "SIGTERM"}:
             end = f"the worker was killed ({name}), from outside or for want of memory"
@@ -273,15 +232,14 @@ class _Worker:
             end = f"the worker crashed ({name}, {(signal.strsignal(-status) or 'unknown').lower()})"
         else:
             end = f"the worker left with exit status {status}"
-        if who := self._place.who():
+        if who := self._interpreter.who:
             end = f"{end} while {who} was at work"
         words = self._last_words()
-        self.close()
         return f"{end}; it printed last: {shown(words, _LAST_WORDS)}" if words else end
 
     def _last_words(self) -> str:
         """The end of what it printed; of what faulthandler says, where the thread was that failed, or the main one."""
-        printed = self._text().replace(MARK, "").rstrip() + "\n"
+        printed = self._interpreter.output.last().replace(MARK, "").rstrip() + "\n"
         *_, fault = None, *_FAULT.finditer(printed)
         if fault:
             stacks = list(_STACK.finditer(printed, fault.end()))
@@ -290,24 +248,6 @@ class _Worker:
         else:
             printed = printed[-_LAST_WORDS:]
         return " ".join(printed.split())
-
-    def terminate(self) -> None:
-        """Asks it to end: what it was writing is taken away."""
-        self._process.terminate()
-
-    def wait(self, seconds: float) -> None:
-        """Waits until it has ended, for so long at most."""
-        self._watch.join(max(0.0, seconds))
-
-    def kill(self) -> None:
-        """Ends it, whatever it does."""
-        self._process.kill()
-
-    def close(self) -> None:
-        """Closes the pipes and the file of a worker that is gone."""
-        for stream in (self._messages, self._answers, self._printed, self._place):
-            with contextlib.suppress(OSError):
-                stream.close()
 
 
 EXECUTOR = Executor(

@@ -7,9 +7,6 @@ from dataclasses import dataclass
 
 from dh2urdf.rotations import IDENTITY, RigidTransform
 
-TOLERANCE = 1e-9
-"""How far the tip of a table may be from the file's, unless somebody wants it nearer or less near [m, rad]."""
-
 _PARTS_OF_PI = (2, 4, 6)
 _HALVES = (9.5, 8.5, 7.5, 6.5, 5.5, 4.5, 3.5, 2.5, 1.5, 0.5)
 _DIGITS = 17

@@ -1,22 +1,21 @@
-"""Reads Denavit-Hartenberg tables as CSV, one manipulator or a million in a file."""
+"""The stage ``csv``: tables as CSV, many manipulators in a file. What reads them is imported when it is called."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Reader
-from dh2urdf_plugins.readers.csv_file import texts as csv_texts
-from dh2urdf_plugins.readers.csv_file.rows import CsvRows
-from dh2urdf_plugins.readers.table import TableOptions, read_table, read_table_columns
+from dh2urdf_plugins.readers.options import TableOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.columns import ManipulatorGroups
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.provenance import Trace
     from dh2urdf.stages import Rejected
+    from dh2urdf.table_text import CellRow, TableText, WrittenTable
 
 
 def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
@@ -27,12 +26,15 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
         options: what the table does not say itself.
         trace: takes what the cells of each manipulator say, where it is wanted.
 
-    Yields:
+    Returns:
         Each manipulator, or what is wrong with it.
 
     Raises:
         TableError: the file is no table at all, or its header or its quotes are wrong.
     """
+    from dh2urdf_plugins.readers.csv_file.rows import CsvRows
+    from dh2urdf_plugins.readers.table import read_table
+
     return read_table(CsvRows(path), str(path), options, name=path.stem, trace=trace)
 
 
@@ -42,7 +44,35 @@ def read_columns(path: Path, options: TableOptions) -> Iterator[Manipulator | Ma
     Raises:
         TableError: as of `read`.
     """
+    from dh2urdf_plugins.readers.csv_file.rows import CsvRows
+    from dh2urdf_plugins.readers.table import read_table_columns
+
     return read_table_columns(CsvRows(path), str(path), options, name=path.stem)
+
+
+def read_cells(rows: Iterable[CellRow], file: str, options: TableOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of rows of cells that come from no file."""
+    from dh2urdf_plugins.readers.table import read_table
+
+    return read_table(rows, file, options)
+
+
+def write(tables: Sequence[TableText]) -> WrittenTable:
+    """The file of some tables.
+
+    Raises:
+        InputError: the format cannot hold them.
+    """
+    from dh2urdf_plugins.readers.csv_file import texts
+
+    return texts.write(tables)
+
+
+def typed_texts(path: Path) -> Iterator[TableText]:
+    """The tables of a file as their authors typed them."""
+    from dh2urdf_plugins.readers.csv_file import texts
+
+    return texts.texts(path)
 
 
 READER: Reader[TableOptions] = Reader(
@@ -51,9 +81,9 @@ READER: Reader[TableOptions] = Reader(
     read=read,
     options=TableOptions,
     suffixes=(".csv", ".tsv"),
-    write=csv_texts.write,
-    texts=csv_texts.texts,
+    write=write,
+    texts=typed_texts,
     trace=read,
-    read_cells=read_table,
+    read_cells=read_cells,
     read_columns=read_columns,
 )

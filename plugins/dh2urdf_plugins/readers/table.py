@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.rows.source import RowSource
-from dh2urdf_plugins.readers.statements.statements import TableOptions
 from dh2urdf_plugins.readers.statements.top import read_top
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable

@@ -2,21 +2,15 @@
 
 Two variants. `exact` is the default and gives the arm of the table. `paper` does what "URDF Generator for Manipulator
 Robot" describes, for those who want to see that: its links end up in a straight line.
+What makes the robots is imported when it is called.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import TransformError
 from dh2urdf.stages import Transform
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
-from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems, with_inertia_floor
-from dh2urdf_plugins.transforms.exact import exact
-from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
-from dh2urdf_plugins.transforms.paper import paper
-from dh2urdf_plugins.transforms.unused import unused_in_paper, unused_shapes
 
 if TYPE_CHECKING:
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
@@ -30,27 +24,9 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     Raises:
         TransformError: no arm can be made of the table; all its problems are named.
     """
-    manipulator, raised = with_inertia_floor(manipulator, options.inertia_floor)
-    given, problems = manipulator, table_problems(manipulator)
-    if options.near_parallel == "split" and options.variant == "exact" and not problems:
-        from dh2urdf_plugins.extraction.split_tables import with_split_links
+    from dh2urdf_plugins.transforms.robots import robot_of
 
-        manipulator, problems = with_split_links(manipulator)
-    table = None if manipulator is given else manipulator
-    if options.variant == "paper":
-        problems += [*paper_problems(manipulator, options.snap), *unplaced_meshes(manipulator)]
-        problems += unused_in_paper(manipulator)
-    else:
-        problems += [*mesh_problems(manipulator), *unused_shapes(manipulator, options)]
-    if any(problem.severity == "error" for problem in problems):
-        raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
-    if options.variant == "paper":
-        robot = paper(manipulator, options)
-    else:
-        robot = exact(manipulator, options)
-        problems += [*raised, *angle_notices(given)]
-    notices = tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems)
-    return replace(robot, notices=notices, manipulator=table)
+    return robot_of(manipulator, options)
 
 
 def alpha_swap_columns(

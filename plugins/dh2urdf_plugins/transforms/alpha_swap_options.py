@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, TypeAlias
 
-from dh2urdf_plugins.transforms.shapes import Shape
+Shape: TypeAlias = Literal["cylinder", "box", "capsule"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import reduce
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
+from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual
+from dh2urdf_plugins.transforms.alpha_swap_options import Shape
 from dh2urdf_plugins.transforms.formulas import HALF, NO_VECTOR, Quantities, Quantity, length_of, origin, plus, times
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Geometry
     from dh2urdf.rotations import Vec3
 
-Shape: TypeAlias = Literal["cylinder", "box", "capsule"]
 SHAPES: tuple[str, ...] = get_args(Shape)
 
 DEFAULT_RADIUS = 0.04

@@ -13,7 +13,8 @@ import pytest
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, Limits, Manipulator
 from dh2urdf.robot import Box, Cylinder, Sphere
-from dh2urdf_plugins.emitters.mjcf import DEEPEST, EMITTER, SAG, MjcfOptions
+from dh2urdf_plugins.emitters.mjcf import EMITTER, MjcfOptions
+from dh2urdf_plugins.emitters.mjcf_model import DEEPEST, SAG
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 

@@ -18,7 +18,8 @@ import pytest
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.stages import LoadRequest
-from dh2urdf_plugins.emitters.profiles import PROFILES, Profile, ProfileName
+from dh2urdf_plugins.emitters.profile_names import ProfileName
+from dh2urdf_plugins.emitters.profiles import PROFILES, Profile
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
 from dh2urdf_plugins.read_back.xacro_reader import expand

@@ -15,7 +15,8 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Parameter, Robot
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
-from dh2urdf_plugins.emitters.xacro import EMITTER, XacroOptions, angle_text, macro_name
+from dh2urdf_plugins.emitters.xacro import EMITTER, XacroOptions
+from dh2urdf_plugins.emitters.xacro_files import angle_text, macro_name
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
 

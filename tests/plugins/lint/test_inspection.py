@@ -24,7 +24,7 @@ from dh2urdf_plugins.xacro_fence import expansion
 if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
-    from dh2urdf_plugins.emitters.profiles import ProfileName
+    from dh2urdf_plugins.emitters.profile_names import ProfileName
 
 EXPECTED = {
     "root-without-inertial",

@@ -24,8 +24,8 @@ from dh2urdf.manipulator import Convention, Inertia, JointType, Manipulator, Pay
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, parquet
+from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
-from dh2urdf_plugins.readers.statements.statements import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

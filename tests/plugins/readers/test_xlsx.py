@@ -20,6 +20,7 @@ from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, xlsx
+from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
 from dh2urdf_plugins.readers.xlsx_file.formats import ShownOtherwiseError, shown_unit
 from dh2urdf_plugins.readers.xlsx_file.rows import letters
@@ -630,7 +631,7 @@ def test_a_csv_table_pasted_into_a_sheet_is_the_same_arm(sheet: Worksheet, name:
     for line in (TABLES / f"{name}.csv").read_text("utf-8").splitlines():
         sheet.append([number_or_text(cell) for cell in line.split(",")])
     save(sheet)
-    (expected,) = csv.read(TABLES / f"{name}.csv", xlsx.TableOptions())
+    (expected,) = csv.read(TABLES / f"{name}.csv", TableOptions())
     arm = read_one(convention=None)
     assert isinstance(expected, Manipulator)
     assert (arm.convention, arm.base, arm.tool, arm.geometry, arm.rows) == (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from hashlib import sha256
 from typing import TYPE_CHECKING, Any, Final
 
 from dh2urdf._version import __version__
@@ -139,6 +138,8 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
     Raises:
         ConfigError: a file that was not written is no text.
     """
+    from hashlib import sha256
+
     from dh2urdf.conversion.outcome import proof_facts
 
     manipulator = conversion.manipulator

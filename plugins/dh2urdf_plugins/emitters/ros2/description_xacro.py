@@ -18,7 +18,7 @@ from dh2urdf_plugins.emitters.ros2.yaml_files import (
     parameter_key,
 )
 from dh2urdf_plugins.emitters.urdf_tree import INERTIA, append_comment, append_robot, serialise
-from dh2urdf_plugins.emitters.xacro import (
+from dh2urdf_plugins.emitters.xacro_files import (
     MACRO_PARAMETERS,
     NAMESPACE,
     PLACEMENT,

@@ -35,7 +35,7 @@ from dh2urdf_plugins.emitters.ros2.yaml_files import arm_joints, controllers, in
 from dh2urdf_plugins.emitters.srdf.emitter import srdf
 from dh2urdf_plugins.emitters.srdf.semantics import WORLD, groups
 from dh2urdf_plugins.emitters.urdf_tree import serialise
-from dh2urdf_plugins.emitters.xacro import NAMESPACE, XacroNotation, append_element
+from dh2urdf_plugins.emitters.xacro_files import NAMESPACE, XacroNotation, append_element
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

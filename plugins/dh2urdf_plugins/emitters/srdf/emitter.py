@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stages import Annotation, EmittedFile, Emitter
+from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions
-from dh2urdf_plugins.emitters.urdf_tree import serialise
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Mesh, Robot
-    from dh2urdf.stages import Expansion
+    from dh2urdf.stages import Annotation, Expansion
 
 # What searches for pairs is imported where it is used: a run without an SRDF pays for none of it.
 
@@ -52,6 +51,7 @@ def srdf(robot: Robot, options: PairOptions, group: str) -> bytes:
     """
     from dh2urdf_plugins.collision_pairs.search import robot_pairs
     from dh2urdf_plugins.emitters.srdf.semantics import semantics
+    from dh2urdf_plugins.emitters.urdf_tree import serialise
 
     return serialise(semantics(robot, robot_pairs(robot, options), group), robot.comment)
 
@@ -65,6 +65,7 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
     """
     from dh2urdf.documents import read_bytes
     from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
+    from dh2urdf.stages import Annotation
     from dh2urdf_plugins.collision_pairs.mechanism import Mechanism
     from dh2urdf_plugins.collision_pairs.search import collision_pairs
     from dh2urdf_plugins.descriptions.description import LARGEST, urdf_description, xacro_description

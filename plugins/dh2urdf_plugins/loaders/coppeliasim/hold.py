@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.source import shown
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf_plugins.loaders.coppeliasim.arm import Arm
-
-Engine: TypeAlias = Literal["bullet", "ode", "vortex", "newton", "mujoco"]
+    from dh2urdf_plugins.loaders.coppeliasim.engines import Engine
 
 _STOPS_WITHIN = 30.0
 """How long CoppeliaSim may take to stop a simulation [s]."""

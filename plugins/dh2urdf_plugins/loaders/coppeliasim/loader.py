@@ -7,22 +7,18 @@ turn.
 
 from __future__ import annotations
 
-import socket
 from contextlib import closing
 from dataclasses import dataclass, field, replace
-from ipaddress import ip_address
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import MissingProgramError
-from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, LoadReport
-from dh2urdf_plugins.loaders.coppeliasim.arm import Arm, Connection
-from dh2urdf_plugins.loaders.coppeliasim.hold import Engine, hold
-from dh2urdf_plugins.loaders.coppeliasim.turns import turn
+from dh2urdf.stages import LOAD_TIME_LIMIT, Loader
+from dh2urdf_plugins.loaders.coppeliasim.engines import Engine
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
 if TYPE_CHECKING:
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf.stages import LoadReport, LoadRequest
 
 _CLIENT = "coppeliasim_zmqremoteapi_client"
 _PACKAGES = Packages("coppeliasim", {_CLIENT: "coppeliasim-zmqremoteapi-client", "zmq": "pyzmq"})
@@ -74,6 +70,13 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
         MissingDependencyError: the client is not installed.
         MissingProgramError: no CoppeliaSim answers.
     """
+    import socket
+    from ipaddress import ip_address
+
+    from dh2urdf_plugins.loaders.coppeliasim.arm import Arm, Connection
+    from dh2urdf_plugins.loaders.coppeliasim.hold import hold
+    from dh2urdf_plugins.loaders.coppeliasim.turns import turn
+
     zmq, library = _PACKAGES.load("zmq"), _PACKAGES.load(_CLIENT)
     try:
         with socket.create_connection((options.host, options.port), ANSWERS_WITHIN) as greeting:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import logging
 import re
 import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, LoadReport
-from dh2urdf_plugins.loaders.drake.arm import Arm
+from dh2urdf.stages import Loader
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
 if TYPE_CHECKING:
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf.stages import LoadReport, LoadRequest
 
 _PACKAGES = Packages("drake", {"pydrake": "drake"})
 _MARK = "Drake logged "
@@ -51,6 +49,10 @@ def load(request: LoadRequest, _options: DrakeOptions) -> LoadReport:
         LoaderError: Drake cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: Drake is not installed.
     """
+    import logging
+
+    from dh2urdf_plugins.loaders.drake.arm import Arm
+
     _PACKAGES.load("pydrake")
     # Drake's C++ hands its messages to this logger, whose last resort would print them without their level.
     to_output = logging.StreamHandler(sys.stderr)

@@ -17,14 +17,11 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, LoadReport
-from dh2urdf_plugins.loaders.comparison import Comparison
-from dh2urdf_plugins.loaders.gazebo.arm import Arm, precision
-from dh2urdf_plugins.loaders.gazebo.sdf_model import parse_sdf
+from dh2urdf.stages import Loader
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 
 if TYPE_CHECKING:
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf.stages import LoadReport, LoadRequest
 
 COMMANDS = ("gz", "ign")
 """What the command of sdformat is a subcommand of: in Gazebo from Garden on (and Gazebo classic), and before."""
@@ -65,6 +62,10 @@ def load(request: LoadRequest, _options: GazeboOptions) -> LoadReport:
         LoaderError: sdformat refuses the file, or makes another arm of it than the one that was written.
         MissingProgramError: sdformat is not installed.
     """
+    from dh2urdf_plugins.loaders.comparison import Comparison
+    from dh2urdf_plugins.loaders.gazebo.arm import Arm, precision
+    from dh2urdf_plugins.loaders.gazebo.sdf_model import parse_sdf
+
     command, version = find_command()
     comparison = Comparison("sdformat", request, precision(request.robot))
     path = str(request.path.resolve())

@@ -10,14 +10,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, LoadReport
-from dh2urdf_plugins.loaders.mujoco.arm import Arm
-from dh2urdf_plugins.loaders.mujoco.picture import NoGraphicsError, graphics, write_picture
+from dh2urdf.stages import Loader
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
 if TYPE_CHECKING:
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf.stages import LoadReport, LoadRequest
 
 _PACKAGES = Packages("mujoco", {"mujoco": "mujoco", "PIL.Image": "pillow"})
 
@@ -56,6 +54,9 @@ def load(request: LoadRequest, _options: MuJoCoOptions) -> LoadReport:
         LoaderError: MuJoCo cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: MuJoCo, or Pillow for a picture, is not installed.
     """
+    from dh2urdf_plugins.loaders.mujoco.arm import Arm
+    from dh2urdf_plugins.loaders.mujoco.picture import NoGraphicsError, write_picture
+
     mujoco = _import(picture=request.picture is not None)
     mujoco.set_mju_user_warning(_print_warning)
     arm = Arm(mujoco, request)
@@ -77,6 +78,8 @@ def load(request: LoadRequest, _options: MuJoCoOptions) -> LoadReport:
 
 def _import(*, picture: bool) -> Any:  # noqa: ANN401 - a module without type information
     """Import MuJoCo, which asks the environment once, while it is imported, by what to render."""
+    from dh2urdf_plugins.loaders.mujoco.picture import graphics
+
     if picture:
         _PACKAGES.load("PIL.Image")
     if graphics_library := graphics() if picture else "disable":

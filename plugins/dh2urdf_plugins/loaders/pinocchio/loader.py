@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, LoadReport
+from dh2urdf.stages import Loader
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
-from dh2urdf_plugins.loaders.pinocchio.arm import Arm
 
 if TYPE_CHECKING:
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf.stages import LoadReport, LoadRequest
 
 _PACKAGES = Packages("pinocchio", {"pinocchio": "pin"})
 
@@ -48,6 +47,8 @@ def load(request: LoadRequest, _options: PinocchioOptions) -> LoadReport:
         LoaderError: Pinocchio cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: Pinocchio is not installed.
     """
+    from dh2urdf_plugins.loaders.pinocchio.arm import Arm
+
     return Arm(_PACKAGES.load("pinocchio"), request).report()
 
 

@@ -8,13 +8,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, LoadReport
+from dh2urdf.stages import LOAD_TIME_LIMIT, Loader
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
-from dh2urdf_plugins.loaders.pybullet.arm import Arm
 
 if TYPE_CHECKING:
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf.stages import LoadReport, LoadRequest
 
 _PACKAGES = Packages("pybullet", {"pybullet": "pybullet", "PIL.Image": "pillow"})
 
@@ -59,6 +58,8 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
         LoaderError: PyBullet cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: PyBullet, or Pillow for a picture, is not installed.
     """
+    from dh2urdf_plugins.loaders.pybullet.arm import Arm
+
     bullet = _import(picture=request.picture is not None)
     bullet.connect(bullet.GUI if options.gui else bullet.DIRECT)
     try:

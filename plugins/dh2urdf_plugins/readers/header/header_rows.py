@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import re
-
 from dh2urdf.errors import TableError
+from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import is_unit
 from dh2urdf.source import Problem, shown
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 
-_UNIT = re.compile(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]")
+_UNIT = late_pattern(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]")
 _DASHES = frozenset("- – — [-] [–] (-) [] n/a unit units einheit einheiten unité unidad unità".split()) | {""}  # noqa: SIM905
 """What a row of units has where there is none."""
 

@@ -7,6 +7,7 @@ import unicodedata
 from functools import cache, lru_cache
 from typing import NamedTuple
 
+from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import is_unit
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
@@ -14,13 +15,13 @@ from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 
 _INDEXED = ("a", "r", "alpha", "α", "d", "theta", "θ", "b", "beta", "β", "gamma", "γ", "sigma", "σ", "mu", "μ", "q")
 _BEFORE = r"\s*(-\s*1|m1)?\s*[\]})*]*"
-_INDEX = re.compile(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}")
-_INDEX_BEHIND = re.compile(rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}")  # `effort [N]` has a unit
-_PREFIX = re.compile(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
-_LATEX = re.compile(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
-_FOOTNOTE = re.compile(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
-_BRACKETED = re.compile(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
-_LOOSE_UNIT = re.compile(
+_INDEX = late_pattern(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}")
+_INDEX_BEHIND = late_pattern(rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}")  # `effort [N]` has a unit
+_PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
+_LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
+_FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
+_BRACKETED = late_pattern(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
+_LOOSE_UNIT = late_pattern(
     r"(.+?)(?:\s*[/|:;]\s*|\s*,\s*|\s+in\s+|[\s_-]+|(?=°))([^\s_/,°-]+(?:/(?:s|sec|min))?|°(?:/(?:s|sec|min))?)"
 )
 _FORMS = frozenset(("xyz", "3x3", "minmax", "lowerupper", "matrix", "vector"))
@@ -215,8 +216,8 @@ def one_slip(left: str, right: str) -> bool:
     )
 
 
-_TOKEN = re.compile(r"[^\W\d_]+")
-_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_TOKEN = late_pattern(r"[^\W\d_]+")
+_HUMP = late_pattern(r"(?<=[a-z])(?=[A-Z])")
 _PROSE = {key for word in PROSE.split(", ") for key in keys_of(word)}
 
 

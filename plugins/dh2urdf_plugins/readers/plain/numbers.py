@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
@@ -22,7 +22,7 @@ REMEMBERED = 10_000
 """Texts, or sets of texts, whose meaning is remembered."""
 LINE_END = "\n"
 """What a cell in quotes may hold, and no plain one does."""
-_TINY = re.compile("[eE]-[0-9]{3}")
+_TINY = late_pattern("[eE]-[0-9]{3}")
 """An exponent, or what looks like one, of numbers too small for a double."""
 
 

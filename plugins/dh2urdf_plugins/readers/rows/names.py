@@ -6,7 +6,6 @@ and `base_yaw` do not.
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal
@@ -47,7 +46,7 @@ _OF_FRAMES = _words("""
     joint jnt frame offset link point center centre transform plate position interface row gelenk rahmen repere from to
 """)
 _HINT = late_pattern("|".join(_TOTALS | _FRAMES))
-_NO_LETTERS = re.compile(r"[\W_]+")
+_NO_LETTERS = late_pattern(r"[\W_]+")
 _LONGEST = 60
 
 

@@ -49,16 +49,16 @@ _FILLERS = frozenset(
     "valores tutte tutti le gli i sono e valori everything parameters parameter dh link joint measurement "
     "measurements used using use system here".split()
 )
-_BREAKS = re.compile(r"[\s,;:=&()\[\]{}|\u2013\u2014\uff1a\uff0c]+|\.(?=\s|$)|(?<=\s)[-/](?=\s)")
-_BETWEEN_UNITS = re.compile(r"(?<=[^\W\d_°])/(?=[^\W\d_°])|(?<=°)/|/(?=°)")
-_INCHES = re.compile(r"\bin\b(?=\s*(?:[,;/)\]}&]|and\b|$))")
+_BREAKS = late_pattern(r"[\s,;:=&()\[\]{}|\u2013\u2014\uff1a\uff0c]+|\.(?=\s|$)|(?<=\s)[-/](?=\s)")
+_BETWEEN_UNITS = late_pattern(r"(?<=[^\W\d_°])/(?=[^\W\d_°])|(?<=°)/|/(?=°)")
+_INCHES = late_pattern(r"\bin\b(?=\s*(?:[,;/)\]}&]|and\b|$))")
 """The unit, where another word would follow the preposition."""
-_MENTION = re.compile(
+_MENTION = late_pattern(
     r"(?:(?:\b(?:in|en|unit|units|are|is|are given in|einheit|einheiten|unité|unités)\b|[\[(:=]|^)\s*)"
     r"((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?)+)",
     re.IGNORECASE,
 )
-_FREEDOM = re.compile(r"\bdegrees?\s+of\s+freedom\b", re.IGNORECASE)
+_FREEDOM = late_pattern(r"\bdegrees?\s+of\s+freedom\b", re.IGNORECASE)
 _SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
 
 _SAYS_CONVENTION = late_pattern(r"\bdh\b|denavit|convention|parameters", re.IGNORECASE)
@@ -68,12 +68,12 @@ _CONVENTION_WORDS = late_pattern(
 )
 _PROSE = {
     Convention.MODIFIED: (
-        re.compile(r"\b(mdh|craig|proximal)\b", re.IGNORECASE),
-        re.compile(r"\bmodified\b", re.IGNORECASE),
+        late_pattern(r"\b(mdh|craig|proximal)\b", re.IGNORECASE),
+        late_pattern(r"\bmodified\b", re.IGNORECASE),
     ),
     Convention.STANDARD: (
-        re.compile(r"\b(sdh|distal|spong)\b", re.IGNORECASE),
-        re.compile(r"\b(standard|classic|classical)\b", re.IGNORECASE),
+        late_pattern(r"\b(sdh|distal|spong)\b", re.IGNORECASE),
+        late_pattern(r"\b(standard|classic|classical)\b", re.IGNORECASE),
     ),
 }
 """Words for the convention in a comment: those that mean nothing else, and those that may."""

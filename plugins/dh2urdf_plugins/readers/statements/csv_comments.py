@@ -12,7 +12,6 @@ from dh2urdf.errors import TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
-from dh2urdf.table_text import yaml_word
 from dh2urdf_plugins.readers.header.words import one_slip, read_header
 from dh2urdf_plugins.readers.statements.comment_phrases import (
     convention_in_prose,
@@ -43,9 +42,9 @@ _EXAMPLES = {
 MAX_STATEMENT = 10_000
 """Length of a comment line that says something."""
 
-_STATEMENT = re.compile(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
-_ENTRY = re.compile(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
-_BULLET = re.compile(r"^\s*[-*•]\s+")
+_STATEMENT = late_pattern(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
+_ENTRY = late_pattern(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
+_BULLET = late_pattern(r"^\s*[-*•]\s+")
 _QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
 _NUMBERS = late_pattern(r"\s*\[\s*[+-]?[0-9.]")
 _OF_THE_FILE = frozenset(
@@ -88,6 +87,8 @@ def statement(comment: Comment) -> tuple[str, Node] | None:
     """
     text = comment.text
     if name := name_said(comment):
+        from dh2urdf.table_text import yaml_word
+
         return "name", _node(comment, yaml_word(name))
     match = _STATEMENT.match(text)
     key = match[1].casefold() if match else ""

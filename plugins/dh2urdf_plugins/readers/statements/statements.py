@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
@@ -14,7 +13,6 @@ from dh2urdf.provenance import Said
 from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, unit_word
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf_plugins.calibrations.files import CalibrationFile, unreadable
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, table_units
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
@@ -30,56 +28,10 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import DHRow
+    from dh2urdf_plugins.calibrations.files import CalibrationFile  # noqa: TC004 - only the tables with one need it
 
 OPTIONS = "an option"
 """What marks name as the file of an option."""
-
-
-def _flag(value: str, text: str) -> Any:  # noqa: ANN401 - what dataclasses take for a default
-    return field(default=None, metadata={"flag": value, "help": text})
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TableOptions:
-    """What a table does not say itself; what it does say must not contradict it."""
-
-    convention: str | None = _flag("C", "standard (classic, distal) or modified (Craig, proximal)")
-    length_unit: str | None = _flag("UNIT", "unit of lengths: m, cm, mm, in …; m by default")
-    angle_unit: str | None = _flag("UNIT", "unit of angles: rad or deg; rad by default")
-    units: str | dict[str, Any] | list[Any] | None = _flag(
-        "YAML", "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}"
-    )
-    base: str | dict[str, Any] | list[Any] | None = _flag(
-        "YAML", "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}"
-    )
-    tool: str | dict[str, Any] | list[Any] | None = _flag(
-        "YAML", "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"
-    )
-    payload: str | dict[str, Any] | None = _flag(
-        "YAML", "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"
-    )
-    calibration: Path | None = _flag("FILE", "differences that are added to the rows: a calibration.conf, or a table")
-    mesh_links: bool = field(
-        default=False,
-        metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
-    )
-
-    def __post_init__(self) -> None:
-        """Refuses words that mean nothing in any table, and a calibration that is no file.
-
-        Raises:
-            TableError: the convention or a unit is unknown, or there is no such file; the caller knows its place.
-        """
-        problems: list[Problem] = []
-        if self.calibration is not None:
-            problems += unreadable(self.calibration, "calibration")
-        Statements().say_options(self, problems.append)
-        if problems:
-            fields = {"units.length": "length_unit", "units.angle": "angle_unit"}
-            raise TableError(
-                replace(problem, mark=None, field=fields.get(problem.field or "", problem.field))
-                for problem in problems
-            )
 
 
 @dataclass(slots=True)
@@ -301,20 +253,22 @@ class Statements:
             self.tool = transform
             self.placed[what] = node.mark
 
-    def say_options(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
+    def say_options(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
         """Takes the convention and the units of the options; base and tool follow when the units are known."""
         mark = Mark(file=OPTIONS)
-        self.mesh_links = options.mesh_links
-        if options.calibration is not None:
-            units = {name: getattr(options, name) for name in ("length_unit", "angle_unit", "units")}
-            self.calibration = CalibrationFile(options.calibration, units)
-        if options.convention is not None:
-            self.say_convention(Cell(options.convention, mark), add)
-        if options.length_unit is not None:
-            self.say_unit(Cell(options.length_unit, mark), "length", add)
-        if options.angle_unit is not None:
-            self.say_unit(Cell(options.angle_unit, mark), "angle", add)
-        if options.units is not None and (node := _option_node("units", options.units, add)):
+        self.mesh_links = options["mesh_links"]
+        if options["calibration"] is not None:
+            from dh2urdf_plugins.calibrations.files import CalibrationFile
+
+            units = {name: options[name] for name in ("length_unit", "angle_unit", "units")}
+            self.calibration = CalibrationFile(options["calibration"], units)
+        if options["convention"] is not None:
+            self.say_convention(Cell(options["convention"], mark), add)
+        if options["length_unit"] is not None:
+            self.say_unit(Cell(options["length_unit"], mark), "length", add)
+        if options["angle_unit"] is not None:
+            self.say_unit(Cell(options["angle_unit"], mark), "angle", add)
+        if options["units"] is not None and (node := _option_node("units", options["units"], add)):
             self.say_units(node, add)
 
     def say_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
@@ -369,9 +323,9 @@ class Statements:
         message = f"{what} is given twice, with different values: in the table and in {OPTIONS}"
         add(Problem(message=message, mark=node.mark, field=what, found=node.text, accepted=f"one {what}"))
 
-    def say_option_transforms(self, options: TableOptions, add: Callable[[Problem], None]) -> None:
+    def say_option_transforms(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
         """Takes base, tool and payload of the options."""
-        for what, value in (("base", options.base), ("tool", options.tool), ("payload", options.payload)):
+        for what, value in ((what, options[what]) for what in ("base", "tool", "payload")):
             if value is not None and (node := _option_node(what, value, add)):
                 if what == "payload":
                     self.say_payload(node, add)

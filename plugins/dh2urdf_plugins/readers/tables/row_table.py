@@ -20,6 +20,7 @@ from dh2urdf.output import SeenNames
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import unit_notices, unit_problems
+from dh2urdf_plugins.readers.options import said_by
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import HEAD, PlainSample, compare
 from dh2urdf_plugins.readers.rows.rows import RowReader
@@ -27,7 +28,7 @@ from dh2urdf_plugins.readers.rows.source import Rows
 from dh2urdf_plugins.readers.statements.comment_phrases import prose_problems
 from dh2urdf_plugins.readers.statements.csv_comments import below_header, statement, unread_values
 from dh2urdf_plugins.readers.statements.plausibility import shortest_plain
-from dh2urdf_plugins.readers.statements.statements import Statements, TableOptions
+from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.tables.cells import TableCells
 from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows, stopped, too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
     from dh2urdf.provenance import Trace
     from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.rows.source import Row, RowSource
     from dh2urdf_plugins.readers.statements.top import Top
     from dh2urdf_plugins.readers.words.cells import Value
@@ -113,7 +115,7 @@ class RowTable:
                     Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
                 )
             self.statements.say_which(Convention.MODIFIED, header, problems.append)
-        self.statements.say_options(options, problems.append)
+        self.statements.say_options(said_by(options), problems.append)
         problems += unit_problems(columns, self.statements.stated.values())
         self.statements.columns = columns
         for what in ("base", "tool"):
@@ -121,7 +123,7 @@ class RowTable:
                 self.statements.say_transform(node, what, problems.append)
         if payload := said.get("payload"):
             self.statements.say_payload(payload, problems.append)
-        self.statements.say_option_transforms(options, problems.append)
+        self.statements.say_option_transforms(said_by(options), problems.append)
         if defaults := said.get("defaults"):
             self.statements.say_defaults(defaults, problems.append)
         errors = [problem for problem in problems if problem.severity == "error"]

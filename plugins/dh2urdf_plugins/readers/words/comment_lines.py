@@ -25,7 +25,7 @@ SIGNS = (*MARKERS, "\N{FULLWIDTH NUMBER SIGN}", "\N{FULLWIDTH PERCENT SIGN}")
 
 _INVISIBLE = SPACES + "\ufeff\u3000"
 _APOSTROPHES = "'\N{RIGHT SINGLE QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}`\N{ACUTE ACCENT}"
-_START = re.compile(
+_START = late_pattern(
     rf'(?P<outer>(?:[{_INVISIBLE},;]|"")*)(?P<quote>"?)[{_INVISIBLE}]*[{_APOSTROPHES}]*[{_INVISIBLE}]*'
     rf"(?P<sign>{'|'.join(SIGNS)})"
 )

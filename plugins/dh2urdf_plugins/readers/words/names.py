@@ -8,6 +8,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ TIP_FRAMES = ("flange", "tool0")
 """Links of ours at the end of the arm."""
 RESERVED = ("world", "base_link", "base_link_inertia", *TIP_FRAMES)
 """Links that every robot description of ours has; `world` is the simulators' own."""
-_NUMBERED = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
+_NUMBERED = late_pattern(r"(.*?)([0-9]{1,9})", re.DOTALL)
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
 _CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}
 _CLASSES |= {"Zl": "a line separator", "Zp": "a paragraph separator"}

@@ -1,0 +1,67 @@
+"""The options that all readers of tables have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import TableError
+
+if TYPE_CHECKING:
+    from dh2urdf.source import Problem
+
+
+def _flag(value: str, text: str) -> Any:  # noqa: ANN401 - what dataclasses take for a default
+    return field(default=None, metadata={"flag": value, "help": text})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableOptions:
+    """What a table does not say itself; what it does say must not contradict it."""
+
+    convention: str | None = _flag("C", "standard (classic, distal) or modified (Craig, proximal)")
+    length_unit: str | None = _flag("UNIT", "unit of lengths: m, cm, mm, in …; m by default")
+    angle_unit: str | None = _flag("UNIT", "unit of angles: rad or deg; rad by default")
+    units: str | dict[str, Any] | list[Any] | None = _flag(
+        "YAML", "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}"
+    )
+    base: str | dict[str, Any] | list[Any] | None = _flag(
+        "YAML", "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}"
+    )
+    tool: str | dict[str, Any] | list[Any] | None = _flag(
+        "YAML", "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"
+    )
+    payload: str | dict[str, Any] | None = _flag(
+        "YAML", "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"
+    )
+    calibration: Path | None = _flag("FILE", "differences that are added to the rows: a calibration.conf, or a table")
+    mesh_links: bool = field(
+        default=False,
+        metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
+    )
+
+    def __post_init__(self) -> None:
+        """Refuses words that mean nothing in any table, and a calibration that is no file.
+
+        Raises:
+            TableError: the convention or a unit is unknown, or there is no such file; the caller knows its place.
+        """
+        from dh2urdf_plugins.readers.statements.statements import Statements
+
+        problems: list[Problem] = []
+        if self.calibration is not None:
+            from dh2urdf_plugins.calibrations.files import unreadable
+
+            problems += unreadable(self.calibration, "calibration")
+        Statements().say_options(said_by(self), problems.append)
+        if problems:
+            names = {"units.length": "length_unit", "units.angle": "angle_unit"}
+            raise TableError(
+                replace(problem, mark=None, field=names.get(problem.field or "", problem.field)) for problem in problems
+            )
+
+
+def said_by(options: TableOptions) -> dict[str, Any]:
+    """What the options say, by their names."""
+    return {each.name: getattr(options, each.name) for each in fields(options)}

@@ -158,4 +158,6 @@ def test_makers_meshes_look_like_their_robot(
         page.wait_for_function("document.querySelectorAll('.joint-slider').length === 8")  # a finger follows the other
         tab.wait_for_triangles(100_000)
         assert page.get_by_text("not found").count() == 0
+        box = page.locator(".joint-sliders").bounding_box()
+        assert box["height"] > 200, "the tree and the ends leave room for the sliders"
         page.close()

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -159,6 +160,23 @@ def test_an_inertia_that_no_body_has_is_no_ellipsoid() -> None:
     inertial = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=3.0))
     drawing = Drawing.of([Figure(robot=Robot(name="x", links=(Link(name="base", inertial=inertial),), joints=()))])
     assert {part.layer for node in drawing.nodes for part in node.parts} == {"masses"}
+
+
+def test_centres_of_mass_are_seen_in_robots_of_many_links() -> None:
+    """Their balls are as large as the robot asks for, however short its links and their frames are."""
+    names = [f"l{number}" for number in range(51)]
+    inertial = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
+    links = tuple(Link(name=name, inertial=inertial) for name in names)
+    joints = tuple(
+        Joint(
+            name=f"j{child}", type=JointType.CONTINUOUS, parent=parent, child=child, origin=Origin(xyz=(0.02, 0.0, 0.0))
+        )
+        for parent, child in pairwise(names)
+    )
+    drawing = Drawing.of([Figure(robot=Robot(name="x", links=links, joints=joints))])
+    balls = [part for node in drawing.nodes for part in node.parts if part.layer == "masses"]
+    assert len(balls) == 51
+    assert all(ball.size[0] > 0.01 * drawing.reach for ball in balls)
 
 
 def test_links_in_any_order_are_drawn() -> None:

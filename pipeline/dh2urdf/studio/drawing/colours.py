@@ -16,6 +16,7 @@ Colour: TypeAlias = tuple[float, float, float]
 GREY: Colour = (0.72, 0.74, 0.77)
 COLLISION: Colour = (0.85, 0.2, 0.45)
 MASS: Colour = (0.45, 0.3, 0.75)
+CENTRE: Colour = (1.0, 0.85, 0.1)
 PAPER: Colour = (0.45, 0.24, 0.72)
 BESIDE: Colour = (0.03, 0.55, 0.42)
 _TURNS: tuple[Colour, ...] = ((0.85, 0.1, 0.6), (1.0, 0.85, 0.1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform, Vec3
-from dh2urdf.studio.drawing.colours import MASS
+from dh2urdf.studio.drawing.colours import CENTRE, MASS
 from dh2urdf.studio.drawing.parts import ScenePart
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def mass_parts(link: Link, radius: float) -> Iterator[ScenePart]:
     if inertial is None or not inertial.mass > 0.0:
         return
     centre = RigidTransform(IDENTITY_ROTATION, inertial.com)
-    yield ScenePart(shape="sphere", size=(radius,), pose=centre, layer="masses", colour=MASS)
+    yield ScenePart(shape="sphere", size=(radius,), pose=centre, layer="masses", colour=CENTRE)
     if (found := inertia_ellipsoid(inertial)) is not None:
         half_axes, pose = found
         yield ScenePart(shape="sphere", size=half_axes, pose=pose, layer="inertias", colour=MASS, opacity=0.5)

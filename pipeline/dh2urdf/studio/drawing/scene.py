@@ -44,6 +44,8 @@ LAYERS = {
 
 FRAME_SIZE = 0.08
 """Length of a frame's arrows in reaches of the arm."""
+CENTRE_SIZE = 0.012
+"""Radius of the ball at a centre of mass in reaches."""
 REACH_OF_A_POINT = 0.5
 """Reach that an arm of no size is drawn with [m]."""
 _AXIS_LENGTH = 2.6
@@ -229,7 +231,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
         near = [] if joint is None else [*bodies_of.get(joint.parent, ()), *bodies]
         if not any(part.layer == "links" for part in bodies):
             bodies += _sticks(link, figure, 0.15 * size)
-        parts = [*bodies, *mass_parts(link, 0.2 * size), *(_axis(joint, size, near) if joint else ())]
+        parts = [*bodies, *mass_parts(link, CENTRE_SIZE * reach), *(_axis(joint, size, near) if joint else ())]
         is_flange = link.name == FLANGE
         is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
         if is_frame:  # The flange's is smaller: tool0 often stands where it does.

@@ -7,7 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -43,13 +43,22 @@ def _serving() -> Callable[..., Any]:
 
 
 @contextmanager
-def serving(*words: str | Path, port: int = 0) -> Iterator[str]:
-    """The address at which a command of the project serves, in a process of its own, until the end of the block."""
+def serving(*words: str | Path, port: int = 0, errors: Path | None = None) -> Iterator[str]:
+    """The address at which a command of the project serves, in a process of its own, until the end of the block.
+
+    Args:
+        words: the command.
+        port: where it listens.
+        errors: the file in which its standard error is written.
+    """
     code = "from dh2urdf.cli import main; main()"
     command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", str(port)]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would take the server for its own test.
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
+    with (
+        errors.open("w") if errors else nullcontext() as stderr,
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, text=True, env=environment) as server,
+    ):
         assert server.stdout is not None
         try:
             found = re.search(r"http://[^/]+/", server.stdout.readline())
@@ -221,6 +230,14 @@ class Tab:
             return found > count && !document.querySelector('.arm-view-progress');
         }"""
         self.page.wait_for_function(script, arg=count)
+
+    def serious(self, where: str = "document") -> list[Any]:
+        """What axe-core finds on the page, or in an element of it, and calls more than minor."""
+        axe = pytest.importorskip("axe_playwright_python")
+        self.page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text("utf-8"))
+        found = self.page.evaluate(f"axe.run({where})")["violations"]
+        serious = [one for one in found if one["impact"] != "minor"]
+        return [(one["id"], [node["failureSummary"] for node in one["nodes"]]) for one in serious]
 
     def foreign(self) -> list[str]:
         """What it asked for from elsewhere."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import traceback
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nicegui import run, ui
 
@@ -45,6 +45,14 @@ def card(title: str, *, persistent: bool = False) -> Iterator[ui.dialog]:
         yield dialog
 
 
+async def answer_of(dialog: ui.dialog) -> Any:  # noqa: ANN401 - what was submitted
+    """What a person answers; None where the dialog, or its tab, was closed."""
+    answer = await dialog
+    if not dialog.is_deleted:  # as everything of a tab is that was closed
+        dialog.delete()
+    return answer
+
+
 # --- Converting -------------------------------------------------------------------------------------------------------
 
 
@@ -82,8 +90,7 @@ async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) ->
         again = ui.button(reinterpret, on_click=lambda: dialog.submit("reinterpret")).props("outline align=left")
         again.classes("studio-choice")
         ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-    answer = await dialog
-    dialog.delete()
+    answer = await answer_of(dialog)
     return None if answer is None else answer == "convert"
 
 
@@ -136,8 +143,7 @@ async def ask_table(catalog: Catalog) -> TableText | None:
                         ui.label(item.name)
                     ui.label(item.told)
         ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-    tables = await dialog
-    dialog.delete()
+    tables = await answer_of(dialog)
     return await choose(tables)
 
 
@@ -162,8 +168,7 @@ async def ask_back(table: TableText) -> bool:
         with ui.element("div").classes("studio-row"):
             ui.button("Bring it back", on_click=lambda: dialog.submit("back")).props("unelevated autofocus")
             ui.button("Go on without it", on_click=lambda: dialog.submit("without")).props("flat")
-    answer = await dialog
-    dialog.delete()
+    answer = await answer_of(dialog)
     return bool(answer == "back")
 
 
@@ -192,8 +197,7 @@ async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:
         put = ui.button("Put its cells in here, as they are", on_click=lambda: dialog.submit("cells"))
         put.props("outline align=left").classes("studio-choice")
         ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-    answer: str | None = await dialog
-    dialog.delete()
+    answer: str | None = await answer_of(dialog)
     return answer
 
 
@@ -208,8 +212,7 @@ async def _ask_which(tables: tuple[Opened, ...]) -> Opened | None:
         with ui.element("div").classes("studio-row"):
             ui.button("Open", on_click=lambda: dialog.submit(chosen.value))
             ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-    answer = await dialog
-    dialog.delete()
+    answer = await answer_of(dialog)
     return None if answer is None else tables[answer]
 
 
@@ -306,8 +309,7 @@ async def show_error(title: str, error: Dh2UrdfError) -> None:
         if not problems:
             ui.label(str(error))
         ui.button("Close", on_click=lambda: dialog.submit(None)).props("flat autofocus")
-    await dialog
-    dialog.delete()
+    await answer_of(dialog)
 
 
 def show_fault(error: Exception) -> None:

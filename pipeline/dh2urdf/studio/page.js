@@ -3,9 +3,15 @@
   document.documentElement.lang = "en";
   // Ctrl+Enter generates. Undo and redo are the studio's. A text field has its own while its text differs from the one that was taken last;
   // anywhere else the browser would undo what was once typed into a field, behind the back of the table.
-  const taken = new WeakMap();
+  // What the page itself puts into a field, after an undo for one, is not typed.
+  const taken = new WeakMap(), typed = new WeakSet();
   const isField = (element) => element instanceof HTMLInputElement || element instanceof HTMLTextAreaElement;
-  const take = ({ target }) => isField(target) && taken.set(target, target.value);
+  const take = ({ target }) => {
+    if (!isField(target)) return;
+    typed.delete(target);
+    taken.set(target, target.value);
+  };
+  document.addEventListener("input", ({ target }) => isField(target) && typed.add(target), true);
   document.addEventListener("focusin", take, true);
   document.addEventListener("change", take, true);
   document.addEventListener(
@@ -19,7 +25,7 @@
       }
       if (!(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key)) return;
       const { target } = event;
-      if (isField(target) && taken.get(target) !== target.value) return;
+      if (typed.has(target) && taken.get(target) !== target.value) return;
       event.preventDefault();
       if (document.querySelector(".studio-table") && !document.querySelector(".q-dialog")) emitEvent("dh-undo", event.shiftKey || key === "y");
     },

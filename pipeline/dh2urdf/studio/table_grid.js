@@ -125,7 +125,11 @@
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
         if (act) emitEvent("dh-act", [act, node.rowIndex]);
-        return event.key.length > 1; // Option+P is a π
+        if (event.key.length > 1) return true;
+        if (event.key <= "\x7f") return false;
+        event.preventDefault(); // Option+P is a π: the grid begins no cell with a key that Alt is held with
+        api.startEditingCell({ rowIndex: node.rowIndex, colKey: column, key: event.key });
+        return true;
       }
       if (!editing && this.select(event, api, node, column)) return true;
       // Only what a person does moves the picked row: rows that are exchanged take the cursor along.

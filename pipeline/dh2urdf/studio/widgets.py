@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nicegui import ui
@@ -118,13 +119,22 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         self.run_method("fit", keep)
 
 
+def lay_menu_item(told: str, act: Callable[[], Any]) -> None:
+    """Lay out an entry of a menu; a list's, which Quasar makes of it, is none to a screen reader."""
+    ui.menu_item(told, on_click=act).props("role=menuitem")
+
+
 def lay_views(scene: Callable[[], ArmView]) -> None:
     """Lay out the menu of standard views, where the page is being laid out."""
     with ui.button(icon="view_in_ar").props('flat dense round size=sm aria-label="look from a side"') as button:
         button.tooltip("look from a side")
         with ui.menu():
             for view, told in VIEWS.items():
-                ui.menu_item(told, on_click=lambda view=view: scene().look(view))
+                lay_menu_item(told, partial(_look, scene, view))
+
+
+def _look(scene: Callable[[], ArmView], view: str) -> None:
+    scene().look(view)
 
 
 class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]

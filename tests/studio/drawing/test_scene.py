@@ -213,6 +213,26 @@ def test_the_extent_bounds_the_arm(reference_robot: ReferenceRobot, catalog: Cat
             assert math.hypot(*forward_kinematics(arm, q).translation) <= extent(robot) + 1e-9
 
 
+def test_frames_of_many_axes_do_not_bury_the_links() -> None:
+    """An arm of 30 axes of 0.1 m: an arrow is no longer than half a link."""
+    joints = [
+        Joint(
+            name=f"j{n}",
+            type=JointType.REVOLUTE,
+            parent=f"l{n}",
+            child=f"l{n + 1}",
+            axis=(0.0, 0.0, 1.0),
+            origin=Origin(xyz=(0.1, 0.0, 0.0)),
+        )
+        for n in range(30)
+    ]
+    robot = Robot(name="long", links=tuple(Link(name=f"l{n}") for n in range(31)), joints=tuple(joints))
+    drawing = Drawing.of([Figure(robot=robot)])
+    frames = [part.size[0] for node in drawing.nodes for part in node.parts if part.shape == "frame"]
+    assert len(frames) == 30
+    assert max(frames) <= 0.05 + 1e-12
+
+
 def test_poses_are_told_to_a_nanometre() -> None:
     """Nine digits: far below what a pixel shows, and half the bytes of a double."""
     assert numbers(RigidTransform.from_xyz_rpy((1 / 3, 0.0, 0.0)))[3] == 0.333333333

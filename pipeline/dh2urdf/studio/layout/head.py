@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from nicegui import ui
@@ -9,6 +10,7 @@ from nicegui import ui
 from dh2urdf.studio import dialogs
 from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.panels import sharing
+from dh2urdf.studio.widgets import lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -56,7 +58,7 @@ class StudioHead:
         ui.button("Open", icon="folder_open", on_click=on_open).props(_QUIET)
         with ui.button("Save", icon="save").props(_QUIET), ui.menu():
             for kind, name, told in dialogs.savings(session.catalog):
-                ui.menu_item(told, on_click=lambda kind=kind, name=name: dialogs.save(session, kind, name))
+                lay_menu_item(told, partial(dialogs.save, session, kind, name))
             self._menu = ui.element("div")
         lay_look()
         generate = ui.button("Generate", icon="precision_manufacturing", on_click=on_generate)

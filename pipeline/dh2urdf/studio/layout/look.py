@@ -16,9 +16,9 @@ def lay_look() -> None:
         button.tooltip(_TOLD)
         with ui.menu().props(f'aria-label="{_TOLD}"') as menu:
             for scheme, told in SCHEMES.items():
-                item = ui.menu_item(told).classes("studio-look").props(f'data-scheme="{scheme}"')
+                item = ui.menu_item(told).classes("studio-look").props(f'data-scheme="{scheme}" role=menuitem')
                 item.on("click", js_handler=f"() => dhLook.choose('{scheme}')")
             ui.separator()
-            large = ui.menu_item(_LARGE).classes("studio-look").props('data-size="large"')
+            large = ui.menu_item(_LARGE).classes("studio-look").props('data-size="large" role=menuitem')
             large.on("click", js_handler="() => dhLook.magnify()")
         menu.on("show", js_handler="() => dhLook.mark()")

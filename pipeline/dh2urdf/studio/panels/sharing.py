@@ -15,6 +15,7 @@ from dh2urdf.studio.drawing import turntable
 from dh2urdf.studio.drawing.scene_file import glb
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
 from dh2urdf.studio.editing.save import Saved
+from dh2urdf.studio.widgets import lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 def lay_items(session: Session, view: ArmView) -> None:
     """Lay out the entries of the studio's menu."""
     lay_scene_items(view, lambda: (session.table.name, session.drawing, session.joint_values(), session.layers))
-    ui.menu_item("Link with this table", on_click=lambda: show_link(session.table))
+    lay_menu_item("Link with this table", lambda: show_link(session.table))
 
 
 def lay_scene_items(view: ArmView, scene: Callable[[], ShownScene]) -> None:
@@ -38,9 +39,9 @@ def lay_scene_items(view: ArmView, scene: Callable[[], ShownScene]) -> None:
         scene: gives its name, and what is shown of it now.
     """
     for told, transparent in (("Picture (PNG)", False), ("Picture with a transparent ground", True)):
-        ui.menu_item(told, on_click=partial(_save_picture, view, scene, transparent=transparent))
-    ui.menu_item("Turntable (GIF)", on_click=partial(_save_turntable, view, scene))
-    ui.menu_item("Scene as glTF (GLB)", on_click=partial(_save_scene, scene))
+        lay_menu_item(told, partial(_save_picture, view, scene, transparent=transparent))
+    lay_menu_item("Turntable (GIF)", partial(_save_turntable, view, scene))
+    lay_menu_item("Scene as glTF (GLB)", partial(_save_scene, scene))
 
 
 def _save_picture(view: ArmView, scene: Callable[[], ShownScene], *, transparent: bool) -> None:
@@ -86,8 +87,7 @@ async def show_link(table: TableText) -> None:
             copy = ui.button("Copy", on_click=lambda: dialog.submit("copied")).props("unelevated autofocus")
             copy.on("click", js_handler=f"() => navigator.clipboard?.writeText({json.dumps(link)})")
             ui.button("Close", on_click=lambda: dialog.submit(None)).props("flat")
-    await dialog
-    dialog.delete()
+    await dialogs.answer_of(dialog)
 
 
 async def linked_table() -> TableText | None:

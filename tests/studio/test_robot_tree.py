@@ -20,9 +20,9 @@ GRIPPER = """<robot name="gripper">
     <limit lower="-0.08" upper="0" effort="1" velocity="1"/><mimic joint="l" multiplier="-1"/></joint>
 </robot>
 """
-GLOWS = """name => {
+OUTLINED = """name => {
     let on = false;
-    document.querySelector('.arm-view').scene.getObjectByName(name).traverse(part => on ||= part.material?.emissive?.getHex() > 0);
+    document.querySelector('.arm-view').scene.getObjectByName(name).traverse(part => on ||= part.userData.outline === true);
     return on;
 }"""
 HIDDEN = "name => document.querySelector('.arm-view')?.scene?.getObjectByName(name)?.visible === false"
@@ -74,8 +74,8 @@ def test_links_are_picked_hidden_and_unfolded(
         page.keyboard.press("ArrowLeft")
         assert focused.inner_text() == "right"
         page.keyboard.press("Enter")
-        page.wait_for_function(GLOWS, arg="gripper/right")
-        assert not page.evaluate(GLOWS, "gripper/left")
+        page.wait_for_function(OUTLINED, arg="gripper/right")
+        assert not page.evaluate(OUTLINED, "gripper/left")
         assert focused.get_attribute("aria-selected") == "true"
         page.keyboard.press("Space")
         page.wait_for_function(HIDDEN, arg="gripper/right")
@@ -93,7 +93,7 @@ def test_links_are_picked_hidden_and_unfolded(
                 canvas.dispatchEvent(new MouseEvent('dblclick', {clientX: x, clientY: y, bubbles: true}));
             }"""
         )
-        page.wait_for_function(GLOWS, arg="gripper/left")
+        page.wait_for_function(OUTLINED, arg="gripper/left")
         page.locator(".robot-tree [aria-selected=true]", has_text="left").wait_for()
 
         # Centres of mass, and inertias, on request.

@@ -29,7 +29,8 @@ class LinkGeometry:
     """What shape links are drawn with; None where the table leaves it to the transform.
 
     Attributes:
-        shape: ``cylinder``, ``box`` or ``capsule`` (a cylinder with sphere caps).
+        shape: ``cylinder``, ``box``, ``capsule`` (a cylinder with sphere caps) or ``arm`` (tubes with housings at
+            the joints).
         radius: radius, or half the thickness of a box [m].
     """
 

@@ -111,7 +111,7 @@ STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
     "workspace": (workspace, LAPTOP),
     "tablet": (ur5, TABLET),
 }
-ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP, "meshes": LAPTOP}
+ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP, "housings": LAPTOP, "meshes": LAPTOP}
 
 
 @pytest.mark.parametrize("name", STUDIO)
@@ -177,10 +177,30 @@ def write(screenshot: bytes, path: Path) -> None:
     picture.quantize(palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
+def test_picture_of_housings(renew: bool, request: pytest.FixtureRequest, tmp_path: Path) -> None:  # noqa: FBT001 - a fixture
+    """With `--renew` a UR5 of the shape `arm` is shown, and the picture of its scene is taken."""
+    if not renew:
+        return
+    words = (ROOT / "configs" / "tables" / "ur5.csv").read_text("utf-8")
+    (tmp_path / "ur5.csv").write_text(f"# defaults: {{geometry: {{shape: arm}}}}\n{words}", "utf-8")
+    with request.getfixturevalue("serving")("view", tmp_path / "ur5.csv") as address:
+        tab = request.getfixturevalue("new_tab")(address)
+        tab.page.goto(address)
+        tab.page.wait_for_function("document.querySelectorAll('.joint-slider').length === 6")
+        for layer in ("joint axes", "frames"):
+            box = tab.page.locator(".studio-bar .q-checkbox", has_text=layer)
+            if box.get_attribute("aria-checked") == "true":
+                box.click()
+        set_sliders(tab, [-143, -109, 115, -97, -90, 0])
+        take(tab, "housings")
+        tab.page.close()
+
+
 @pytest.mark.parametrize("name", ALL)
 def test_every_picture_is_shown(name: str) -> None:
-    """Each is there, small, in the size of its screen, and on the page about the studio."""
+    """Each is there, small, in the size of its screen, and on the page about the studio or about shapes."""
     content = (PICTURES / f"{name}.png").read_bytes()
     assert len(content) < LARGEST
     assert struct.unpack(">II", content[16:24]) == ALL[name]
-    assert f"(studio/{name}.png)" in (ROOT / "docs" / "studio.md").read_text("utf-8")
+    page = "tables/other-files.md" if name == "housings" else "studio.md"
+    assert f"studio/{name}.png)" in (ROOT / "docs" / page).read_text("utf-8")

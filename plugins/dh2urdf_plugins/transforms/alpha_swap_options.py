@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-Shape: TypeAlias = Literal["cylinder", "box", "capsule"]
+Shape: TypeAlias = Literal["cylinder", "box", "capsule", "arm"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +37,10 @@ class AlphaSwapOptions:
     )
     shape: Shape = field(
         default="cylinder",
-        metadata={"help": "exact variant: what links are drawn as; a capsule is a cylinder with sphere caps"},
+        metadata={
+            "help": "exact variant: what links are drawn as; a capsule is a cylinder with sphere caps, "
+            "an arm has a housing at each joint and thinner tubes between them"
+        },
     )
     radius: float | None = field(
         default=None,

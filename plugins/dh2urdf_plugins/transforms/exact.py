@@ -15,6 +15,7 @@ from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
+from dh2urdf_plugins.transforms.bodies.housings import arm_visuals, tube_style
 from dh2urdf_plugins.transforms.checks import is_frame
 from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, settled, standard_frames
@@ -64,7 +65,8 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = 
         for row, frame, bounds, style in zip(manipulator.rows, frames.links, limits, styles, strict=True)
     ]
     carried = [*rails[1:], Rail()]
-    parts = [_part(*row) for row in zip(manipulator.rows, frames.links, limits, styles, carried, strict=True)]
+    links = zip(manipulator.rows, frames.links, limits, styles, carried, strict=True)
+    parts = [_part(*link, is_first=number == 0) for number, link in enumerate(links)]
     return assemble(
         manipulator,
         base=_base(manipulator, frames, base_style, rails[0], options),
@@ -116,16 +118,19 @@ def _styles(
     return base_style, styles
 
 
-def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail) -> Part:
+def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail, *, is_first: bool) -> Part:
     """A joint and its link, which carries the rail of the next joint; a mesh stands for all of it."""
     prismatic = row.type is JointType.PRISMATIC
     # The offset of a prismatic joint is drawn as the rail that the link before carries.
     segments = [frame.normal] if prismatic else [frame.offset, frame.normal]
-    seen = visuals(segments, style)
-    if style.shape == "capsule":
-        seen += caps(_ends(frame, style, offset=not prismatic), style)
-    if prismatic or not seen:
-        seen = (housing(frame.corner, frame.offset.rpy, style), *seen)
+    if style.shape == "arm":
+        seen, style = arm_visuals(row, frame, style, is_first=is_first), tube_style(style)
+    else:
+        seen = visuals(segments, style)
+        if style.shape == "capsule":
+            seen += caps(_ends(frame, style, offset=not prismatic), style)
+        if prismatic or not seen:
+            seen = (housing(frame.corner, frame.offset.rpy, style), *seen)
     normal, delta = frame.normal.length.value, frame.offset.length.value
     low, high = _range(row, limits)
     seen, touch = seen + rail.visuals, collisions(segments, style) + rail.collisions

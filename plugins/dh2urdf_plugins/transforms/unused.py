@@ -97,8 +97,9 @@ def _base_weight_is_computed(manipulator: Manipulator) -> bool:
 def _of_the_base(geometry: LinkGeometry, *, shows: bool) -> Iterator[Problem]:
     if (geometry.shape or geometry.radius) and not shows:
         yield _unused("base.geometry", "no shape of the base is drawn, and none says what the base weighs")
-    elif geometry.shape == "capsule":
-        message = "the base is drawn as a cylinder: its body is too flat for a capsule"
+    elif geometry.shape in ("capsule", "arm"):
+        why = "its body is too flat for a capsule" if geometry.shape == "capsule" else "it has no joint for a housing"
+        message = f"the base is drawn as a cylinder: {why}"
         accepted = "cylinder or box for the base"
         yield Problem(
             message=message, severity="notice", field="base.geometry.shape", found=geometry.shape, accepted=accepted

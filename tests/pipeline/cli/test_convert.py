@@ -244,7 +244,7 @@ class TestOptions:
             "did you mean 'radius'?",
             "--set 'density' has no value",
             "did you mean 'aligned'?",
-            "cylinder, box or capsule",
+            "cylinder, box, capsule or arm",
         ):
             assert words_of_one in answer.stderr
         assert files(folder) == set()

@@ -258,10 +258,10 @@ def arms(draw: Any) -> Manipulator:
         rows=rows,  # type: ignore[arg-type]  # any sequence
         tool=draw(TRANSFORMS),
         base=draw(st.sampled_from(PLACES) if has_body else TRANSFORMS),
-        geometry=LinkGeometry(shape=maybe(st.sampled_from(["box", "capsule"])), radius=maybe(POSITIVE)),
+        geometry=LinkGeometry(shape=maybe(st.sampled_from(["box", "capsule", "arm"])), radius=maybe(POSITIVE)),
         density=maybe(POSITIVE),
         base_mass=maybe(st.just(0.0) | POSITIVE) if has_body else None,
-        base_geometry=LinkGeometry(shape=maybe(st.sampled_from(["box", "capsule"])), radius=maybe(POSITIVE))
+        base_geometry=LinkGeometry(shape=maybe(st.sampled_from(["box", "capsule", "arm"])), radius=maybe(POSITIVE))
         if has_body
         else LinkGeometry(),
         payload=maybe(payload),

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
 FRAMES = st.sampled_from(["aligned", "dh"])
-SHAPES = ["cylinder", "box", "capsule"]
+SHAPES = ["cylinder", "box", "capsule", "arm"]
 QUARTERS = [quarters * HALF_PI for quarters in (0, 1, -1, 2, -2, 3)]
 BAD_NUMBERS = [math.nan, math.inf, -math.inf, 0.0, -1.0, 1e300, -1e-3, 5e-324, 1.5708, 3.14]
 

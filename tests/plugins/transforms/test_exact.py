@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Origin, Robot
 
 FRAMES = pytest.mark.parametrize("frames", ["aligned", "dh"])
-SHAPES = ("cylinder", "box", "capsule")
+SHAPES = ("cylinder", "box", "capsule", "arm")
 
 
 # The oracles: homogeneous matrices as a textbook has them.

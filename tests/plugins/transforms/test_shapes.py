@@ -8,15 +8,29 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.kinematics.chain import dh_frames
 from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
 from dh2urdf.robot import Box, Cylinder, Origin, Sphere
-from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate, rotation_from_rpy
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    Z_AXIS,
+    RigidTransform,
+    add,
+    cross,
+    norm,
+    rotate,
+    rotation_from_rpy,
+    scale,
+    subtract,
+)
+from dh2urdf_plugins.transforms.bodies.housings import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE
 from dh2urdf_plugins.transforms.shapes import direction_rpy
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.robot import Link, Robot
+    from dh2urdf.robot import Link, Robot, Visual
 
     Table = Callable[..., Manipulator]
     RobotOf = Callable[..., Robot]
@@ -177,6 +191,59 @@ def test_a_capsule_has_one_sphere_where_two_segments_meet(table: Table, robot_of
     assert all(isinstance(collision.geometry, Cylinder) for collision in body.collisions)
     (housing,) = link(robot, "link_2").visuals
     assert isinstance(housing.geometry, Sphere)
+
+
+@FRAMES
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_an_arm_has_a_housing_at_each_joint(frames: str, convention: str, table: Table, robot_of: RobotOf) -> None:
+    """A cylinder with two caps along the axis that the DH product gives, off to the side where d leads; none at a fixed row.
+
+    Tubes are thinner, and a ball rounds the corner of an L.
+    """
+    r = 0.04
+    arm = table(
+        {"d": 0.5, "a": 0.3, "alpha": 0.7},
+        {"d": -0.2, "alpha": -1.1, "theta": 0.4, "a": 0.1, "sign": -1},
+        {"alpha": 0.2},
+        {"type": "fixed", "d": 0.1},
+        convention=convention,
+    )
+    robot = robot_of(arm, shape="arm", frames=frames, radius=r)
+    dh = dh_frames(arm, [0.0, 0.0, 0.0])
+    ahead = (0.5 * BARREL_LENGTH + CAP_LENGTH, -AHEAD, 0.0)  # in radii: the first housing stands on the base
+    pose = IDENTITY
+    for number, joint in enumerate(robot.joints[-6:-2]):  # behind the base's come those of the four rows
+        pose = pose @ joint.origin.transform
+        visuals = link(robot, joint.child).visuals
+        barrels = [visual for visual in visuals if getattr(visual.geometry, "radius", 0) == BARREL * r]
+        assert len(barrels) == (number < 3)
+        if not barrels:
+            continue
+        frame = dh[number] if convention == "standard" else dh[number + 1]
+        axis = rotate(frame.rotation, Z_AXIS)
+        back = 0.0 if convention == "standard" else arm.rows[number].d
+        middle = add(frame.translation, scale(ahead[number] * r - back, axis))
+        for visual, offset in ((barrels[0], {0.0}), *((cap, {-0.047, 0.047}) for cap in housing_caps(visuals, r))):
+            placed = pose @ visual.origin.transform
+            away = subtract(placed.translation, middle)
+            assert min(norm(subtract(away, scale(by, axis))) for by in offset) < 1e-12
+            assert norm(cross(rotate(placed.rotation, Z_AXIS), axis)) < 1e-12
+        assert len(housing_caps(visuals, r)) == 2
+        tubes = {visual.geometry.radius for visual in visuals} - {BARREL * r, CAP * r}
+        assert tubes <= {TUBE * r}
+    balls = [body.name for body in robot.links for visual in body.visuals if isinstance(visual.geometry, Sphere)]
+    assert balls == (["link_1", "link_2"] if convention == "standard" else ["link_1"])
+
+
+def housing_caps(visuals: tuple[Visual, ...], r: float) -> list[Visual]:
+    return [visual for visual in visuals if getattr(visual.geometry, "radius", 0) == CAP * r]
+
+
+def test_only_the_tubes_of_an_arm_touch(ur5: Manipulator, robot_of: RobotOf) -> None:
+    """The bodies that touch are those of thinner cylinders: housings, which neighbours share, are only seen."""
+    arm, plain = robot_of(ur5, shape="arm", radius=0.04), robot_of(ur5, shape="cylinder", radius=TUBE * 0.04)
+    assert [body.collisions for body in arm.links] == [body.collisions for body in plain.links]
+    assert sum(len(body.collisions) for body in arm.links) > 3
 
 
 def test_neighbours_have_different_colours(ur5: Manipulator, robot_of: RobotOf) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
     from dh2urdf_plugins.readers.words.cells import Units
 
-SHAPES = ("cylinder", "box", "capsule")
+SHAPES = ("cylinder", "box", "capsule", "arm")
 
 
 class ShapeReader:

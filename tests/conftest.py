@@ -216,6 +216,13 @@ def bucket(s3_server: str) -> str:
 
 
 @pytest.fixture(scope="session")
+def types_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What mypy keeps of dh2urdf, and of all that it imports: one folder for all processes that run tests."""
+    folder = tmp_path_factory.getbasetemp()
+    return (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "mypy"
+
+
+@pytest.fixture(scope="session")
 def reports() -> frozenset[str]:
     """The files that tell of a run, beside those of its manipulators."""
     table = ["manifest.parquet"] if find_spec("pyarrow") else []
@@ -232,8 +239,14 @@ class Answer(NamedTuple):
 
 @pytest.fixture
 def cli(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
-    """Call the command line in the test's folder, in this process: as good as the command, and started at once."""
+    """Call the command line in the test's folder, in this process: as good as the command, and started at once.
+
+    A run of several manipulators has one worker process, unless it asks for more: each takes a second to start. Its
+    report.html has no drawings, which take half a second for each manipulator: `tests/pipeline/report` looks at them.
+    """
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("dh2urdf.report.html._figures", lambda _exhibit: None)
+    monkeypatch.setattr("dh2urdf_plugins.executors.local.processors", lambda: 1)
 
     def call(*words: str | Path, status: int = 0) -> Answer:
         capfd.readouterr()

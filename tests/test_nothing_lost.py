@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from subprocess import CompletedProcess
 
+    from conftest import Answer
+
 pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")
 
 COUNT = 3000
@@ -117,32 +119,32 @@ def folder(tmp_path: Path) -> Path:
         (tmp_path / f"arm{number}.csv").write_text(UR5.replace("-0.425", f"-0.4{number}"))
     table = tmp_path / "arm3.csv"
     table.write_text(table.read_text().replace("j6,0,0,", "j6,0,1.57,"))
-    (tmp_path / "run.yaml").write_text("inputs: arm*.csv\noutput: {directory: out}\n")
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arm*.csv\noutput: {directory: out}\nexecution: {stage: local, options: {workers: 1}}\n"
+    )
     return tmp_path
 
 
-def made_again(
-    folder: Path, dh2urdf: Callable[..., CompletedProcess[str]], change: Callable[[], Any], *words: str
-) -> set[str]:
+def made_again(folder: Path, cli: Callable[..., Answer], change: Callable[[], Any], *words: str) -> set[str]:
     """What a resumed run makes again after a change; its output is the one of a run from nothing."""
-    dh2urdf("run", "run.yaml", "--quiet")
+    cli("run", "run.yaml", "--quiet")
     before = {path.stem: path.stat().st_mtime_ns for path in (folder / "out").glob("*.urdf")}
     change()
-    dh2urdf("run", "run.yaml", "--quiet", "--resume", *words)
+    cli("run", "run.yaml", "--quiet", "--resume", *words)
     after = {path.stem: path.stat().st_mtime_ns for path in (folder / "out").glob("*.urdf")}
-    dh2urdf("run", "run.yaml", "--quiet", *words, "-o", "fresh")
+    cli("run", "run.yaml", "--quiet", *words, "-o", "fresh")
     assert tree(folder / "out") == tree(folder / "fresh")
     return {name for name, moment in after.items() if before.get(name) != moment}
 
 
-def test_a_changed_table_is_made_again_alone(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+def test_a_changed_table_is_made_again_alone(folder: Path, cli: Callable[..., Answer]) -> None:
     """One number of one table: one file is made, and nine are kept."""
     table = folder / "arm5.csv"
     change = table.read_text().replace("0.109", "0.11")
-    assert made_again(folder, dh2urdf, lambda: table.write_text(change)) == {"arm5"}
+    assert made_again(folder, cli, lambda: table.write_text(change)) == {"arm5"}
 
 
-def test_a_damaged_or_missing_file_is_made_again(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+def test_a_damaged_or_missing_file_is_made_again(folder: Path, cli: Callable[..., Answer]) -> None:
     """What the power took, or somebody's editor: the hashes of the manifest find it."""
 
     def damage() -> None:
@@ -150,23 +152,23 @@ def test_a_damaged_or_missing_file_is_made_again(folder: Path, dh2urdf: Callable
         path = folder / "out/arm2.urdf"
         path.write_bytes(path.read_bytes()[:-100])
 
-    assert made_again(folder, dh2urdf, damage) == {"arm1", "arm2"}
+    assert made_again(folder, cli, damage) == {"arm1", "arm2"}
 
 
-def test_lines_that_move_change_nothing(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+def test_lines_that_move_change_nothing(folder: Path, cli: Callable[..., Answer]) -> None:
     """A comment above the rows moves them; only a manipulator of whose lines the manifest speaks is made again."""
 
     def comment() -> None:
         for path in folder.glob("arm*.csv"):
             path.write_text("# made with care\n" + path.read_text())
 
-    assert made_again(folder, dh2urdf, comment) == {"arm3"}
+    assert made_again(folder, cli, comment) == {"arm3"}
 
 
-def test_another_option_makes_everything_again(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+def test_another_option_makes_everything_again(folder: Path, cli: Callable[..., Answer]) -> None:
     """Files that another recipe made are not what the run asks for."""
     words = ("--set", "transform.options.radius=0.03")
-    assert len(made_again(folder, dh2urdf, lambda: None, *words)) == 10
+    assert len(made_again(folder, cli, lambda: None, *words)) == 10
 
 
 # --- Stages that misbehave --------------------------------------------------------------------------------------------
@@ -228,7 +230,7 @@ def test_a_stage_that_misbehaves_costs_one_manipulator(
     stages = {"emitter": "emitters: [urdf, misfit]", "loader": "loaders: misfit"}[stage]
     (misfits / "run.yaml").write_text(
         f"inputs: arms.csv\n{stages}\noutput: {{directory: out, layout: {layout}}}\n"
-        "execution: {stage: local, options: {workers: 2}, time_limit: 6}\n"
+        "execution: {stage: local, options: {workers: 2}, time_limit: 6}\nreport: {html: false}\n"
     )
     answer = dh2urdf("run", "run.yaml", path=[misfits / "site"], status=1)
     rows = {row["name"]: row for row in manifest(misfits / "out")}

@@ -108,6 +108,7 @@ emitters: [urdf, xacro, sdf, mjcf]
 loaders: {json.dumps(loaders)}
 sample: {{every: 1}}
 output: {{directory: out}}
+report: {{html: false}}
 """
     )
     return _status(["run", str(folder / "run")], debug=False)

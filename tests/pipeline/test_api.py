@@ -63,7 +63,7 @@ class TestNames:
         exec("from dh2urdf import *", names)  # noqa: S102 - that is how it is said
         assert set(dh2urdf.__all__) <= set(names)
 
-    def test_they_are_typed(self, tmp_path: Path) -> None:
+    def test_they_are_typed(self, tmp_path: Path, types_cache: Path) -> None:
         """mypy --strict knows what each function takes and gives, and no name that is not there."""
         (tmp_path / "use.py").write_text(
             "import dh2urdf\n"
@@ -75,7 +75,7 @@ class TestNames:
             "dh2urdf.reed\n"
         )
         checked = subprocess.run(
-            [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir", str(tmp_path / "c"), "use.py"],
+            [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir", str(types_cache), "use.py"],
             capture_output=True,
             text=True,
             check=False,

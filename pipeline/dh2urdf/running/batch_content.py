@@ -25,11 +25,12 @@ from dh2urdf.variations.columns import variant_columns
 from dh2urdf.variations.variation import Variant
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from dh2urdf.conversion.outcome import ManifestRow
     from dh2urdf.source import Mark, Problem
     from dh2urdf.variations.laws import DrawnValue
+    from dh2urdf.variations.variation import Variation
 
 
 class Depth(Enum):
@@ -87,17 +88,18 @@ class BatchContent:
         )
         with timed(self.seconds, "draw"):
             for start, variation, numbers in batch.variants:
-                self._draw(start, [Variant(variation=variation, number=number) for number in numbers])
+                self._draw(start, variation, numbers)
         self.keys = self._keys()
 
     # --- What there is to make
 
-    def _draw(self, start: int, variants: Sequence[Variant]) -> None:
+    def _draw(self, start: int, variation: Variation, numbers: range) -> None:
         """The tables of variants."""
-        for place, variant in enumerate(variants, start):
-            self.drawn[place], self.marks[place] = variant.drawn(), variant.mark
-        drawn = [self.drawn[place] for place in range(start, start + len(variants))]
-        found = variant_columns(variants[0].variation, [variant.name for variant in variants], drawn)
+        variants = [Variant(variation=variation, number=number) for number in numbers]
+        drawn = variation.drawn(numbers)
+        for place, values in enumerate(drawn, start):
+            self.drawn[place], self.marks[place] = values, variation.mark
+        found = variant_columns(variation, [variant.name for variant in variants], drawn)
         done = [start + member for member in found[0]] if found else []
         if found and done:
             self.groups.append((tuple(done), found[1]))

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.run_file.plan import Plan
     from dh2urdf.tasks.expected import Expected
+    from dh2urdf.variations.laws import DrawnValue
 
 SMALL = 16
 """Manipulators of a batch at most, where each takes long."""
@@ -93,8 +94,9 @@ class Batch:
         """What is to be made at so many places from the first one on."""
         found: dict[int, Single] = dict(self.singles)
         for first, variation, numbers in self.variants:
-            for place, number in zip(range(first, count), numbers, strict=False):
-                found[place] = _made(Variant(variation=variation, number=number))
+            wanted = numbers[: max(0, count - first)]
+            for place, (number, drawn) in enumerate(zip(wanted, variation.drawn(wanted), strict=True), start=first):
+                found[place] = _made(Variant(variation=variation, number=number), drawn)
         for places, some in self.columns:
             members = [member for member, place in enumerate(places) if place < count]
             for member, table in zip(members, some.tables(members), strict=True):
@@ -132,10 +134,10 @@ class Batch:
         return replace(self, singles={**self.singles, **doomed}, rows={})
 
 
-def _made(variant: Variant) -> Single:
+def _made(variant: Variant, drawn: Mapping[str, DrawnValue]) -> Single:
     """The table of a variant; why there is none, where no arm has its values."""
     try:
-        return variant.manipulator(variant.drawn())
+        return variant.manipulator(drawn)
     except ManipulatorError as error:
         return Doomed(variant.name, error, variant.mark)
 

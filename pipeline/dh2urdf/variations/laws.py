@@ -16,6 +16,8 @@ from functools import lru_cache
 from math import sqrt
 from typing import TypeAlias
 
+from dh2urdf.elementwise import Number, is_column, where
+
 DrawnValue: TypeAlias = float | str
 """A number in SI units, a whole number of axes, or the word of a joint type."""
 
@@ -50,8 +52,8 @@ class Uniform:
     low: float
     high: float
 
-    def draw(self, u: float, nominal: float | None = None) -> float:  # noqa: ARG002 - laws are called alike
-        """The value of a number u between 0 and 1."""
+    def draw(self, u: Number, nominal: float | None = None) -> Number:  # noqa: ARG002 - laws are called alike
+        """The value of a number u between 0 and 1, or of each of a column."""
         return _between(self.low, self.high, u)
 
 
@@ -66,7 +68,7 @@ class LogUniform:
         """The value of a number u between 0 and 1."""
         low, high = _logarithm(self.low), _logarithm(self.high)
         exponent = _CONTEXT.fma(Decimal(u), _CONTEXT.subtract(high, low), low)
-        return _clamped(float(_CONTEXT.exp(exponent)), self.low, self.high)
+        return float(_clamped(float(_CONTEXT.exp(exponent)), self.low, self.high))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,7 +92,7 @@ class Normal:
         mean = self._mean(nominal)
         side, low, high = self._probabilities(mean)
         z = side * normal_quantile(_between(low, high, u if side > 0 else 1.0 - u))
-        return _clamped(mean + self.deviation * z, self.low, self.high)
+        return float(_clamped(mean + self.deviation * z, self.low, self.high))
 
     def probability(self, nominal: float | None = None) -> float:
         """How much of the whole distribution lies between the bounds."""
@@ -119,8 +121,8 @@ class Scale:
     low: float
     high: float
 
-    def draw(self, u: float, nominal: float | None = None) -> float:
-        """The value of a number u between 0 and 1."""
+    def draw(self, u: Number, nominal: float | None = None) -> Number:
+        """The value of a number u between 0 and 1, or of each of a column."""
         return _nominal(nominal) * _between(self.low, self.high, u)
 
 
@@ -131,8 +133,8 @@ class Offset:
     low: float
     high: float
 
-    def draw(self, u: float, nominal: float | None = None) -> float:
-        """The value of a number u between 0 and 1."""
+    def draw(self, u: Number, nominal: float | None = None) -> Number:
+        """The value of a number u between 0 and 1, or of each of a column."""
         return _nominal(nominal) + _between(self.low, self.high, u)
 
 
@@ -149,11 +151,23 @@ def evenly_spaced(low: float, high: float, points: int) -> tuple[float, ...]:
     return (*(low + (high - low) * index / (points - 1) for index in range(points - 1)), high)
 
 
-def _between(low: float, high: float, u: float) -> float:
+def draw_many(
+    law: Choices | Uniform | LogUniform | Normal | Scale | Offset, u: Number, nominal: float | None
+) -> list[DrawnValue]:
+    """The values of a column of numbers between 0 and 1: to the last bit what `draw` returns for each."""
+    if isinstance(law, Uniform | Scale | Offset):
+        values: list[DrawnValue] = law.draw(u, nominal).tolist()
+        return values
+    return [law.draw(each, nominal) for each in u.tolist()]
+
+
+def _between(low: float, high: float, u: Number) -> Number:
     return _clamped(low + (high - low) * u, low, high)
 
 
-def _clamped(value: float, low: float, high: float) -> float:
+def _clamped(value: Number, low: float, high: float) -> Number:
+    if is_column(value):  # as `max` and `min` choose, also between zeros
+        return where(high < (raised := where(low > value, low, value)), high, raised)
     return min(max(value, low), high)
 
 

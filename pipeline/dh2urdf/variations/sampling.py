@@ -17,8 +17,18 @@ from enum import StrEnum
 from functools import lru_cache
 from hashlib import blake2b
 from math import isqrt
+from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.errors import MissingDependencyError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Columns: TypeAlias = NDArray[np.float64]
+    """An array with a row for each coordinate, and a column for each point."""
 
 MOST_POINTS = 10**9
 """Points of a sample: fewer than the 2**30 of scipy's Sobol sequences."""
@@ -82,6 +92,34 @@ def point(sampling: Sampling, *, seed: int, count: int, index: int, dimensions: 
     ]
 
 
+def points(sampling: Sampling, *, seed: int, count: int, indices: Sequence[int], dimensions: int) -> Columns:
+    """Several points of a sample: what `point` returns for each of them, by coordinate.
+
+    Args:
+        sampling: how the points spread.
+        seed: which sample of all those of its kind.
+        count: how many points the sample has.
+        indices: which of them, from 0.
+        dimensions: of the unit cube.
+
+    Returns:
+        An array of shape (dimensions, len(indices)).
+
+    Raises:
+        MissingDependencyError: as of `point`.
+    """
+    import numpy as np
+
+    if sampling is not Sampling.RANDOM:
+        each = [point(sampling, seed=seed, count=count, index=k, dimensions=dimensions) for k in indices]
+        return np.array(each, dtype=float).T.copy()
+    blocks = range(-(-dimensions // _WORDS))
+    digests = b"".join([_digest(f"{seed} point {index} {block}") for index in indices for block in blocks])
+    words = np.frombuffer(digests, dtype=">u8").astype(np.uint64) >> np.uint64(64 - _BITS)
+    coordinates = (words.astype(float) + 0.5) / 2.0**_BITS  # exact, as words are of `_BITS` bits
+    return coordinates.reshape(len(indices), -1).T[:dimensions].copy()
+
+
 def permuted(index: int, count: int, key: str) -> int:
     """Where a permutation of `range(count)` has an index: a Feistel network, walked until it is back in the range.
 
@@ -115,8 +153,12 @@ def _mixed(word: int) -> int:
 
 def _words(text: str) -> list[int]:
     """Random whole numbers of `_BITS` bits, the same for the same text."""
-    digest = blake2b(text.encode(), person=b"dh2urdf").digest()
+    digest = _digest(text)
     return [int.from_bytes(digest[first : first + 8], "big") >> (64 - _BITS) for first in range(0, 8 * _WORDS, 8)]
+
+
+def _digest(text: str) -> bytes:
+    return blake2b(text.encode(), person=b"dh2urdf").digest()
 
 
 def _in_unit(word: int) -> float:

@@ -18,8 +18,8 @@ from dh2urdf.quantities.units import Dimension
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
 from dh2urdf.source import Mark, Problem
 from dh2urdf.validation.coercion import replace_unchecked
-from dh2urdf.variations.laws import DrawnValue, Grid, Law
-from dh2urdf.variations.sampling import Sampling, point
+from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many
+from dh2urdf.variations.sampling import Sampling, point, points
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -137,6 +137,23 @@ class Variation:
     def variants(self) -> Iterator[Variant]:
         """All its variants, one by one."""
         return (Variant(variation=self, number=number) for number in range(1, self.count + 1))
+
+    def drawn(self, numbers: Sequence[int]) -> list[dict[str, DrawnValue]]:
+        """What is drawn for some of its variants, by their numbers: what `Variant.drawn` returns for each of them."""
+        sampled = [(factor, law) for factor in self.factors if not isinstance(law := factor.law, Grid)]
+        if not numbers or self.has_many_forms or len(sampled) < len(self.factors):
+            return [Variant(variation=self, number=number).drawn() for number in numbers]
+        coordinates = points(
+            self.sampling,
+            seed=self.seed,
+            count=self.count,
+            indices=[number - 1 for number in numbers],
+            dimensions=len(sampled),
+        )
+        laws = zip(sampled, coordinates, strict=True)
+        columns = [draw_many(law, u, factor.nominal) for (factor, law), u in laws]
+        keys = [factor.key for factor in self.factors]
+        return [dict(zip(keys, values, strict=True)) for values in zip(*columns, strict=True)]
 
     def changes(self, drawn: Collection[str]) -> dict[int, dict[str, Factor]]:
         """The factors of some keys by the indices of their rows, and by their fields."""

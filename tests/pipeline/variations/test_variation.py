@@ -116,6 +116,24 @@ class TestNumbers:
         assert {number: made(Variant(variation=again, number=number)) for number in numbers} == expected
         assert drawn(replace(first, seed=8)) != drawn(first)
 
+    @pytest.mark.parametrize("sampling", Sampling)
+    @pytest.mark.parametrize(
+        "more", [(), MANY[5:], (rule("velocity", Grid(values=(0.1, 0.2)), 4),)], ids=["", "axes", "grid"]
+    )
+    def test_many_at_once_are_drawn_as_each(self, sampling: Sampling, more: tuple[Rule, ...]) -> None:
+        """To the last bit, for every law, and for more factors than a digest of the generator has words."""
+        bounds = (
+            rule("theta", Uniform(low=-0.0, high=0.0)),
+            rule("lower", Uniform(low=-1e-300, high=0.0), 1),
+            rule("upper", Offset(low=-0.0, high=1e300), 1),
+            rule("damping", Choices(values=(1.0, 2.0, 0.5))),
+        )
+        many = variation(*MANY[:5], *bounds, *more, count=40, seed=7, sampling=sampling)
+        assert len(many.factors) > 16
+        for numbers in (range(1, 41), [40, 3], [7]):
+            each = [Variant(variation=many, number=number).drawn() for number in numbers]
+            assert repr(many.drawn(numbers)) == repr(each)
+
     def test_names_count_up_with_enough_digits(self) -> None:
         """From 1, with as many digits as the count has: names sort as numbers do."""
         for count, first, last in ((9, "arm_1", "arm_9"), (10, "arm_01", "arm_10"), (10000, "arm_00001", "arm_10000")):

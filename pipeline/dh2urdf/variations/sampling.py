@@ -17,7 +17,7 @@ from enum import StrEnum
 from functools import lru_cache
 from hashlib import blake2b
 from math import isqrt
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from dh2urdf.errors import MissingDependencyError
 
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
     import numpy as np
     from numpy.typing import NDArray
-
-    Columns: TypeAlias = NDArray[np.float64]
-    """An array with a row for each coordinate, and a column for each point."""
 
 MOST_POINTS = 10**9
 """Points of a sample: fewer than the 2**30 of scipy's Sobol sequences."""
@@ -92,7 +89,9 @@ def point(sampling: Sampling, *, seed: int, count: int, index: int, dimensions: 
     ]
 
 
-def points(sampling: Sampling, *, seed: int, count: int, indices: Sequence[int], dimensions: int) -> Columns:
+def points(
+    sampling: Sampling, *, seed: int, count: int, indices: Sequence[int], dimensions: int
+) -> NDArray[np.float64]:
     """Several points of a sample: what `point` returns for each of them, by coordinate.
 
     Args:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.argument_words import word_of, words_of
-from dh2urdf.commands.chosen_table import chosen_manipulator, chosen_reader, read_manipulator
+from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call
 from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import GivenRows, as_file
 from dh2urdf.commands.options_of_stages import Asker, asker_of, settings_of, stage_calls
@@ -378,10 +378,7 @@ def _catalog(without: Iterable[str], asker: Asker) -> Catalog:
 
 def _reading(table: Path, reader: str | None, asker: Asker, options: Mapping[str, object]) -> Call[Reader[Any]]:
     """The reader of a table, with its options."""
-    check_file(table, TableError)
-    catalog = load()
-    stages = {"reader": [chosen_reader(catalog, table, reader, asker)]}
-    return stage_calls(catalog, stages, asker, {"reader": words_of(options)})["reader"][0]
+    return reader_call(load(), table, reader, asker, {"reader": words_of(options)})
 
 
 def _check_name(name: object, argument: str, asker: Asker) -> None:

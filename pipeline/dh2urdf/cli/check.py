@@ -15,10 +15,9 @@ from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, table_options
 from dh2urdf.commands.check import given_arguments, inspect, inspect_several, repaired
-from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
-from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.chosen_table import read_manipulator, reader_call
 from dh2urdf.documents.text_files import check_file
-from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
@@ -216,9 +215,7 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
     table, reader_name = given_table(table, flags["reader_name"], catalog)
-    check_file(table, TableError)
-    reader = chosen_reader(catalog, table, reader_name, ASKER)
-    (call,) = stage_calls(catalog, {"reader": [reader]}, ASKER, given_options(flags))["reader"]
+    call = reader_call(catalog, table, reader_name, ASKER, given_options(flags))
     return read_manipulator(call, table, flags["robot"], ASKER)
 
 

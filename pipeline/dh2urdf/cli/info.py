@@ -13,11 +13,9 @@ from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
-from dh2urdf.commands.chosen_table import chosen_reader, refuse_run_file
-from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.chosen_table import reader_call, refuse_run_file
 from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import default_call
@@ -62,9 +60,7 @@ def command(
     """
     installed = catalog()
     path, reader = given_table(table, reader_name, installed)
-    check_file(path, TableError)
-    stages = {"reader": [chosen_reader(installed, path, reader, ASKER)]}
-    (call,) = stage_calls(installed, stages, ASKER, given_options(flags), settings_of(settings))["reader"]
+    call = reader_call(installed, path, reader, ASKER, given_options(flags), settings=settings_of(settings))
     arms, chosen, trace = _read(call, path, robot)
     detail = None if chosen is None else _detail(installed, chosen, trace)
     failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))

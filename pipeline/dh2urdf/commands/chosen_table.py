@@ -5,17 +5,19 @@ from __future__ import annotations
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from dh2urdf.commands.options_of_stages import Asker
+    from dh2urdf.commands.options_of_stages import Asker, Setting
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.provenance import Trace
@@ -32,6 +34,36 @@ def chosen_reader(catalog: Catalog, table: Path, name: str | None, asker: Asker)
     if name:
         return catalog.get("reader", name)
     return catalog.reader_for(table, f"`{asker.reader}NAME` chooses a reader")
+
+
+def reader_call(
+    catalog: Catalog,
+    table: Path,
+    name: str | None,
+    asker: Asker,
+    given: Mapping[str, Mapping[str, str | None]],
+    *,
+    settings: Iterable[Setting] = (),
+) -> Call[Reader[Any]]:
+    """The reader of a table, with its options.
+
+    Args:
+        catalog: the readers that there are.
+        table: the table's file.
+        name: name of the reader; None for the one by the table's suffix.
+        asker: who asks.
+        given: options by kind of stage, as words.
+        settings: further options.
+
+    Raises:
+        TableError: there is no such table.
+        ConfigError: an option is unknown or its value wrong.
+        InputError: there is no reader, or several are.
+        PluginError: the reader is broken, or two plugins claim its name.
+    """
+    check_file(table, TableError)
+    stages = {"reader": [chosen_reader(catalog, table, name, asker)]}
+    return stage_calls(catalog, stages, asker, given, settings)["reader"][0]
 
 
 def is_table(path: Path, catalog: Catalog) -> bool:

@@ -358,6 +358,8 @@ def test_a_joint_box_takes_what_a_cell_takes(tab: Any) -> None:
     """An expression, degrees, a number; what is none is marked with the reason and stays, and the arm stays too."""
     tab.open_exhibit("ur5")
     box, slider = tab.page.locator(".joint-slider-number").first, ".joint-slider input[type=range]"
+    limits = tab.page.locator(".joint-slider").first.get_attribute("title")
+    assert limits == "shoulder_pan_joint: -6.2832 to 6.2832 rad"
     for text, value in (("pi/2", 1.5707963), ("-45°", -0.7853982), ("0.25", 0.25)):
         box.fill(text)
         box.press("Enter")

@@ -6,7 +6,7 @@ export default {
       <template v-for="(joint, index) in joints" :key="joint.name">
       <button v-if="folds && joint.group !== joints[index - 1]?.group" type="button" class="joint-sliders-fold"
               :aria-expanded="!folded[joint.group]" @click="folded[joint.group] = !folded[joint.group]">{{ folded[joint.group] ? "▸" : "▾" }} {{ joint.group }}</button>
-      <label v-show="!folds || !folded[joint.group]" class="joint-slider" :title="joint.name">
+      <label v-show="!folds || !folded[joint.group]" class="joint-slider" :title="limits(joint)">
         <span class="joint-slider-name">{{ folds ? joint.name.slice(joint.group.length + 1) : joint.name }}</span>
         <input type="range" step="any" :min="joint.lower" :max="joint.upper" :value="values[index]"
                :aria-label="joint.name" :aria-valuetext="text(index) + ' ' + joint.unit"
@@ -40,6 +40,11 @@ export default {
       this.values = values;
       this.typed = {};
       this.busy = this.pending = false;
+    },
+
+    limits({ name, lower, upper, unit, digits }) {
+      const [least, most] = [lower, upper].map((value) => Number(value.toFixed(digits)));
+      return `${name}: ${least} to ${most} ${unit}`;
     },
 
     // The values that hold now; the number is that of the last ones that the server has seen.

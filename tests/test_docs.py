@@ -407,7 +407,7 @@ def test_commands_in_the_text_have_these_flags(path: Path) -> None:
     text = BLOCK.sub("", page_text(path))
     context = click.Context(program, info_name="dh2urdf")
     for command in re.findall(r"`dh2urdf ([^`]+)`", text):
-        words = [word for word in command.split() if word not in ("--debug", "--version")]
+        words = [word for word in command.split() if word not in ("--debug", "--help", "--version")]
         if not words or words[0].isupper():
             continue
         assert words[0] in COMMANDS, command

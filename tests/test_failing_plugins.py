@@ -411,6 +411,7 @@ def test_every_function_of_every_record_is_tried() -> None:
         mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
     described = {
+        "accepts_columns",
         "name",
         "summary",
         "suffixes",

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import re
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import dh2urdf
+
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
+TABLES = Path(__file__).parents[2] / "configs" / "tables"
 ROWS = "document.querySelectorAll('.dh-table .ag-center-cols-container .ag-row').length"
 
 
@@ -106,6 +109,25 @@ def test_every_field_of_the_table_is_in_the_past(tab: Any) -> None:
         tab.page.wait_for_function("([field, text]) => field.value === text", arg=[field.element_handle(), text])
     assert tab.cells(1, "a", "alpha", "d") == cells
     tab.wait_for_status("6 axes; the arm is the table's")
+
+
+def test_the_shape_of_links_is_typed(tab: Any, tmp_path: Path) -> None:
+    """With `shape: arm` the links get housings, on the screen and in the file, as `convert` makes them of such a table."""
+    tab.open_exhibit("ur5")
+    field = tab.page.get_by_label("defaults", exact=True)
+    field.fill("{geometry: {shape: arms}}")
+    field.press("Enter")
+    tab.wait_for_status("1 problem; the last good arm is shown")
+    field.fill("{geometry: {shape: arm}}")
+    field.press("Enter")
+    tab.wait_for_status("6 axes; the arm is the table's")
+    with tab.page.expect_download() as generating:
+        tab.page.get_by_role("button", name="Generate").click()
+    made = Path(generating.value.path()).read_text("utf-8").partition("<link")[2]
+    table = tmp_path / "ur5.csv"
+    table.write_text("# defaults: {geometry: {shape: arm}}\n" + (TABLES / "ur5.csv").read_text("utf-8"), "utf-8")
+    assert made == dh2urdf.convert(table).text.partition("<link")[2]
+    assert made != dh2urdf.convert(TABLES / "ur5.csv").text.partition("<link")[2]
 
 
 # --- The clipboard ----------------------------------------------------------------------------------------------------

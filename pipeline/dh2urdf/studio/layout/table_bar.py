@@ -1,4 +1,4 @@
-"""What surrounds the grid of cells: axes, convention, units and rows above it; base, tool and payload below it."""
+"""What is around the grid: axes, convention, units and rows above it; base, tool, payload and defaults below it."""
 
 from __future__ import annotations
 
@@ -102,11 +102,13 @@ class EndFields:
         self._session = session
         self._fields: dict[str, ui.input] = {}
         placed, carried = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}", "{mass: 2.5, com: [0, 0, 0.05]}"
+        drawn = "{geometry: {shape: arm}, density: 2700}"
         with ui.element("div").classes("studio-ends"):
             for key, told, example in (
                 ("base", "base_link to the first DH frame", placed),
                 ("tool", "last DH frame to tool0", placed),
                 ("payload", "what the arm carries at tool0", carried),
+                ("defaults", "shape and density of all links; the shape arm draws housings at the joints", drawn),
             ):
                 field = ui.input(placeholder=example).props(f'dense outlined prefix="{key}" aria-label="{key}"')
                 field.on("change", lambda key=key: on_text(**{key: self._fields[key].value or ""}))

@@ -26,6 +26,20 @@ def _inputs(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.fixture(name="by_themselves")
+def _by_themselves(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The places in their batches of those that are made one by one, in a run with one worker."""
+    places: list[int] = []
+    one = Work._one
+
+    def noted(self: Work, place: int) -> Any:
+        places.append(place)
+        return one(self, place)
+
+    monkeypatch.setattr(Work, "_one", noted)
+    return places
+
+
 def made(folder: Path, emitters: str) -> tuple[dict[str, bytes], dict[str, list[str]]]:
     """The URDFs of a run, and the notices of each manipulator."""
     run_file = folder / "run.yaml"
@@ -38,16 +52,8 @@ def made(folder: Path, emitters: str) -> tuple[dict[str, bytes], dict[str, list[
     return files, {row["name"]: [str(notice) for notice in row["notices"]] for row in report["manipulators"]}
 
 
-def test_they_are_what_they_are_by_themselves(inputs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_they_are_what_they_are_by_themselves(inputs: Path, by_themselves: list[int]) -> None:
     """The same bytes and the same notices, each with its own file; none is made by itself."""
-    by_themselves: list[int] = []
-    one = Work._one
-
-    def noted(self: Work, place: int) -> Any:
-        by_themselves.append(place)
-        return one(self, place)
-
-    monkeypatch.setattr(Work, "_one", noted)
     together, notices = made(inputs, "[urdf]")
     assert by_themselves == []
     alone, others = made(inputs, "[urdf, xacro]")  # xacro is made one by one
@@ -102,16 +108,8 @@ edits:
 """
 
 
-def test_edited_arms_are_what_they_are_by_themselves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_edited_arms_are_what_they_are_by_themselves(tmp_path: Path, by_themselves: list[int]) -> None:
     """The same rows and bytes; those whose range is too narrow for the margin fail alone, with the edit's message."""
-    by_themselves: list[int] = []
-    one = Work._one
-
-    def noted(self: Work, place: int) -> Any:
-        by_themselves.append(place)
-        return one(self, place)
-
-    monkeypatch.setattr(Work, "_one", noted)
     (tmp_path / "arm.csv").write_text(LIMITED)
     found = []
     for emitters in ("[urdf]", "[urdf, xacro]"):

@@ -14,6 +14,7 @@ from known_quantities import ANGLE, LENGTH, Exact
 from known_words import documented
 from tables import Figures, WrongReading, cases, counted_fast, run_all, run_case
 
+from dh2urdf.columns import member, stacked
 from dh2urdf.quantities.units import Unit
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.tables import row_table
@@ -59,9 +60,12 @@ def test_the_figures_do_not_depend_on_the_workers(monkeypatch: pytest.MonkeyPatc
 def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:
     fast = PlainRows.read
 
-    def wrong(self: PlainRows, rows: Any, lines: Any, sizes: Any) -> Any:
-        made = fast(self, rows, lines, sizes)
-        return made and [tuple(change(row) for row in arm) for arm in made]
+    def wrong(self: PlainRows, cells: Any, sizes: Any) -> Any:
+        groups = fast(self, cells, sizes)
+        return groups and [(members, [changed(row, len(members)) for row in rows]) for members, rows in groups]
+
+    def changed(row: Any, count: int) -> Any:
+        return stacked([change(member(row, number)) for number in range(count)])
 
     monkeypatch.setattr(PlainRows, "read", wrong)
     monkeypatch.setattr(row_table, "compare", lambda *_arguments: None)  # the check of every run would be first

@@ -40,7 +40,7 @@ from dh2urdf_plugins.readers.tables import tables
 from dh2urdf_plugins.readers.words import fields, names, unheld
 from dh2urdf_plugins.readers.words.word_keys import key_of
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
-from dh2urdf_plugins.readers.yaml_file import schema as yaml_schema
+from dh2urdf_plugins.readers.yaml_file import reading as yaml_reading, schema as yaml_schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -665,9 +665,9 @@ def test_every_statement_is_in_the_page(read: Callable[..., Outcome]) -> None:
 def test_every_key_of_yaml_is_in_the_page() -> None:
     """Those of a manipulator, of its base and defaults, and of a joint."""
     keys = set(re.findall(r"(\w+):", EXAMPLES["every key"].body))
-    joint = {*yaml._JOINT_KEYS, *yaml._LIMITS, *fields.INERTIA, "sign", "flip"}
+    joint = {*yaml_reading._JOINT_KEYS, *yaml_reading._LIMITS, *fields.INERTIA, "sign", "flip"}
     assert keys == {
-        *yaml.KEYS,
+        *yaml_reading.KEYS,
         *joint,
         "xyz",
         "rpy",

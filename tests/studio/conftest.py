@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
 ARGUMENTS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+STILL = """
+!document.querySelector(".q-tooltip") && !document.getAnimations().some((animation) =>
+  animation.playState === "running" && animation.effect.getComputedTiming().endTime !== Infinity)
+"""
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
 
 
@@ -234,6 +238,8 @@ class Tab:
     def serious(self, where: str = "document") -> list[Any]:
         """What axe-core finds on the page, or in an element of it, and calls more than minor."""
         axe = pytest.importorskip("axe_playwright_python")
+        self.page.mouse.move(1, 1)  # No tooltip, and nothing that is still fading away.
+        self.page.wait_for_function(STILL)
         self.page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text("utf-8"))
         found = self.page.evaluate(f"axe.run({where})")["violations"]
         serious = [one for one in found if one["impact"] != "minor"]

@@ -451,7 +451,7 @@ def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
     rows = "".join(f"r{number},0.1,0,0\nr{number},0.2,pi/2,0\n" for number in range(60_000))
     large.write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
     tab.page.get_by_role("button", name="Open", exact=True).click()
-    tab.page.locator("input[type=file]").set_input_files(large)
+    tab.page.locator("[role=dialog] input[type=file]").set_input_files(large)
     tab.page.get_by_text("reading many.csv").wait_for()
     tab.page.locator(".q-dialog").get_by_role("button", name="Cancel").click()
     tab.page.locator(".q-dialog").wait_for(state="detached")
@@ -480,7 +480,7 @@ def test_what_the_reader_noticed_is_shown(tab: Any, tmp_path: Path) -> None:
     path = tmp_path / "arm.csv"
     path.write_text("# convention: standard\na,alpha,d,cable\n1,0,0,red\n")
     tab.page.get_by_role("button", name="Open", exact=True).click()
-    tab.page.locator("input[type=file]").set_input_files(path)
+    tab.page.locator("[role=dialog] input[type=file]").set_input_files(path)
     tab.page.locator(".q-notification", has_text="cable").wait_for()
 
 

@@ -117,4 +117,4 @@ def dress() -> None:
     ui.add_css((_HERE / "studio.css").read_text("utf-8"))
     for script in ("look.js", "table_grid.js", "page.js"):
         ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
-    ui.colors(primary="#1864ab")
+    ui.colors(primary="#1864ab", positive="#237032", info="#1864ab")  # white text on them can be read

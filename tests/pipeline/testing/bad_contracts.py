@@ -105,6 +105,9 @@ TestOneForAll = of(TransformContract, bad_lab.TRANSFORM, transform_columns=bad_l
 TestRenamingArms = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_name)
 TestLooseRobots = of(EditContract, bad_lab.EDIT, edit_robot=bad_lab.edit_loosely)
 TestMovingTool = of(EditContract, bad_lab.EDIT, edit_robot=bad_lab.edit_tool)
+TestEditByHash = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_hash)
+TestEditWithLog = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_with_log)
+TestEditByForce = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_force)
 TestCarelessEdit = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_carelessly)
 TestFirstForAll = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_first, accepts_columns=True)
 

@@ -271,6 +271,22 @@ def edit_by_first(manipulator: Manipulator, _options: Any) -> Manipulator:
     return changed(manipulator, rows=tuple(changed(row, d=first(row.d)) for row in manipulator.rows))
 
 
+def edit_by_hash(manipulator: Manipulator, _options: Any) -> Manipulator:
+    first, *others = manipulator.rows
+    return replace(manipulator, rows=(replace(first, joint=min({"a", "b", "c", "d"}, key=hash)), *others))
+
+
+def edit_with_log(manipulator: Manipulator, _options: Any) -> Manipulator:
+    subprocess.run([sys.executable, "-c", ""], check=True)
+    return manipulator
+
+
+def edit_by_force(manipulator: Manipulator, _options: Any) -> Manipulator:
+    given = replace(manipulator)
+    object.__setattr__(manipulator, "rows", manipulator.rows[:1])
+    return given
+
+
 EDIT = Edit(name="bad", summary="bad", options=NoOptions, edit_table=edit_table)
 
 # --- Emitters

@@ -4,6 +4,7 @@ import tomllib
 from typing import TYPE_CHECKING
 
 import pytest
+from trove_classifiers import classifiers
 
 from dh2urdf import __version__
 from dh2urdf.plugin_system.catalog import KINDS
@@ -38,6 +39,8 @@ def test_a_whole_distribution_is_written(cli: Callable[..., Answer], tmp_path: P
     project = tomllib.loads((folder / "pyproject.toml").read_text("utf-8"))["project"]
     assert project["entry-points"]["dh2urdf"] == {f"{kind}.lab-7": "dh2urdf_lab_7"}
     assert project["dependencies"] == [f"dh2urdf>={__version__.rpartition('.')[0]}"]
+    assert {"dh2urdf-plugin", kind} <= set(project["keywords"])
+    assert set(project["classifiers"]) <= classifiers
     for path in folder.rglob("*"):
         if path.is_file():
             text = path.read_text("utf-8")

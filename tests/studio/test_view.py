@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import trimesh
+from PIL import Image
 
 from dh2urdf.studio.viewing import View, load_figures
 
@@ -76,7 +77,9 @@ MESHES = """<?xml version="1.0"?>
   <link name="fore"/>
   <link name="tool0"><visual><geometry><mesh filename="meshes/gone.stl"/></geometry></visual>
     <visual><geometry><mesh filename="meshes/broken.stl"/></geometry></visual>
-    <visual><geometry><mesh filename="meshes/painted.dae"/></geometry><material name="blue"/></visual></link>
+    <visual><geometry><mesh filename="meshes/painted.dae"/></geometry><material name="blue"/></visual>
+    <visual><geometry><mesh filename="meshes/square.obj"/></geometry></visual>
+    <visual><geometry><mesh filename="meshes/thief.obj"/></geometry></visual></link>
   <joint name="hip" type="continuous"><parent link="base_link"/><child link="upper"/><origin xyz="0 0 0.5"/></joint>
   <joint name="knee" type="continuous"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.5"/></joint>
   <joint name="end" type="fixed"><parent link="fore"/><child link="tool0"/><origin xyz="0.4 0 0.3"/></joint>
@@ -96,6 +99,12 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         material=trimesh.visual.material.PBRMaterial(baseColorFactor=[0, 255, 0, 255])
     )
     painted.export(package / "meshes" / "painted.dae")
+    Image.new("RGB", (8, 4), "red").save(package / "meshes" / "square.png")
+    for name, texture in (("square", "square.png"), ("thief", "../../secret.png")):
+        text = f"mtllib {name}.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl m\nf 1/1 2/2 3/3\n"
+        (package / "meshes" / f"{name}.obj").write_text(text)
+        (package / "meshes" / f"{name}.mtl").write_text(f"newmtl m\nKd 1 1 1\nmap_Kd {texture}\n")
+    Image.new("RGB", (8, 4)).save(tmp_path / "secret.png")
     (package / "meshes" / "broken.stl").write_text("solid x\nendsolid x\n")
     (package / "arm.urdf").write_text(MESHES)
     with serving("view", package / "arm.urdf") as address:
@@ -104,6 +113,7 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         page.goto(address)
         page.get_by_text("1 mesh file was not found: meshes/gone.stl").wait_for()
         page.locator(".q-notification", has_text="'broken.stl' cannot be read").wait_for()
+        page.locator(".q-notification", has_text="'thief.obj' names '../../secret.png': it is outside of").wait_for()
         tab.wait_for_triangles(300)
         asked = [url for url in tab.asked if "/meshes/" in url]
         page.get_by_text("collision", exact=True).click()
@@ -115,7 +125,7 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
             }"""
         )
         later = [url for url in tab.asked if "/meshes/" in url]
-        assert (len(asked), len(later)) == (4, 5), (
+        assert (len(asked), len(later)) == (6, 7), (
             "what only the collision shapes need is asked for when they are shown"
         )
         drawn = page.evaluate(
@@ -127,7 +137,8 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
                     if (!part.isMesh || !part.geometry.attributes.normal || part.geometry.attributes.normal.itemSize !== 4) return;
                     const {min, max} = part.geometry.boundingBox;
                     const [a, b] = [min, max].map(corner => corner.clone().applyMatrix4(part.matrixWorld));
-                    found.push([part.userData.layer, part.visible, '#' + part.material.color.getHexString(),
+                    const {map} = part.material;
+                    found.push([part.userData.layer, part.visible, map ? map.image.width : '#' + part.material.color.getHexString(),
                                 b.sub(a).toArray().map(x => Number(x.toFixed(3)))]);
                 });
                 return found;
@@ -137,13 +148,16 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         assert sizes == {
             ("links", True, "#0000ff"): [0.2, 0.2, 0.1],
             ("links", True, "#b8bdc4"): [0.2, 0.2, 0.2],
+            ("links", True, 8): [1, 1, 0],  # with its texture
+            ("links", True, "#ffffff"): [1, 1, 0],  # without the texture that it may not name
             ("links", True, "#00ff00"): [0.3, 0.3, 0.3],  # the file's own colour comes before that of the description
             ("collision", True, "#d93373"): [0.1, 0.1, 0.1],
         }
         answers = page.evaluate(
-            "Promise.all(['meshes/nothing', 'meshes/..%2Farm.urdf', 'meshes/'].map(path => fetch(path).then(a => a.status)))"
+            "Promise.all(['meshes/nothing', 'meshes/..%2Farm.urdf', 'meshes/', 'textures/square.png', 'textures/..%2F..%2Fsecret.png',"
+            " 'textures/'].map(path => fetch(path).then(a => a.status)))"
         )
-        assert answers == [404, 404, 404]
+        assert answers == [404] * 6
         assert tab.foreign() == []
         page.close()
 

@@ -23,6 +23,8 @@ from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from dh2urdf.meshes.named_files import NamedFiles
+
 FORMATS = (".stl", ".obj", ".dae")
 """How the names of mesh files end that can be read."""
 
@@ -43,30 +45,46 @@ class Asset(NamedTuple):
     up: str = "Z_UP"
 
 
+class Texture(NamedTuple):
+    """A picture on triangles.
+
+    Attributes:
+        uv: where the corners of the triangles are in the picture, of shape (3 M, 2): (0, 0) is its lower left corner,
+            and (1, 1) its upper right one. Beyond these the picture repeats.
+        image: the picture as a Pillow image.
+    """
+
+    uv: Any
+    image: Any
+
+
 class Part(NamedTuple):
-    """The triangles of one colour.
+    """The triangles of one colour or texture.
 
     Attributes:
         vertices: [m], of shape (N, 3).
         faces: numbers of vertices, of shape (M, 3), anticlockwise as seen from outside.
-        rgba: red, green, blue and alpha in 0..1; None where the file gives no colour.
+        rgba: red, green, blue and alpha in 0..1; None where the file gives no colour. A texture is multiplied by it.
+        texture: the picture on the triangles; None without one, or where the files that a mesh names are not read.
     """
 
     vertices: Any
     faces: Any
     rgba: tuple[float, float, float, float] | None
+    texture: Texture | None = None
 
 
 # --- Files ------------------------------------------------------------------------------------------------------------
 
 
-def load_scene(content: bytes, suffix: str, *, process: bool) -> Any:  # noqa: ANN401 - a module without type information
+def load_scene(content: bytes, suffix: str, *, process: bool, named: NamedFiles | None = None) -> Any:  # noqa: ANN401 - a module without type information
     """What is in a mesh file as a trimesh scene, in the file's own unit and axes.
 
     Args:
         content: the file.
         suffix: one of `FORMATS`.
         process: whether trimesh merges vertices that are close, and drops those that are not finite.
+        named: reads the files that the mesh file names; without it they are not read.
 
     Raises:
         ImportError: trimesh, or pycollada for a COLLADA file, is not installed.
@@ -79,7 +97,8 @@ def load_scene(content: bytes, suffix: str, *, process: bool) -> Any:  # noqa: A
         raise ValueError("it is a ZIP archive: unpack it")
     if b"<!ENTITY" in content.replace(b"\0", b""):  # of a stranger: it could name any file, or become endless
         raise ValueError("it declares entities")
-    return trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=process)
+    files: Any = named  # it has what trimesh calls of a resolver
+    return trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=process, resolver=files)
 
 
 def asset_of(content: bytes, suffix: str) -> Asset:
@@ -138,9 +157,14 @@ def to_metres(asset: Asset) -> Any:  # noqa: ANN401 - an array
 
 
 def read_parts(
-    content: bytes, suffix: str, scale: tuple[float, float, float], *, as_in_ros: bool = False
+    content: bytes,
+    suffix: str,
+    scale: tuple[float, float, float],
+    *,
+    as_in_ros: bool = False,
+    named: NamedFiles | None = None,
 ) -> list[Part]:
-    """All triangles of a file, scaled, by their colours in the order of their first appearance.
+    """All triangles of a file, scaled, by their colours and textures in the order of their first appearance.
 
     Nothing is merged, moved or left out. Where the scale or a node of the file is a mirror, triangles are turned
     round, so that outside stays outside.
@@ -151,6 +175,7 @@ def read_parts(
         scale: factors along the axes of the mesh.
         as_in_ros: whether the axis up of a COLLADA file is taken for z whatever the file says: so do RViz and MoveIt,
             and makers' descriptions are drawn for them.
+        named: reads the materials and textures that the file names; without it they are not read.
 
     Raises:
         ImportError: as `load_scene`.
@@ -159,22 +184,24 @@ def read_parts(
     """
     import numpy as np
 
-    scene = load_scene(content, suffix, process=False)
+    scene = load_scene(content, suffix, process=False, named=named)
     asset = asset_of(content, suffix)
     if as_in_ros and suffix == ".dae":
         asset = asset._replace(up="Z_UP")
     outer = np.diag([*scale, 1.0]) @ to_metres(asset)
-    found: dict[tuple[float, ...] | None, list[tuple[Any, Any]]] = {}
+    found: dict[tuple[tuple[float, ...] | None, int], list[tuple[Any, Any, Texture | None]]] = {}
     for matrix, mesh in _placed_meshes(scene):
         whole = outer @ matrix
         vertices = mesh.vertices @ whole[:3, :3].T + whole[:3, 3]
         if not np.isfinite(vertices[mesh.faces]).all():
             raise ValueError("corners of its triangles are at no finite place")
         faces = mesh.faces[:, ::-1] if np.linalg.det(whole[:3, :3]) < 0.0 else mesh.faces
-        found.setdefault(_colour(mesh), []).append((vertices, faces))
+        texture = _texture(mesh, faces) if named else None
+        look = _colour(mesh), id(texture.image) if texture else 0
+        found.setdefault(look, []).append((vertices, faces, texture))
     if not found:
         raise ValueError("it has no triangles")
-    return [Part(*_joined(pieces), rgba) for rgba, pieces in found.items()]  # type: ignore[arg-type]  # four of them
+    return [Part(*_joined(pieces), rgba, _one_texture(pieces)) for (rgba, _), pieces in found.items()]  # type: ignore[arg-type]  # four numbers
 
 
 def _placed_meshes(scene: Any) -> Iterator[tuple[Any, Any]]:  # noqa: ANN401 - see `load_scene`
@@ -186,19 +213,41 @@ def _placed_meshes(scene: Any) -> Iterator[tuple[Any, Any]]:  # noqa: ANN401 - s
 
 
 def _colour(mesh: Any) -> tuple[float, ...] | None:  # noqa: ANN401 - see `load_scene`
-    """The colour of a mesh that has a plain one."""
-    factor = getattr(getattr(mesh.visual, "material", None), "baseColorFactor", None)
+    """The colour of a mesh that has a plain one: of COLLADA and glTF, or the diffuse one of an MTL."""
+    material = getattr(mesh.visual, "material", None)
+    factor = getattr(material, "baseColorFactor", None)
+    if factor is None and "kd" in getattr(material, "kwargs", ()):
+        factor = getattr(material, "diffuse", None)
     if factor is None:
         return None
     red, green, blue, alpha = (round(float(part) / 255.0, 6) for part in factor)
     return (red, green, blue, alpha or 1.0)  # COLLADA knows two meanings of 0; nobody draws what cannot be seen
 
 
-def _joined(pieces: list[tuple[Any, Any]]) -> tuple[Any, Any]:
+def _texture(mesh: Any, faces: Any) -> Texture | None:  # noqa: ANN401 - see `load_scene`
+    """The picture on a mesh, with a place in it for each corner."""
+    import numpy as np
+
+    material, uv = getattr(mesh.visual, "material", None), getattr(mesh.visual, "uv", None)
+    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
+    if image is None or uv is None or len(uv) != len(mesh.vertices) or not np.isfinite(uv).all():
+        return None
+    return Texture(uv[faces].reshape(-1, 2), image)
+
+
+def _one_texture(pieces: list[tuple[Any, Any, Texture | None]]) -> Texture | None:
+    """The texture of meshes that all have the same picture, or all have none."""
+    import numpy as np
+
+    textures = [texture for _, _, texture in pieces if texture is not None]
+    return Texture(np.concatenate([texture.uv for texture in textures]), textures[0].image) if textures else None
+
+
+def _joined(pieces: list[tuple[Any, Any, Texture | None]]) -> tuple[Any, Any]:
     """Meshes as one, vertices at the same place merged."""
     import numpy as np
 
-    corners = np.concatenate([vertices[faces] for vertices, faces in pieces]).reshape(-1, 3) + 0.0
+    corners = np.concatenate([vertices[faces] for vertices, faces, _ in pieces]).reshape(-1, 3) + 0.0
     order = np.lexsort(corners.T)  # stable; much faster than np.unique of rows
     is_new = np.ones(len(order), dtype=bool)
     is_new[1:] = (corners[order[1:]] != corners[order[:-1]]).any(axis=1)

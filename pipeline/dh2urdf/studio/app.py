@@ -101,10 +101,18 @@ def build_view(figures: Sequence[Figure]) -> None:
         if key not in meshes:
             return Response("there is no such mesh", status_code=404)
         try:
-            content = await asyncio.wrap_future(meshes.triangles(key))
+            found = await asyncio.wrap_future(meshes.triangles(key))
         except OutputError as error:
             return Response(str(error), status_code=422)
-        return Response(content, media_type="application/octet-stream")
+        return Response(found.content, media_type="application/octet-stream")
+
+    @app.get("/textures/{key}")
+    async def texture(key: str) -> Response:
+        """A picture on triangles that the page has got."""
+        picture = meshes.picture(key)
+        if picture is None:
+            return Response("there is no such texture", status_code=404)
+        return Response(picture.content, media_type=picture.media_type)
 
     @ui.page("/")
     async def view() -> None:

@@ -8,6 +8,7 @@ const MARKED = 1; // what the stencil holds where the picked link is
 const SOFT = 1024; // side of the map of shadows [px]
 const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
+const WHITE = [1, 1, 1]; // what a texture is multiplied by
 const STEP = Math.PI / 36; // of an arrow key [rad]
 const MARGIN = 34; // of the picture, for labels [px]
 const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
@@ -63,22 +64,26 @@ function emptied(group) {
   return held;
 }
 
-// What a mesh file holds, as `triangles` of drawing/mesh_files.py sends it: a geometry for each colour.
-async function triangles(address) {
+// What a mesh file holds, as `triangles` of drawing/mesh_files.py sends it: a geometry for each colour and texture.
+async function triangles(address, picture, report) {
   const answer = await fetch(address);
   if (!answer.ok) throw new Error(await answer.text());
   const bytes = await answer.arrayBuffer();
   const length = new DataView(bytes).getUint32(0, true);
-  const { parts } = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  const { parts, unread } = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  if (unread.length) report(unread.join("\n"));
   let at = 4 + length;
-  return parts.map(({ rgba, corners }) => {
+  return Promise.all(parts.map(async ({ rgba, corners, texture }) => {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes, at, 3 * corners), 3));
     geometry.setAttribute("normal", new THREE.BufferAttribute(new Int8Array(bytes, at + 12 * corners, 4 * corners), 4, true));
     geometry.computeBoundingBox();
     at += 16 * corners;
-    return { rgba, geometry };
-  });
+    if (!texture) return { rgba, geometry };
+    geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(bytes, at, 2 * corners), 2));
+    at += 8 * corners;
+    return { rgba, geometry, map: await picture(texture) };
+  }));
 }
 
 // A colour or a number of the style sheet, which differs between light, dark and projector.
@@ -107,6 +112,7 @@ export default {
     // Not reactive: three.js has its own ideas of objects.
     this.layers = new Set(["links", "axes", "frames"]);
     this.meshes = new Map(); // by their keys, promises of what mesh files hold
+    this.textures = new Map(); // and of the pictures on them
     this.nodes = [];
     this.worn = []; // what can be disposed of after the next picture
     this.geometries = {
@@ -264,15 +270,17 @@ export default {
       group.matrix.copy(matrixOf(pose));
       const load = () => {
         if (!this.meshes.has(key)) {
-          const refuse = (error) => (this.$emit("undrawn", { message: error.message }), []);
-          this.meshes.set(key, triangles(`meshes/${key}`).catch(refuse));
+          const report = (message) => this.$emit("undrawn", { message });
+          const refuse = (error) => (report(error.message), []);
+          this.meshes.set(key, triangles(`meshes/${key}`, (texture) => this.picture(texture, report), report).catch(refuse));
         }
         this.waiting += 1;
         this.meshes.get(key).then((parts) => {
-          for (const { rgba, geometry } of parts) {
-            const painted = colour && !(ownColours && rgba); // else it has the colour of its file
-            const [own, clear] = [painted ? colour : (rgba?.slice(0, 3) ?? GREY), opacity * (painted ? 1 : (rgba?.[3] ?? 1))];
+          for (const { rgba, geometry, map } of parts) {
+            const painted = colour && !(ownColours && (rgba || map)); // else it has the colour of its file
+            const [own, clear] = [painted ? colour : (rgba?.slice(0, 3) ?? (map ? WHITE : GREY)), opacity * (painted ? 1 : (rgba?.[3] ?? 1))];
             const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
+            if (!painted && layer === "links") mesh.material.map = map ?? null;
             mesh.userData = { layer, shared: true };
             mesh.visible = this.layers.has(layer);
             mesh.castShadow = layer === "links";
@@ -286,6 +294,16 @@ export default {
       if (this.layers.has(layer)) load();
       else group.userData.waits = { layer, load };
       return group;
+    },
+
+    // A texture, once for all meshes that have it; null where the browser cannot show it.
+    picture(key, report) {
+      if (!this.textures.has(key)) {
+        const shown = (texture) => Object.assign(texture, { colorSpace: THREE.SRGBColorSpace, wrapS: THREE.RepeatWrapping, wrapT: THREE.RepeatWrapping, anisotropy: 4 });
+        const refuse = () => (report("the browser cannot show a texture"), null);
+        this.textures.set(key, new THREE.TextureLoader().loadAsync(`textures/${key}`).then(shown, refuse));
+      }
+      return this.textures.get(key);
     },
 
     // The ground is where a robot stands: at its root or, if what its root holds goes deeper, below its lowest link.

@@ -36,7 +36,7 @@ COLOURED = """<?xml version="1.0"?>
 
 def parts(mesh: DrawnMesh) -> list[tuple[Any, Any, Any]]:
     """Colour, positions (N, 3) and normals (N, 3) of the parts."""
-    content = triangles(mesh)
+    content = triangles(mesh).content
     (length,) = struct.unpack_from("<I", content)
     assert (4 + length) % 4 == 0
     at, found = 4 + length, []

@@ -14,6 +14,7 @@ Colour: TypeAlias = tuple[float, float, float]
 """Red, green, blue in 0..1."""
 
 GREY: Colour = (0.72, 0.74, 0.77)
+WHITE: Colour = (1.0, 1.0, 1.0)
 COLLISION: Colour = (0.85, 0.2, 0.45)
 MASS: Colour = (0.45, 0.3, 0.75)
 CENTRE: Colour = (1.0, 0.85, 0.1)

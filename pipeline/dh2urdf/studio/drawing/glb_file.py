@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence
 
-    from dh2urdf.studio.drawing.solids import Surface
+    from dh2urdf.studio.drawing.solids import Picture, Surface
 
 _VERSION = 2
 _TYPES = {"<f4": 5126, "<u4": 5125}  # as OpenGL counts them
 _VERTICES, _INDICES = 34962, 34963
+_PICTURES = ("image/png", "image/jpeg")
 _IDENTITY = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 _Y_UP = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]
 """Quaternion that turns z, which points up here, into y, which does in glTF."""
@@ -36,6 +37,8 @@ class GlbFile:
         self._nodes: list[dict[str, Any]] = [{"name": name, "rotation": _Y_UP}]
         self._meshes: list[dict[str, Any]] = []
         self._materials: list[dict[str, Any]] = []
+        self._textures: list[dict[str, Any]] = []
+        self._images: list[dict[str, Any]] = []
         self._accessors: list[dict[str, Any]] = []
         self._views: list[dict[str, Any]] = []
         self._binary = bytearray()
@@ -72,6 +75,8 @@ class GlbFile:
             "nodes": self._nodes,
             "meshes": self._meshes,
             "materials": self._materials,
+            "textures": self._textures,
+            "images": self._images,
             "accessors": self._accessors,
             "bufferViews": self._views,
             "buffers": [{"byteLength": len(self._binary)}] if self._binary else [],
@@ -89,23 +94,46 @@ class GlbFile:
         def accessor(name: str, numbers: Any, kind: str, target: int) -> int:  # noqa: ANN401 - an array
             return self._once((name, key), self._accessors, lambda: self._accessor(numbers, kind, target))
 
-        return {
-            "attributes": {
-                "POSITION": accessor("positions", surface.positions, "<f4", _VERTICES),
-                "NORMAL": accessor("normals", surface.normals, "<f4", _VERTICES),
-            },
-            "indices": accessor("corners", surface.corners, "<u4", _INDICES),
-            "material": self._once(("material", *rgba), self._materials, lambda: _material(rgba)),
+        attributes = {
+            "POSITION": accessor("positions", surface.positions, "<f4", _VERTICES),
+            "NORMAL": accessor("normals", surface.normals, "<f4", _VERTICES),
         }
+        texture = None if surface.texture is None else self._texture(surface.texture)
+        if texture is not None:
+            down = surface.uv * (1.0, -1.0) + (0.0, 1.0)  # glTF counts from the upper left corner
+            attributes["TEXCOORD_0"] = accessor("uv", down, "<f4", _VERTICES)
+        return {
+            "attributes": attributes,
+            "indices": accessor("corners", surface.corners, "<u4", _INDICES),
+            "material": self._once(("material", texture, *rgba), self._materials, lambda: _material(rgba, texture)),
+        }
+
+    def _texture(self, picture: Picture) -> int | None:
+        """The number of a texture; None for a picture of a type that glTF does not have."""
+        if picture.media_type not in _PICTURES:
+            return None
+
+        def image() -> dict[str, Any]:
+            return {"bufferView": self._view(picture.content), "mimeType": picture.media_type}
+
+        number = self._once(("image", picture), self._images, image)
+        return self._once(("texture", number), self._textures, lambda: {"source": number})
+
+    def _view(self, content: bytes, **told: int) -> int:
+        """The number of some bytes in the binary part."""
+        self._binary += bytes(-len(self._binary) % 4)
+        self._views.append({"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(content), **told})
+        self._binary += content
+        return len(self._views) - 1
 
     def _accessor(self, numbers: Any, kind: str, target: int) -> dict[str, Any]:  # noqa: ANN401 - an array
         numbers = numbers.astype(kind)
-        content = numbers.tobytes()
-        self._views.append({"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(content), "target": target})
-        self._binary += content
-        told = {"bufferView": len(self._views) - 1, "componentType": _TYPES[kind], "count": len(numbers)}
+        view = self._view(numbers.tobytes(), target=target)
+        told = {"bufferView": view, "componentType": _TYPES[kind], "count": len(numbers)}
         if numbers.ndim == 1:
             return {**told, "type": "SCALAR"}
+        if numbers.shape[1] == 2:  # noqa: PLR2004 - a place in a texture
+            return {**told, "type": "VEC2"}
         return {**told, "type": "VEC3", "min": numbers.min(axis=0).tolist(), "max": numbers.max(axis=0).tolist()}
 
     def _once(self, key: Hashable, items: list[dict[str, Any]], make: Callable[[], dict[str, Any]]) -> int:
@@ -116,9 +144,11 @@ class GlbFile:
         return self._kept[key]
 
 
-def _material(rgba: Sequence[float]) -> dict[str, Any]:
+def _material(rgba: Sequence[float], texture: int | None) -> dict[str, Any]:
     colour = [*(_linear(part) for part in rgba[:3]), rgba[3]]
-    plain = {"baseColorFactor": colour, "metallicFactor": 0.0, "roughnessFactor": 0.7}
+    plain: dict[str, Any] = {"baseColorFactor": colour, "metallicFactor": 0.0, "roughnessFactor": 0.7}
+    if texture is not None:
+        plain["baseColorTexture"] = {"index": texture}
     return {"pbrMetallicRoughness": plain, **({"alphaMode": "BLEND"} if rgba[3] < 1.0 else {})}
 
 

@@ -1,22 +1,27 @@
-"""The triangles of mesh files as a browser takes them: corners with normals, one run of bytes for each file."""
+"""The triangles of mesh files as a browser takes them: corners with normals, one run of bytes for each file.
+
+The pictures on triangles are files of their own, which the page asks for by keys.
+"""
 
 from __future__ import annotations
 
+import io
 import json
 import struct
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import OutputError
 from dh2urdf.meshes import FORMATS, REMEDY, read_parts
+from dh2urdf.meshes.named_files import NamedFiles
 from dh2urdf.rotations import Vec3
 from dh2urdf.source import Problem, shown
-from dh2urdf.studio.drawing.solids import Surface
+from dh2urdf.studio.drawing.solids import Picture, Surface
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from dh2urdf.meshes.triangles import Part
     from dh2urdf.robot import Mesh
@@ -24,7 +29,11 @@ if TYPE_CHECKING:
 SUFFIXES = (*FORMATS, ".glb", ".gltf")
 """How the names of the files end that can be drawn."""
 LARGEST = 512 * 2**20
-"""Size of a mesh file that is read [B]."""
+"""Size of a mesh file that is read, and of each file that it names [B]."""
+LARGEST_PICTURE = 2**26
+"""Pixels of a texture that is drawn."""
+_SHOWN = {"PNG": "image/png", "JPEG": "image/jpeg", "WEBP": "image/webp"}
+"""Formats of pictures that all browsers show; others are sent as PNG."""
 _SMOOTH = 0.77
 """Cosine of the largest angle between two triangles that are parts of one smooth surface: 40°."""
 _AT_ONCE = 2**22
@@ -51,6 +60,18 @@ class DrawnMesh:
         return sha256(f"{self.path}\0{self.scale}\0{self.as_in_ros}".encode()).hexdigest()[:32]
 
 
+class DrawnTriangles(NamedTuple):
+    """What the page gets of a mesh file.
+
+    Attributes:
+        content: see `triangles`.
+        pictures: the textures by the keys that the page asks for them by.
+    """
+
+    content: bytes
+    pictures: Mapping[str, Picture]
+
+
 def drawn_mesh(mesh: Mesh, path: Path | None, *, as_in_ros: bool) -> DrawnMesh | None:
     """What is drawn of a mesh; None where there is no file, or none of a kind that can be drawn.
 
@@ -65,28 +86,57 @@ def drawn_mesh(mesh: Mesh, path: Path | None, *, as_in_ros: bool) -> DrawnMesh |
     return DrawnMesh(path=path, scale=mesh.scale, as_in_ros=as_in_ros and mesh.file is None)
 
 
-def triangles(mesh: DrawnMesh) -> bytes:
+def triangles(mesh: DrawnMesh) -> DrawnTriangles:
     """The triangles of a file in metres, z up, for `arm_view.js`.
 
     The length of a header (four bytes, little-endian), the header as JSON, and for each of its parts the corners of all
     triangles, three after three: positions as 32-bit floats (N, 3), then normals of 8 bits (N, 4), of which the fourth
-    is 0. A part has the colour that the file gives it, or null.
+    is 0, and for a part with a texture the places in the picture as 32-bit floats (N, 2). A part has the colour that
+    the file gives it, or null, and the key of its texture, or null. `unread` of the header has messages about the files
+    that the mesh file names and that are not shown.
 
     Raises:
         OutputError: the file cannot be read, or holds no triangles.
     """
     import numpy as np
 
-    told, bodies = [], []
-    for part in _parts(mesh):
+    told, bodies, pictures = [], [], {}
+    named = NamedFiles(mesh.path, LARGEST)
+    for part in _parts(mesh, named):
         corners, normals = _corners(part.vertices, part.faces)
         packed = np.zeros((len(normals), 4), dtype=np.int8)
         packed[:, :3] = np.rint(127 * normals)
-        told.append({"rgba": part.rgba, "corners": len(corners)})
         bodies += [corners.tobytes(), packed.tobytes()]
-    header = json.dumps({"parts": told}).encode()
+        key = None
+        if (textured := _textured(part, named)) is not None:
+            uv, picture = textured
+            key = sha256(picture.content).hexdigest()[:32]
+            pictures[key] = picture
+            bodies.append(uv.astype("<f4").tobytes())
+        told.append({"rgba": part.rgba, "corners": len(corners), "texture": key})
+    unread = [f"{shown(mesh.path.name)} names {shown(name)}: {why}" for name, why in named.unread.items()]
+    header = json.dumps({"parts": told, "unread": unread}).encode()
     header += b" " * (-len(header) % 4)
-    return b"".join([struct.pack("<I", len(header)), header, *bodies])
+    return DrawnTriangles(b"".join([struct.pack("<I", len(header)), header, *bodies]), pictures)
+
+
+def _textured(part: Part, named: NamedFiles) -> tuple[Any, Picture] | None:
+    """The texture of a part, with the places of its corners; one that cannot be shown is added to the unread names."""
+    if part.texture is None:
+        return None
+    uv, image = part.texture
+    try:
+        if image.width * image.height > LARGEST_PICTURE:
+            raise ValueError(f"it has more than {LARGEST_PICTURE // 2**20} million pixels")
+        if image.format in _SHOWN and getattr(image, "fp", None):  # the file as it is
+            image.fp.seek(0)
+            return uv, Picture(image.fp.read(), _SHOWN[image.format])
+        target = io.BytesIO()
+        image.convert("RGBA").save(target, "PNG", compress_level=1)
+    except Exception as error:  # noqa: BLE001 - of a stranger's file: anything
+        named.unread["a texture"] = str(error)[:200]
+        return None
+    return uv, Picture(target.getvalue(), "image/png")
 
 
 def surfaces(mesh: DrawnMesh) -> Iterator[tuple[tuple[float, float, float, float] | None, Surface]]:
@@ -97,15 +147,20 @@ def surfaces(mesh: DrawnMesh) -> Iterator[tuple[tuple[float, float, float, float
     """
     import numpy as np
 
-    for part in _parts(mesh):
+    named = NamedFiles(mesh.path, LARGEST)
+    for part in _parts(mesh, named):
         positions, normals = _corners(part.vertices, part.faces)
         normals[~normals.any(axis=1)] = (0.0, 0.0, 1.0)  # of triangles without an area
-        both = np.concatenate([positions, normals.round(3)], axis=1, dtype="<f4") + np.float32(0.0)  # no -0
-        _, first, corners = np.unique(both.view("V24").ravel(), return_index=True, return_inverse=True)
-        yield part.rgba, Surface(positions[first], _unit(normals[first]), corners)
+        uv, picture = _textured(part, named) or (None, None)
+        columns = [positions, normals.round(3), *(() if uv is None else (uv,))]
+        every = np.ascontiguousarray(np.concatenate(columns, axis=1, dtype="<f4") + np.float32(0.0))  # no -0
+        alike = every.view(f"V{every.dtype.itemsize * every.shape[1]}").ravel()
+        _, first, corners = np.unique(alike, return_index=True, return_inverse=True)
+        places = None if uv is None else uv[first]
+        yield part.rgba, Surface(positions[first], _unit(normals[first]), corners, places, picture)
 
 
-def _parts(mesh: DrawnMesh) -> list[Part]:
+def _parts(mesh: DrawnMesh, named: NamedFiles) -> list[Part]:
     """What a file holds.
 
     Raises:
@@ -116,7 +171,7 @@ def _parts(mesh: DrawnMesh) -> list[Part]:
         if mesh.path.stat().st_size > LARGEST:
             raise OutputError(Problem(message=f"{name} is larger than {LARGEST // 2**20} MB"))
         content = mesh.path.read_bytes()
-        return read_parts(content, mesh.path.suffix.lower(), mesh.scale, as_in_ros=mesh.as_in_ros)
+        return read_parts(content, mesh.path.suffix.lower(), mesh.scale, as_in_ros=mesh.as_in_ros, named=named)
     except OSError as error:
         raise OutputError(Problem(message=f"{name} cannot be read: {error.strerror}")) from error
     except ImportError as error:

@@ -10,7 +10,8 @@ from dh2urdf.studio.drawing.mesh_files import triangles
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from dh2urdf.studio.drawing.mesh_files import DrawnMesh
+    from dh2urdf.studio.drawing.mesh_files import DrawnMesh, DrawnTriangles
+    from dh2urdf.studio.drawing.solids import Picture
 
 _THREADS = 2
 """Files that are read at a time: much of the work holds Python's lock."""
@@ -25,7 +26,7 @@ class _Read(NamedTuple):
     """
 
     stamp: tuple[int, int]
-    content: Future[bytes]
+    content: Future[DrawnTriangles]
 
 
 class MeshStore:
@@ -39,12 +40,17 @@ class MeshStore:
         self._meshes = dict(meshes)
         self._pool = ThreadPoolExecutor(_THREADS, thread_name_prefix="dh2urdf-mesh")
         self._read: dict[str, _Read] = {}
+        self._pictures: dict[str, Picture] = {}
 
     def __contains__(self, key: str) -> bool:
         """Whether there is a file with this key."""
         return key in self._meshes
 
-    def triangles(self, key: str) -> Future[bytes]:
+    def picture(self, key: str) -> Picture | None:
+        """The texture with a key, which the triangles of a file have named; None if none has."""
+        return self._pictures.get(key)
+
+    def triangles(self, key: str) -> Future[DrawnTriangles]:
         """The triangles of a file, as soon as they are read; of a file that has changed, anew.
 
         The future raises `OutputError` where the file cannot be read.
@@ -57,8 +63,13 @@ class MeshStore:
             stamp = 0, 0
         found = self._read.get(key)
         if found is None or found.stamp != stamp:
-            found = self._read[key] = _Read(stamp, self._pool.submit(triangles, mesh))
+            found = self._read[key] = _Read(stamp, self._pool.submit(self._triangles, mesh))
         return found.content
+
+    def _triangles(self, mesh: DrawnMesh) -> DrawnTriangles:
+        found = triangles(mesh)
+        self._pictures.update(found.pictures)
+        return found
 
     def begin(self, keys: Iterable[str]) -> None:
         """Begin to read files that pages will surely ask for."""

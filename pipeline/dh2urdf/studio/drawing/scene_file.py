@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.studio.drawing.colours import GREY
+from dh2urdf.studio.drawing.colours import GREY, WHITE
 from dh2urdf.studio.drawing.glb_file import GlbFile
 from dh2urdf.studio.drawing.mesh_files import surfaces
 from dh2urdf.studio.drawing.solids import ARROW, CYLINDER, SPHERE, Surface, box, turned
@@ -92,7 +92,7 @@ class _PartMeshes:
             "sphere": turned(SPHERE, is_round=True),
             "frame": turned(ARROW),
         }
-        self._of_files: dict[DrawnMesh, tuple[tuple[tuple[float, ...] | None, Surface], ...]] = {}
+        self._of_files: dict[DrawnMesh, tuple[tuple[tuple[float, float, float, float] | None, Surface], ...]] = {}
 
     def of(self, part: ScenePart, file: GlbFile) -> Iterator[tuple[int, Any]]:
         """The meshes of a part in a file, each with its matrix in the part's node."""
@@ -104,14 +104,12 @@ class _PartMeshes:
                 self._of_files[part.mesh] = tuple(surfaces(part.mesh))
             pieces = []
             for number, (own, surface) in enumerate(self._of_files[part.mesh]):
-                rgba = (
-                    (*part.colour, opacity)
-                    if part.colour and not (own and part.own_colours)
-                    else (*own[:3], own[3] * opacity)
-                    if own
-                    else (*GREY, opacity)
-                )
-                pieces.append(((part.mesh, number), surface, rgba))
+                key = part.mesh, number
+                if part.colour and not ((own or surface.texture) and part.own_colours):
+                    pieces.append((key, surface._replace(uv=None, texture=None), (*part.colour, opacity)))
+                    continue
+                red, green, blue, alpha = own or (*(WHITE if surface.texture else GREY), 1.0)
+                pieces.append((key, surface, (red, green, blue, alpha * opacity)))
             yield file.mesh(pieces), matrix
             return
         surface = self._plain[part.shape]

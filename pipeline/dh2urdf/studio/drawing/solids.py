@@ -18,6 +18,18 @@ ARROW = ((0.0, 0.0), (0.035, 0.0), (0.035, 0.76), (0.095, 0.76), (0.0, 1.0))
 """Radius and height along an arrow of length 1, which points along z."""
 
 
+class Picture(NamedTuple):
+    """A picture on triangles, as browsers show it.
+
+    Attributes:
+        content: the file.
+        media_type: its type, such as ``image/png``.
+    """
+
+    content: bytes
+    media_type: str
+
+
 class Surface(NamedTuple):
     """Triangles.
 
@@ -25,11 +37,15 @@ class Surface(NamedTuple):
         positions: corners [m], of shape (N, 3).
         normals: the direction outwards at each corner, of shape (N, 3).
         corners: numbers of corners, three for each triangle, anticlockwise as seen from outside, of shape (3 M,).
+        uv: where the corners are in the texture, as `dh2urdf.meshes.triangles.Texture` has them, of shape (N, 2).
+        texture: the picture on the triangles.
     """
 
     positions: Any
     normals: Any
     corners: Any
+    uv: Any = None
+    texture: Picture | None = None
 
 
 def box() -> Surface:

@@ -23,7 +23,7 @@ import pytest
 import dh2urdf
 import dh2urdf_plugins
 from dh2urdf import hookspecs
-from dh2urdf._faces import MOVED
+from dh2urdf._faces import METHODS, MOVED
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import KINDS, RECORDS, load
 from dh2urdf.robot import Robot
@@ -422,6 +422,35 @@ def test_a_face_gives_what_type_checkers_see(path: Path) -> None:
     for name, place in seen.items():
         source = importlib.import_module(str(place))
         assert getattr(module, name) is (source if place == f"{package}.{name}" else getattr(source, name))
+
+
+BY_TEXT = {
+    "pipeline/dh2urdf/_faces.py": "public names, and the functions that methods of records call",
+    "pipeline/dh2urdf/cli/__init__.py": "the commands, by their names",
+    "pipeline/dh2urdf/stages.py": "records of lower layers that few commands make",
+    "pipeline/dh2urdf/testing/children/forks.py": "the modules of a plugin that is tested",
+}
+"""Where the host imports a module whose name is a text, which no contract about imports sees."""
+
+
+def test_methods_call_the_functions_that_the_top_of_the_house_names() -> None:
+    """A record imports no higher layer: `dh2urdf.__init__` has a function for each such method, and for nothing else."""
+    asked, by_text = dict[str, str](), set()
+    for path in modules(HOST):
+        calls = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Call)]
+        asked |= {ast.literal_eval(call.args[0]): path.stem for call in calls if name_of(call) == "function_of"}
+        by_text |= {relative(path) for call in calls if name_of(call) == "import_module"}
+    assert asked == {method: method.split(".")[0].lower() for method in METHODS}
+    assert by_text == BY_TEXT.keys()
+    for method, place in METHODS.items():
+        record, _, name = method.partition(".")
+        assert callable(getattr(getattr(dh2urdf, record), name))
+        module, _, function = place.rpartition(".")
+        assert getattr(importlib.import_module(f"dh2urdf.{module}"), function).__module__ == f"dh2urdf.{module}"
+
+
+def name_of(call: ast.Call) -> str:
+    return ast.unparse(call.func).rpartition(".")[2]
 
 
 def test_an_old_name_of_a_module_says_the_new_one() -> None:

@@ -1,4 +1,4 @@
-"""Packages that name what their modules have, and import a module when one of its names is asked for."""
+"""Names that are imported when they are asked for: those of packages, and the functions that methods call."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import sys
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
-    from typing import TypeAlias
+    from typing import TypeAlias, TypeVar
 
+    T = TypeVar("T")
     Face: TypeAlias = tuple[list[str], Callable[[str], object], Callable[[], list[str]]]
 
 
@@ -34,6 +35,26 @@ def face(package: str, modules: Mapping[str, str], wholes: tuple[str, ...] = ())
         return value
 
     return known, value_of, lambda: sorted({*vars(sys.modules[package]), *known})
+
+
+METHODS: dict[str, str] = {}
+"""The functions that the methods of records call and that are in higher layers: `dh2urdf` itself names them."""
+
+
+def function_of(method: str) -> Callable[..., T]:
+    """The function of a higher layer that a method of a record calls, imported when the method is called.
+
+    A record knows its own layer and lower ones. The top of the package, `dh2urdf.__init__`, names the function of each
+    method, next to the public names.
+
+    Args:
+        method: its name, such as ``Manipulator.fk``.
+    """
+    from importlib import import_module
+
+    module, _, name = METHODS[method].rpartition(".")
+    function: Callable[..., T] = getattr(import_module(f"dh2urdf.{module}"), name)
+    return function
 
 
 MOVED = {

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from dh2urdf._faces import function_of
 from dh2urdf.link_bodies import (
     Inertia,
     LinkGeometry,
@@ -256,10 +257,8 @@ class Manipulator:
             TableError: the table cannot be read; the row and the column are named.
             ConfigError: an option is unknown or its value wrong.
         """
-        from dh2urdf.api import manipulator_of
-
         given = {"convention": None if convention is None else str(convention), "units": units, **options}
-        return manipulator_of(
+        return function_of("Manipulator.from_dh")(
             table,
             columns=columns,
             types=types,
@@ -282,15 +281,11 @@ class Manipulator:
             RecordValueError: the table says something that CSV has no place for, such as meshes.
             OutputError: the file cannot be written.
         """
-        from dh2urdf.commands.written_tables import write_table
-
-        return write_table(self, ".csv", out, "Manipulator.to_csv()")
+        return function_of("Manipulator.to_csv")(self, ".csv", out, "Manipulator.to_csv()")
 
     def to_yaml(self, out: str | os.PathLike[str] | None = None) -> str:
         """The table as YAML, as `to_csv` has it as CSV."""
-        from dh2urdf.commands.written_tables import write_table
-
-        return write_table(self, ".yaml", out, "Manipulator.to_yaml()")
+        return function_of("Manipulator.to_yaml")(self, ".yaml", out, "Manipulator.to_yaml()")
 
     def fk(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
         """Forward kinematics: the DH product at one joint vector or at many.
@@ -307,9 +302,7 @@ class Manipulator:
             RecordError: the joint vectors have another number of values than the table has moving rows, a joint is
                 unknown or missing, or a value is not a finite number. It is a TypeError or a ValueError, too.
         """
-        from dh2urdf.kinematics.pose_arrays import table_pose
-
-        return table_pose(self, q, full=full)
+        return function_of("Manipulator.fk")(self, q, full=full)
 
     def fk_all(self, q: JointVectors, *, full: bool = False) -> dict[str, NDArray[np.float64]]:
         """The DH frame of every link, the base and tool0 included, at one joint vector or at many.
@@ -327,9 +320,7 @@ class Manipulator:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.kinematics.pose_arrays import table_poses
-
-        return table_poses(self, q, full=full)
+        return function_of("Manipulator.fk_all")(self, q, full=full)
 
     def jacobian(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
         """The geometric Jacobian J of tool0, with the axes of base_link: the twist of tool0 is J·dq/dt.
@@ -347,9 +338,7 @@ class Manipulator:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.kinematics.pose_arrays import table_jacobian
-
-        return table_jacobian(self, q, full=full)
+        return function_of("Manipulator.jacobian")(self, q, full=full)
 
     def __repr__(self) -> str:
         """Name, convention, number of moving joints and the types of the rows: R, C, P, and F for fixed."""
@@ -360,6 +349,4 @@ class Manipulator:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table and, with matplotlib, a drawing of the arm."""
-        from dh2urdf.report.notebook import manipulator_html
-
-        return manipulator_html(self)
+        return function_of("Manipulator._repr_html_")(self)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from dh2urdf._faces import function_of
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
 from dh2urdf.shapes import (
@@ -218,9 +219,7 @@ class Robot:
                 moving joints on the way, a joint is unknown or missing, or a value is not a finite number. It is a
                 TypeError or a ValueError, too.
         """
-        from dh2urdf.kinematics.pose_arrays import robot_pose
-
-        return robot_pose(self, q, tip)
+        return function_of("Robot.fk")(self, q, tip)
 
     def fk_all(self, q: JointVectors) -> dict[str, NDArray[np.float64]]:
         """The frame of every link at one joint vector or at many.
@@ -235,9 +234,7 @@ class Robot:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.kinematics.pose_arrays import robot_poses
-
-        return robot_poses(self, q)
+        return function_of("Robot.fk_all")(self, q)
 
     def jacobian(self, q: JointVectors, tip: str = "tool0") -> NDArray[np.float64]:
         """The geometric Jacobian J of a link, with the axes of the root link: the twist of the link is J·dq/dt.
@@ -254,9 +251,7 @@ class Robot:
         Raises:
             RecordError: as of `fk`.
         """
-        from dh2urdf.kinematics.pose_arrays import robot_jacobian
-
-        return robot_jacobian(self, q, tip)
+        return function_of("Robot.jacobian")(self, q, tip)
 
     def to_urdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as URDF, which is checked and read back before anybody gets it.
@@ -274,22 +269,15 @@ class Robot:
             ConfigError: an option is unknown or its value wrong.
             OutputError: the file cannot be written.
         """
-        return self._written(".urdf", out, options, "Robot.to_urdf()")
+        return function_of("Robot.to_urdf")(self, ".urdf", out, options, "Robot.to_urdf()")
 
     def to_sdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as SDF, as `to_urdf` has it as URDF."""
-        return self._written(".sdf", out, options, "Robot.to_sdf()")
+        return function_of("Robot.to_sdf")(self, ".sdf", out, options, "Robot.to_sdf()")
 
     def to_mjcf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as MJCF for MuJoCo, as `to_urdf` has it as URDF."""
-        return self._written(".xml", out, options, "Robot.to_mjcf()")
-
-    def _written(
-        self, suffix: str, out: str | os.PathLike[str] | None, options: dict[str, object], function: str
-    ) -> str:
-        from dh2urdf.commands.written_robots import write_description
-
-        return write_description(self, suffix, out, options, function)
+        return function_of("Robot.to_mjcf")(self, ".xml", out, options, "Robot.to_mjcf()")
 
     def __repr__(self) -> str:
         """Name, number of links and number of moving joints."""
@@ -299,6 +287,4 @@ class Robot:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the joints with their limits and, with matplotlib, a drawing of the robot."""
-        from dh2urdf.report.notebook import robot_html
-
-        return robot_html(self)
+        return function_of("Robot._repr_html_")(self)

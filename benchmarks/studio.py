@@ -59,6 +59,8 @@ STOPWATCH = """counter => {
         start = null;
     });
 }"""
+HAND = 300
+"""How long a hand takes from the mouse to the first key [ms]."""
 POLLING = 50
 """How often the script looks whether a picture is there [ms]."""
 
@@ -82,11 +84,12 @@ def opened(page: Page, address: str, counter: str) -> None:
 
 
 def typed(page: Page, address: str, rounds: int) -> list[float]:
-    """A number in row 2 gets a digit more, and another one; in ms."""
+    """A number in row 4 gets a digit more, and another one; in ms. The first is the first key on the page."""
     opened(page, address, "shown")
-    page.locator(".dh-table .ag-row[row-index='1'] .ag-cell[col-id='a']").dblclick()
+    page.locator(".dh-table .ag-row[row-index='3'] .ag-cell[col-id='a']").dblclick()
     field = page.locator(".ag-cell-inline-editing input")
-    field.fill("0.1")
+    field.press("End")  # else the first digit takes the place of the number
+    page.wait_for_timeout(HAND)
     for number in range(rounds):
         field.press(str(number % 9 + 1))
         page.wait_for_function("count => times.length === count", arg=number + 1, polling=POLLING)
@@ -97,6 +100,7 @@ def slid(page: Page, address: str, rounds: int) -> list[float]:
     """An arrow key moves a slider by a step; in ms."""
     opened(page, address, "drawn")
     page.locator(".joint-slider input[type=range]").nth(1).focus()
+    page.wait_for_timeout(HAND)
     for number in range(rounds):
         page.keyboard.press("ArrowRight")
         page.wait_for_function("count => times.length === count", arg=number + 1, polling=POLLING)

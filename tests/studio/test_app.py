@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import pytest
 
 pytest.importorskip("nicegui")
@@ -45,3 +48,22 @@ def test_the_oldest_tab_goes_first(sessions: app.Sessions[Shown], monkeypatch: p
     sessions.of("three")
     assert sessions.of("one") is one
     assert sessions.of("two") is not two
+
+
+def test_the_first_arm_waits_for_no_import() -> None:
+    """What is imported for an arm is imported when the studio starts, and not at the first key."""
+    code = """
+import sys
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.studio import app
+from dh2urdf.studio.editing.session import Session
+from dh2urdf.table_text import TableText
+catalog = load()
+app.rehearse(catalog)
+session, before = Session(catalog), set(sys.modules)
+session.put(TableText(name="a", convention="modified", rows=({"a": "0.1", "alpha": "pi/2", "d": "0"},)))
+session.preview(0, "a", "0.2")
+assert session.pose is not None
+assert sorted(set(sys.modules) - before) == []
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)

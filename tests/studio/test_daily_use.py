@@ -363,6 +363,24 @@ def test_a_pi_of_a_mac_begins_a_cell(tab: Any) -> None:
     assert tab.cell(0, "joint").get_attribute("title") == "shoulder_pan_joint"
 
 
+def test_the_first_key_pays_for_nothing_else(tab: Any) -> None:
+    """Once the page rests, the first letter in a cell compiles no shader, and no letter has all of the page laid out."""
+    tab.open_exhibit("ur5")
+    view = "getElement(Number(document.querySelector('.arm-view').id.slice(1)))"
+    tab.page.wait_for_function(f"{view}.rehearsed")
+    tab.page.evaluate("window.updates = 0, socket.on('update', () => updates++)")
+    shaders = f"{view}.renderer.info.programs.length"
+    before, shown = tab.page.evaluate(shaders), tab.page.evaluate("document.querySelector('.arm-view').shown")
+    tab.cell(2, "a").click()
+    tab.page.locator(".arm-view-picked").first.wait_for()
+    tab.page.evaluate("updates = 0")
+    tab.page.keyboard.type("-0.4")
+    tab.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
+    tab.page.wait_for_function("document.querySelector('.studio-matrix').innerText.includes('-0.8250')")
+    assert tab.page.evaluate("updates") == 0
+    assert tab.page.evaluate(shaders) == before
+
+
 # --- What is said and shown -------------------------------------------------------------------------------------------
 
 

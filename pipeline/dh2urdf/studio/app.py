@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, Self, TypeVar
@@ -16,13 +17,13 @@ from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.page import StudioPage
 from dh2urdf.studio.view_page import ViewPage
 from dh2urdf.studio.viewing import View
+from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.drawing.scene import Figure
-    from dh2urdf.table_text import TableText
 
 MOST_SESSIONS = 100
 """Tabs whose state is kept; the one that was not used for the longest time goes first."""
@@ -80,11 +81,17 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
         table: what a new tab begins with; None for an empty table.
     """
     sessions = Sessions(lambda: Session(catalog, table))
+    app.on_startup(lambda: threading.Thread(target=rehearse, args=[catalog], daemon=True).start())
 
     @ui.page("/")
     async def studio() -> None:
         dress()
         await StudioPage(await sessions.of_this_tab()).start()
+
+
+def rehearse(catalog: Catalog) -> None:
+    """Makes an arm that nobody sees, so that the first key in an empty table does not wait for imports."""
+    Session(catalog, TableText(name="arm", convention="standard", rows=({"a": "1", "alpha": "0", "d": "0"},)))
 
 
 def build_view(figures: Sequence[Figure]) -> None:

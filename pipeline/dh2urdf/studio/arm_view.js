@@ -5,6 +5,7 @@ import { OrbitControls, THREE } from "nicegui-scene";
 const STROKES = { a: 0xd6336c, alpha: 0xe8590c, d: 0x1c7ed6, theta: 0x2f9e44, x: 0xe03131, y: 0x2f9e44, z: 0x1971c2, distance: 0x495057, line: 0x868e96, normal: 0xc2255c, offset: 0x1971c2, foot: 0x212529 };
 const OUTLINE = 0.0045; // width of the line around a picked link, in reaches of the arm
 const MARKED = 1; // what the stencil holds where the picked link is
+const SUN = new THREE.Vector3(0.32, -0.42, 0.85).normalize(); // from where it shines
 const SOFT = 1024; // side of the map of shadows [px]
 const THINNEST = 0.004; // radius that a link is drawn with at least, in reaches of the arm
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
@@ -178,6 +179,7 @@ export default {
     this.observer.observe(this.$el);
     this.resize();
     this.fit();
+    this.rehearse();
   },
 
   beforeUnmount() {
@@ -411,17 +413,39 @@ export default {
       this.draw();
     },
 
-    // The shadow on the ground is drawn anew with the next picture: the sun sees all that can be seen.
+    // The shadow on the ground is drawn anew with the next picture: the sun sees all that can be seen. What receives it is
+    // no larger than what can be in it, as every pixel of that costs time.
     shade() {
-      if (!this.renderer) return;
-      const round = new THREE.Sphere().setFromPoints(this.points()), { camera } = this.sun.shadow;
-      const { center, radius } = round;
+      const shadow = this.ground.children[1];
+      if (!this.renderer || !shadow) return;
+      const points = this.points(), { camera } = this.sun.shadow;
+      const { center, radius } = new THREE.Sphere().setFromPoints(points);
       this.sun.target.position.copy(center);
-      this.sun.position.set(0.32, -0.42, 0.85).normalize().multiplyScalar(4 * radius).add(center);
+      this.sun.position.copy(SUN).multiplyScalar(4 * radius).add(center);
       [camera.left, camera.right, camera.bottom, camera.top] = [-radius, radius, -radius, radius];
       [camera.near, camera.far] = [radius, 12 * radius];
       camera.updateProjectionMatrix();
+      const box = new THREE.Box3().setFromPoints(points.map((point) => point.addScaledVector(SUN, (this.floor - point.z) / SUN.z)));
+      box.expandByScalar(0.03 * radius); // its edge is soft
+      const [middle, size] = [box.getCenter(new THREE.Vector3()), box.getSize(new THREE.Vector3())];
+      shadow.position.set(middle.x, middle.y, this.floor - 0.0015 * this.reach);
+      shadow.scale.set(size.x / 2, size.y / 2, 1);
       this.renderer.shadowMap.needsUpdate = true;
+    },
+
+    // Draws a link, an axis and a frame that are picked, before there are any: a picture waits for the shaders of what it
+    // is the first to show, and that is not to be the picture after the first key. Its materials are kept, and so they are.
+    rehearse() {
+      if (!this.renderer) return;
+      const pose = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+      this.rehearsed = new THREE.Group();
+      for (const [layer, shape] of [["links", "cylinder"], ["axes", "cylinder"], ["frames", "frame"]])
+        this.rehearsed.add(this.part({ shape, size: [1e-3, 1e-3, 1e-3], pose, layer, colour: [1, 1, 1], opacity: 1 }, 0));
+      this.outline(this.rehearsed);
+      this.rehearsed.position.copy(this.controls.target);
+      this.scene.add(this.rehearsed);
+      this.renderer.render(this.scene, this.camera);
+      this.rehearsed.removeFromParent();
     },
 
     // A line around a link: its parts mark the stencil, and what is a little larger is drawn beside the mark. It is seen
@@ -556,11 +580,11 @@ export default {
       const grid = new THREE.GridHelper(2 * half, Math.round((2 * half) / step), styled("grid-axes"), styled("grid"));
       grid.rotateX(Math.PI / 2);
       grid.position.z = this.floor - 0.001 * reach;
-      const shadow = new THREE.Mesh(new THREE.PlaneGeometry(2 * half, 2 * half), new THREE.ShadowMaterial({ color: styled("shadow"), opacity: 0.2 }));
+      const shadow = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.ShadowMaterial({ color: styled("shadow"), opacity: 0.2 }));
       shadow.receiveShadow = true;
-      shadow.position.z = this.floor - 0.0015 * reach;
       shadow.renderOrder = -1;
       this.ground.add(grid, shadow);
+      this.shade();
     },
 
     // Labels beside their points and none over another: what stands out comes first, what finds no room is left out.

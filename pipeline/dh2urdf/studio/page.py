@@ -21,7 +21,7 @@ from dh2urdf.studio.panels.poses import PosesPanel
 from dh2urdf.studio.panels.target import TargetPanel
 from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
-from dh2urdf.studio.widgets import ArmView, JointSliders
+from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -129,7 +129,7 @@ class StudioPage:
                 )
             self._sliders = JointSliders(on_values=self._moved)
         with ui.element("div").classes("studio-numbers"):
-            self._numbers = ui.html(sanitize=False)
+            self._numbers = LiveHtml()
 
     # --- What is shown ------------------------------------------------------------------------------------------------
 
@@ -176,7 +176,7 @@ class StudioPage:
     def _show_numbers(self) -> None:
         session = self.session
         pose = session.pose
-        self._numbers.set_content(words.numbers(pose, session.table, session.reach) if pose else "")
+        self._numbers.show(words.numbers(pose, session.table, session.reach) if pose else "")
         remark = words.remark(session)
         self._remark.set_text(remark)
         self._remark.set_visibility(bool(remark))

@@ -14,7 +14,7 @@ from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.robot_tree import RobotTree
-from dh2urdf.studio.widgets import ArmView, JointSliders, lay_views
+from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -50,7 +50,7 @@ class ViewPage:
                 with _fold("links"):
                     self._tree = RobotTree(on_pick=self._pick, on_hide=self._hide)
                 with _fold("ends of the arms"):
-                    self._numbers = ui.html(sanitize=False).classes("studio-numbers")
+                    self._numbers = LiveHtml().classes("studio-numbers")
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
                 self._lay_scene()
             with menu:
@@ -128,7 +128,7 @@ class ViewPage:
             xyz = ", ".join(f"{x + 0.0:.4f}" for x in pose.translation)
             rpy = ", ".join(f"{math.degrees(x) + 0.0:.2f}" for x in pose.rpy)
             lines.append(f"<div><b>{escape(name)}</b><br>xyz {xyz} m<br>rpy {rpy} °</div>")
-        self._numbers.set_content("".join(lines))
+        self._numbers.show("".join(lines))
 
     def _choose_layer(self, layer: str, *, shown: bool) -> None:
         self.view.layers = self.view.layers | {layer} if shown else self.view.layers - {layer}

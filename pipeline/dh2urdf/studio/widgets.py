@@ -137,6 +137,20 @@ def _look(scene: Callable[[], ArmView], view: str) -> None:
     scene().look(view)
 
 
+class LiveHtml(Element, component="live_html.js"):  # type: ignore[call-arg]
+    """HTML that changes with every letter and every slider."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._content = ""
+
+    def show(self, content: str) -> None:
+        """Other HTML, of the studio's own making: it is not sanitized."""
+        if content != self._content:
+            self._content = content
+            self.run_method("show", content)
+
+
 class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]
     """A slider and a number for every moving joint."""
 

@@ -51,7 +51,8 @@ class TableBar:
             with ui.element("div").classes("studio-group"):
                 ui.label("axes").classes("studio-caption")
                 self._axes = ui.number(min=0, precision=0, format="%d")
-                self._axes.props('dense outlined autofocus aria-label="number of axes"').classes("studio-axes")
+                self._axes.props('dense outlined aria-label="number of axes"').classes("studio-axes")
+                self._axes.props["autofocus"] = not session.table.rows  # to leave it costs the first key into a cell
                 self._axes.on("keydown.enter", self._choose_axes).on("change", self._choose_axes)
             with ui.element("div").classes("studio-group"):
                 self._convention = ui.toggle([str(kind) for kind in Convention], on_change=self._choose_convention)

@@ -242,7 +242,7 @@ def plan_conversion(
         stages["emitter"] = [catalog.emitter_for(target, f"`{asker.format}NAME` chooses an emitter")]
     calls = stage_calls(catalog, stages, asker, given or {}, settings)
     if target is None:
-        calls["emitter"] = [_in_one_file(call) for call in calls["emitter"]]
+        calls["emitter"] = [in_one_file(call) for call in calls["emitter"]]
     elif one_file:
         calls["emitter"] = [as_named(call, target) for call in calls["emitter"]]
     prefix = _mesh_prefix(meshes, target, asker)
@@ -293,7 +293,7 @@ def _other_suffix(
         yield Problem(message=message, severity="notice", mark=asker.mark, field="out", suggestion=suggestion)
 
 
-def _in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
+def in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
     """An emitter with options that make it give a single file."""
     if call.stage.one_file is None:
         return call

@@ -11,6 +11,7 @@ from dh2urdf.commands.argument_words import words_of
 from dh2urdf.commands.options_of_stages import asker_of, stage_calls
 from dh2urdf.errors import ProofError, RobotError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
+from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes.files import FILE, located, prefix_of
 from dh2urdf.output.spooled import spooled
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Joint
     from dh2urdf.source import Mark
-
-TOLERANCE = 1e-9
-"""What a written robot may differ from the robot [m and rad]."""
 
 
 def write_description(

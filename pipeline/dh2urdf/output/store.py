@@ -13,6 +13,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from dh2urdf.errors import OutputError
+from dh2urdf.output.whole_files import NO_NAMES
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ WORKING = ".dh2urdf"
 """The folder of a store for what only the run itself needs: its journal, its lock, temporary files."""
 NOT_THERE = (FileNotFoundError, NotADirectoryError)
 """What says that a file is missing; the second, where another file stands for a folder above it."""
-_NO_NAMES = frozenset(("", ".", ".."))
 _READ_AHEAD = 1 << 20
 """How much a stream takes from a store at once [byte]."""
 
@@ -92,7 +92,7 @@ def checked(name: str) -> str:
     Raises:
         OutputError: it is none: it leads out of the store, or means another file on another system.
     """
-    if "\\" in name or not _NO_NAMES.isdisjoint(name.split("/")):
+    if "\\" in name or not NO_NAMES.isdisjoint(name.split("/")):
         raise OutputError(Problem(message=f"{shown(name)} is not a plain relative name", found=name))
     return name
 

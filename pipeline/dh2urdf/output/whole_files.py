@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 LONGEST_STEM = 120
 """Bytes of a file name's stem: file systems take 255 for the whole name, and suffixes need their share."""
-_NO_NAMES = frozenset(("", ".", ".."))
+NO_NAMES = frozenset(("", ".", ".."))
+"""What no part of a relative name may be."""
 _STAGING = ".dh2urdf-"
 _SAFE = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
@@ -141,7 +142,7 @@ def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> 
     """
     for file in files:
         path = PurePosixPath(file.name)
-        if "\\" in file.name or path.is_absolute() or not _NO_NAMES.isdisjoint(file.name.split("/")):
+        if "\\" in file.name or path.is_absolute() or not NO_NAMES.isdisjoint(file.name.split("/")):
             raise OutputError(Problem(message=f"{shown(file.name)} is not a plain file name", found=file.name))
         with reporting_os_errors(f"{place}/{file.name}" if place else folder.parent / file.name):
             if len(path.parts) > 1:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import InputError, PluginError
 from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from dh2urdf.run_file.records import InputCall, StageCall
     from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter, Loader, Reader
-
-_LONG_PATH = 200
 
 
 class AskedStages:
@@ -102,10 +101,10 @@ class AskedStages:
         earlier_mark: Mark | None,
     ) -> None:
         """Notes that a file is an input a second time: once is enough, unless the two are read in different ways."""
-        also = f", also named {shown(str(earlier), _LONG_PATH)}," if str(earlier) != str(path) else ""
+        also = f", also named {shown(str(earlier), LONG_PATH)}," if str(earlier) != str(path) else ""
         if (call.stage, call.options) == (earlier_call.stage, earlier_call.options):
             notice = Problem(
-                message=f"{shown(str(path), _LONG_PATH)}{also} is an input twice, and is read once",
+                message=f"{shown(str(path), LONG_PATH)}{also} is an input twice, and is read once",
                 severity="notice",
                 mark=mark,
                 field="inputs",
@@ -115,7 +114,7 @@ class AskedStages:
             return
         self.problems.append(
             Problem(
-                message=f"{shown(str(path), _LONG_PATH)}{also} is an input twice, with other options or another reader",
+                message=f"{shown(str(path), LONG_PATH)}{also} is an input twice, with other options or another reader",
                 mark=mark,
                 field="inputs",
                 found=str(path),

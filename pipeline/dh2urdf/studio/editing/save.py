@@ -10,18 +10,16 @@ import io
 import tempfile
 import zipfile
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.commands.convert import as_named
+from dh2urdf.commands.convert import POSES, Planned, as_named, in_one_file
+from dh2urdf.commands.options_of_stages import asker_of
 from dh2urdf.commands.written_tables import in_format
-from dh2urdf.conversion.making import make_robot
-from dh2urdf.conversion.one_manipulator import Recipe, read_items, write_robot
-from dh2urdf.errors import EmitterError, ManipulatorError, TableError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.conversion.one_manipulator import Recipe
+from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics.proof import Proof
-from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import Call, default_call
 from dh2urdf.stages import Emitter
@@ -33,9 +31,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
-
-POSES = 8
-"""Random joint vectors of the proof, as `dh2urdf convert` takes them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,10 +96,7 @@ def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalo
         InputError: the table is not right, or no such emitter is installed.
         ManipulatorError: no file could be made, or it is not the arm of the table.
     """
-    emitter = catalog.get("emitter", format_name)
-    call = default_call(catalog, emitter)
-    if emitter.one_file:
-        call = replace(call, options=emitter.one_file(call.options))
+    call = in_one_file(default_call(catalog, catalog.get("emitter", format_name)))
     (saved, *_) = _make(table, [call], variant, catalog)
     return saved
 
@@ -176,22 +168,10 @@ def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str
         saved = table_file(table, reader.stage.name, catalog)
         path = Path(folder) / saved.name
         path.write_bytes(saved.content)
-        (manipulator,) = read_items(reader, path)
-        if not isinstance(manipulator, Manipulator):
-            raise TableError(manipulator.problems)
-        try:
-            robot = make_robot(manipulator, recipe.transform)
-        except ManipulatorError as error:
-            raise TableError(error.problems) from error
-        output = Path(folder) / "made"
-        truth = Truth.of(manipulator)
-        written = write_robot(truth, robot, recipe, directory=output, stem=safe_stem(manipulator.name))
-        return [
-            Saved(
-                name=file.name,
-                content=(output / file.name).read_bytes(),
-                proof=emitted.proof if file is emitted.files[0] else None,
-            )
-            for emitted in written
-            for file in emitted.files
-        ]
+        asker = asker_of("dh2urdf studio")
+        made = Planned(table=path, target=None, reader=reader, recipe=recipe, robot=None, asker=asker).carry_out()
+    return [
+        Saved(name=file.name, content=file.content, proof=emitted.proof if file is emitted.files[0] else None)
+        for emitted in made.written
+        for file in emitted.files
+    ]

@@ -111,6 +111,11 @@ class TestImportDirection:
         theirs = [path for example in EXAMPLES for path in modules(example / "src")]
         assert importing([*modules(PLUGINS), *theirs], inner.match) == []
 
+    def test_records_are_made_by_one_decorator(self) -> None:
+        """The standard library compiles every method of a record at the start; examples show it, as the simplest way."""
+        theirs = [path for path in (*modules(HOST), *modules(PLUGINS)) if path.name != "late_dataclasses.py"]
+        assert importing(theirs, "dataclasses.dataclass".__eq__) == []
+
     def test_the_contract(self) -> None:
         """What pyproject.toml declares about imports holds: layers, no circles, kinds of stages apart, independent proofs."""
         linter = shutil.which("lint-imports", path=Path(sys.executable).parent)

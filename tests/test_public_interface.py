@@ -42,6 +42,7 @@ PUBLIC = {
     "dh2urdf.hookspecs": "the hooks, and the version of this interface",
     "dh2urdf.isolation": "a function in a child process, which may crash, and may be shut off from the machine",
     "dh2urdf.kinematics": "the DH product and forward kinematics",
+    "dh2urdf.late_dataclasses": "dataclasses whose methods are compiled when they are first used",
     "dh2urdf.manipulator": "the contents of a table: readers make it, transforms accept it",
     "dh2urdf.mass_properties": "mass, centre and inertia of shapes and of compounds",
     "dh2urdf.measuring": "what a simulator has of an arm, compared with the robot that was written",

@@ -8,13 +8,14 @@ as it would be to each. A number that all have alike is a float.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import field, fields, is_dataclass, replace
 from functools import cache, partial
 from itertools import chain, repeat
 from operator import attrgetter, is_, ne
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from dh2urdf.elementwise import is_column
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, Inertia, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.robot import Robot
 
 V = TypeVar("V")

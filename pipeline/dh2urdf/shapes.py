@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TypeAlias
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.link_bodies import MeshFile
 from dh2urdf.rotations import ZERO, RigidTransform, Vec3
 from dh2urdf.validation.coercion import take_fields

@@ -6,8 +6,10 @@ point to the line and column where a person has to fix it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
+
+from dh2urdf.late_dataclasses import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -9,7 +9,6 @@ options dataclass that the function takes. The options' fields have defaults, an
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias, TypeVar
 
@@ -23,6 +22,7 @@ from dh2urdf._stage_defaults import (
     option_picture,
     option_poses,
 )
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:

@@ -11,10 +11,10 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.number_text import format_number

@@ -6,13 +6,14 @@ the world or on a link of another arm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.cells.wanted_tables import cannot_be_made
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import TOOL, KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import Stretch, Tip, Truth
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Arm, Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from dh2urdf.conversion.making import make_item
 from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, EditError, InputError, PluginError, RobotError, TableError, TransformError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.conversion import conversion_of, unsettled
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of

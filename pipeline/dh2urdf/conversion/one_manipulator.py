@@ -6,7 +6,7 @@ The command `convert` and every worker of a run go through here, so one table an
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
@@ -16,6 +16,7 @@ from dh2urdf.conversion.own_folders import refuse_one_folder
 from dh2urdf.errors import EmitterError, ProofError, TableError
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.conversion import converted
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import orjson
 
 from dh2urdf.conversion.one_manipulator import Written
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.meshes.files import copy_path
 from dh2urdf.source import Problem

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import pickle
 import signal
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple
 
 from dh2urdf.errors import CrashError, TimeLimitError
 from dh2urdf.isolation.interpreter import Interpreter
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import MARK
 from dh2urdf.source import shown
 

@@ -7,11 +7,11 @@ then its rows, up to the link that holds the next arm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.chain import ROOT, TOOL, compile_table, reach
 from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm
 from dh2urdf.source import Mark

@@ -13,7 +13,7 @@ what it gives a float.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import repeat
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -24,6 +24,7 @@ from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof_vectors import joint_columns
 from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, Frame, JointValue, values_of
 from dh2urdf.kinematics.walk.vectors import STACKS
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
 from dh2urdf.validation.coercion import replace_unchecked

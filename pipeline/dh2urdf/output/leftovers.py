@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections import Counter
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import orjson
 
 from dh2urdf.errors import OutputError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.seen_names import SeenNames
 from dh2urdf.output.store import checked

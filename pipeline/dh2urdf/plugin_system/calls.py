@@ -8,7 +8,7 @@ with the plugin, its distribution and its version: as a `StageError` where it co
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -25,6 +25,7 @@ from dh2urdf.errors import (
     RecordTypeError,
     StageError,
 )
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.plugin_system.discovery import UNKNOWN

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, overload
 
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
 from dh2urdf.plugin_system.plugin_stages import KINDS, RECORDS, PluginStages, Provided, declared
 from dh2urdf.source import Problem, did_you_mean, shown

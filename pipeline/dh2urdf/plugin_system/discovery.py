@@ -10,13 +10,13 @@ from __future__ import annotations
 import os
 import re
 import sys
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import importing
 from dh2urdf.source import Mark, Problem, did_you_mean
 

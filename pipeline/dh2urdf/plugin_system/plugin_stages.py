@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 import pluggy
 
 from dh2urdf import hookspecs
 from dh2urdf.errors import BrokenPluginError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.discovery import Plugin
 from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of

@@ -8,8 +8,8 @@ neighbour. Any other factor is an exact fraction. Degrees are whole quarter turn
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.grammar import parse
 from dh2urdf.quantities.tokens import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable

@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from functools import lru_cache
 from typing import NamedTuple
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown

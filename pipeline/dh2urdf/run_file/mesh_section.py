@@ -5,10 +5,11 @@ It is for tables that cannot say it, such as CSV files. Its values for a joint o
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator, MeshFile, MeshShape
 from dh2urdf.meshes.files import find_mesh
 from dh2urdf.quantities.quantity import Dimension

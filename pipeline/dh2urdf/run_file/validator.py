@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import inspect
 from contextlib import contextmanager
-from dataclasses import dataclass, field as attribute, replace
+from dataclasses import field as attribute, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from dh2urdf.documents.document import Node
 from dh2urdf.errors import ConfigError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:

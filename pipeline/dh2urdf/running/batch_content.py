@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from dh2urdf.conversion.keys import column_keys, key_of
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.isolation.loads import KeptChildren
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store
 from dh2urdf.running.earlier_files import EarlierFiles

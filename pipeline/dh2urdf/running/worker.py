@@ -6,11 +6,12 @@ rest, and whatever there is something to say about, is made one by one. The byte
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.isolation.garbage import collected_at_the_end
 from dh2urdf.isolation.watchdog import this_process
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.calls import own_work
 from dh2urdf.plugin_system.printed import collected_lines
 from dh2urdf.running.batch_content import Assignment

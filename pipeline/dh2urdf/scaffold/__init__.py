@@ -13,7 +13,6 @@ import shutil
 import sys
 import tempfile
 import unicodedata
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from string import Template
@@ -21,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import reporting_os_errors, safe_stem
 from dh2urdf.source import Mark, Problem, shown
 

@@ -7,7 +7,7 @@ of its own for its files. Nothing is held but one batch, and the tables that cel
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, overload
 
@@ -17,6 +17,7 @@ from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, in_columns
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.isolation.garbage import collected_at_the_end
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import Stems
 from dh2urdf.run_file.mesh_section import MeshGiver

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import SCREENFUL
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, in_file_order
 
 if TYPE_CHECKING:

@@ -10,13 +10,13 @@ Evaluating the normal distribution (J. Stat. Software 11(4), 2004), for its cumu
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import lru_cache
 from math import sqrt
 from typing import TypeAlias
 
 from dh2urdf.elementwise import Number, is_column, where
+from dh2urdf.late_dataclasses import dataclass
 
 DrawnValue: TypeAlias = float | str
 """A number in SI units, a whole number of axes, or the word of a joint type."""

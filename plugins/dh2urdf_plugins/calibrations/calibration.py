@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import forward_kinematics, position_error
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 

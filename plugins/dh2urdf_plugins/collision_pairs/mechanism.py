@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import InputError
 from dh2urdf.foreign_robot import Follower, with_followers
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import norm

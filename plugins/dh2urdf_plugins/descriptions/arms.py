@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import dh_frames
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import norm, scale
 from dh2urdf.source import Mark, Problem, shown

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from math import nan
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.foreign_robot import Follower
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.rotations import ZERO, Vec3
 
 

@@ -6,12 +6,13 @@ with the reason; `PROFILES` says who decides otherwise. ``docs/profiles.md`` has
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Arm, Collision, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Problem

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro
 from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName

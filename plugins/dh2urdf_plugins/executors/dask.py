@@ -16,13 +16,14 @@ import tempfile
 import threading
 import time
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Literal, cast
 
 from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.isolation import is_own
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system import handed_over
 from dh2urdf.source import Problem
 from dh2urdf.stages import Executor, Lost

@@ -14,13 +14,14 @@ import signal
 import sys
 import threading
 import time
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import chain, islice
 from operator import length_hint
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import ChildFailure, Interpreter, claim, result_of
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system import MARK, handed_over, unmarked
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import Executor, Lost

@@ -10,9 +10,10 @@ has its own rounding and no other.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, ZERO, RigidTransform, multiply, norm, scale
 from dh2urdf_plugins.extraction.zsz import seen_from

@@ -8,8 +8,9 @@ sheets have θ = 0 throughout even if a is negative, and where a θ = ±π/2 is 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from dh2urdf.late_dataclasses import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,9 +6,10 @@ The rows of the data sheet come first, and an identity comes before anything els
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, rotation_z
 from dh2urdf_plugins.extraction.sliding import STEEPEST

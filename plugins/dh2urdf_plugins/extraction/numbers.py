@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.rotations import IDENTITY, RigidTransform
 
 _PARTS_OF_PI = (2, 4, 6)

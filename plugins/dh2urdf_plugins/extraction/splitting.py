@@ -7,9 +7,9 @@ perpendicular to that line, up to the small angle between them: the numbers of t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import ZERO, RigidTransform, multiply, rotate, transpose
 from dh2urdf_plugins.extraction.chain import Axis, Chain

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -29,6 +29,7 @@ import orjson
 from lxml import etree
 
 from dh2urdf.errors import ProofError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import ZERO

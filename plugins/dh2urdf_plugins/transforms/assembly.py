@@ -7,13 +7,14 @@ the mass properties and the limits that every reader of robot descriptions needs
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import greater_of, mapped
 from dh2urdf.errors import TransformError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, JointType, Limits
 from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual

@@ -8,13 +8,13 @@ alike, and where a pose cannot be reached, a length counts as a turn of that par
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error, reach
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.pose_arrays import table_jacobian
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Problem, shown

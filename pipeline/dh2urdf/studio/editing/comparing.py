@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import ConfigError
@@ -11,6 +11,7 @@ from dh2urdf.kinematics.comparison import Agreement, compare
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.studio.drawing.colours import BESIDE
 from dh2urdf.studio.drawing.scene import Figure
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.table_text import TableText
 
 LONGEST = 500

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf.studio.editing.opening import Opened, tables_of
 from dh2urdf.table_text import TableText

@@ -10,7 +10,6 @@ import io
 import tempfile
 import zipfile
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +19,7 @@ from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics.proof import Proof
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import Call, default_call
 from dh2urdf.stages import Emitter

@@ -6,7 +6,7 @@ It knows no browser. Whatever a person does is a method; the page shows what the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import (
@@ -20,6 +20,7 @@ from dh2urdf.kinematics.chain import (
     position_error,
     reach,
 )
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
 from dh2urdf.errors import ConfigError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.srdf.emitter import SrdfOptions
 

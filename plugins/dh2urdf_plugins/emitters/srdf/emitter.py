@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions

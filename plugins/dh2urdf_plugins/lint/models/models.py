@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,6 +10,7 @@ from lxml import etree
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark

@@ -6,9 +6,10 @@ import contextlib
 import importlib
 import os
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader
 from dh2urdf_plugins.loaders.options import SimulatorOptions

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 import time
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LOAD_TIME_LIMIT, Loader
 from dh2urdf_plugins.loaders.options import SimulatorOptions

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
 from dh2urdf.source import Mark, Problem, shown

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import islice
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, name_columns

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import csv
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark
 from dh2urdf_plugins.readers.words.cells import SPACES

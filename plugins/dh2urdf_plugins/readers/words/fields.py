@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf_plugins.readers.options import TableOptions
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import posixpath
 import zipfile
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, NoReturn
 from xml.parsers import expat
 
@@ -17,6 +17,7 @@ from lxml import etree
 
 from dh2urdf.documents import check_file
 from dh2urdf.errors import TableError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:

@@ -26,6 +26,10 @@ LOOK = """() => {
 }"""
 
 
+WHOLE_HEADERS = """[...document.querySelectorAll('.dh-table .ag-header-cell-text')].every(
+    text => text.scrollWidth <= text.clientWidth)"""
+
+
 @pytest.fixture(name="usual_look")
 def _usual_look(new_tab: Callable[..., Any], studio_address: str) -> Iterator[None]:
     """Tabs share what the browser keeps; in the end it is kept no longer."""
@@ -70,6 +74,7 @@ def test_light_dark_and_projector(
     assert page.evaluate(thickness) > 1.5 * thin
     page.wait_for_function(f"document.querySelector('.dh-table .ag-cell').offsetHeight > {1.25 * row}")
     assert page.evaluate(LOOK)["label"] > 1.25 * light["label"]
+    page.wait_for_function(WHOLE_HEADERS)
     page.get_by_role("button", name="light, dark, projector").click()
     chosen = page.locator(".studio-look[aria-checked=true]")
     chosen.nth(1).wait_for()
@@ -99,7 +104,14 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         page.wait_for_function(f"document.querySelector('.arm-view canvas').clientWidth <= {width}")
         assert page.get_by_role("button", name="Generate").is_visible()
+        assert page.locator(".studio-name").bounding_box()["width"] > 100
+        assert page.locator(".joint-slider input[type=range]").first.bounding_box()["width"] > 100
         box = scene.bounding_box()
+        if width <= 820:  # a panel is where it is seen: below the scene
+            page.get_by_role("button", name="explain the picked row").click()
+            panel = page.locator(".studio-panel:visible").bounding_box()
+            assert 0 <= panel["y"] - box["y"] - box["height"] < 30
+            page.get_by_role("button", name="explain the picked row").click()
         assert box["width"] > 300
         assert box["height"] > (0.9 if width == 2560 else 0.3) * height
     joints = page.locator(".studio-motion").bounding_box()

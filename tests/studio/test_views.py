@@ -1,4 +1,4 @@
-"""The standard views, by the menu and by keys."""
+"""The standard views: by the menu, by keys and by the cube."""
 
 from __future__ import annotations
 
@@ -10,7 +10,20 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-FROM = {"front (1)": (1, 0, 0), "side (3)": (0, -1, 0), "top (7)": (0, 0, 1), "corner (9)": (0.62, -0.62, 0.5)}
+FROM = {"front (1)": (1, 0, 0), "right (3)": (0, -1, 0), "top (7)": (0, 0, 1), "corner (9)": (0.62, -0.62, 0.5)}
+SIDES = {
+    "front": (1, 0, 0),
+    "left": (0, 1, 0),
+    "back": (-1, 0, 0),
+    "right": (0, -1, 0),
+    "top": (0, 0, 1),
+    "bottom": (0, 0, -1),
+}
+LOOKS_FROM = """([x, y, z]) => {
+    const { elements } = document.querySelector('.arm-view').camera.matrixWorld;
+    const size = Math.hypot(x, y, z);
+    return Math.abs(elements[8] * x + elements[9] * y + elements[10] * z - size) < 1e-5 * size;
+}"""
 DIRECTION = """() => {
     const { camera, scene } = document.querySelector('.arm-view');
     const { elements } = camera.matrixWorld;
@@ -40,13 +53,35 @@ def test_each_looks_from_its_side(studio_address: str, new_tab: Callable[..., An
             page.locator(".q-menu").get_by_text(name, exact=True).click()
             page.locator(".q-menu").wait_for(state="hidden")
         page.wait_for_function("drawn => document.querySelector('.arm-view').drawn > drawn", arg=drawn)
-        page.wait_for_function(
-            """([x, y, z]) => {
-                const { elements } = document.querySelector('.arm-view').camera.matrixWorld;
-                const size = Math.hypot(x, y, z);
-                return Math.abs(elements[8] * x + elements[9] * y + elements[10] * z - size) < 1e-5 * size;
-            }""",
-            arg=list(wanted),
-        )
+        page.wait_for_function(LOOKS_FROM, arg=list(wanted))
         _, nodes = page.evaluate(DIRECTION)
         assert np.abs(np.array(nodes)[:, :2]).max() <= 1.0
+
+
+def test_the_cube(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """It turns with the camera; a click on a side looks from there, with the side upright in the middle of the cube."""
+    tab = new_tab(studio_address)
+    page = tab.open()
+    tab.open_exhibit("ur5")
+    seen = """() => [...document.querySelectorAll('.view-cube-side')].filter(side => side.style.visibility === 'visible')
+        .map(side => side.textContent).sort().join()"""
+    page.wait_for_function(f"({seen})() === 'front,right,top'")
+    for name, direction in SIDES.items():
+        page.locator(".arm-view").focus()
+        page.keyboard.press("9")
+        key, times = {"left": ("ArrowLeft", 36), "back": ("ArrowLeft", 18), "bottom": ("ArrowDown", 20)}.get(
+            name, ("", 0)
+        )
+        for _ in range(times):
+            page.keyboard.press(key)
+        page.get_by_role("button", name=f"look from the {name}").click()
+        page.wait_for_function(LOOKS_FROM, arg=list(direction))
+        page.wait_for_function(f"({seen})() === '{name}'")
+        upright = page.locator(".view-cube-side", has_text=name).evaluate("side => side.style.transform")
+        numbers = [float(part) for part in upright.removeprefix("matrix(").rstrip(")").split(",")]
+        assert np.allclose(numbers, [1, 0, 0, 1, 0, 0], atol=0.02)
+    page.locator(".arm-view").focus()
+    page.keyboard.press("9")
+    page.wait_for_function(f"({seen})() === 'front,right,top'")
+    page.locator(".view-cube-corner:visible").first.click()
+    page.wait_for_function(f"({seen})().split(',').length === 3")

@@ -68,6 +68,14 @@ def test_numbers_are_in_the_units_of_the_table() -> None:
     assert "reach at most <b>300.00</b> mm" in told
 
 
+def test_a_small_arm_has_digits_that_count() -> None:
+    """Of an arm of 1.1 mm, the place of tool0 has as many digits as that of an arm of a metre."""
+    pose = RigidTransform.from_xyz_rpy((0.0008012, 0.0, 0.0002), (0.0, 0.0, 0.0))
+    told = words.numbers(pose, TableText(length_unit="m", angle_unit="rad"), 0.0011)
+    assert "0.0008012" in told
+    assert "reach at most <b>0.0011000</b> m" in told
+
+
 def test_what_is_lost_is_told_in_a_line() -> None:
     """Six names, and how many there are besides."""
     assert words.without(["visual of one"]).startswith("The studio's table has no place for visual of one: ")

@@ -13,8 +13,8 @@ const WHITE = [1, 1, 1]; // what a texture is multiplied by
 const STEP = Math.PI / 36; // of an arrow key [rad]
 const MARGIN = 34; // of the picture, for labels [px]
 const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
-const VIEWS = { front: [1, 0, 0], side: [0, -1, 0], top: [-1e-4, 0, 1], corner: FROM.toArray() }; // from where they look
-const KEYS = { 1: "front", 3: "side", 7: "top", 9: "corner" }; // where modellers have them on the number pad
+const VIEWS = { front: [1, 0, 0], back: [-1, 0, 0], right: [0, -1, 0], left: [0, 1, 0], top: [0, 0, 1], bottom: [0, 0, -1], corner: FROM.toArray() }; // from where they look
+const KEYS = { 1: "front", 3: "right", 7: "top", 9: "corner" }; // where modellers have them on the number pad
 const ROWS = [-1, 0, -2, 1, -3, 2, -4, 3]; // of a label above and below its point, in its own heights
 const UP = new THREE.Vector3(0, 1, 0); // along which three.js lays cylinders and cones
 const AXES = [
@@ -98,7 +98,7 @@ function matrixOf(numbers, at = 0) {
 export default {
   template: `
     <div class="arm-view" role="application" tabindex="0" @keydown="key"
-         aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all; 1 is the view from the front, 3 from the side, 7 from above, 9 from a corner">
+         aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all; 1 is the view from the front, 3 from the right, 7 from above, 9 from a corner">
       <canvas></canvas>
       <div class="arm-view-labels"></div>
       <div v-if="waiting" class="arm-view-progress">
@@ -162,6 +162,7 @@ export default {
       this.fault = "This browser gives no WebGL, so the arm cannot be drawn. Everything else works.";
     }
     this.sheet = this.$el.querySelector(".arm-view-labels");
+    this.cube = dhCube(this.$el, (from) => this.lookFrom(from));
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     this.controls.addEventListener("end", () => (this.own = !this.seen()));
@@ -553,7 +554,12 @@ export default {
 
     // The camera where it sees all of the arm from one of the standard sides.
     look(view) {
-      this.camera.position.copy(this.controls.target).add(new THREE.Vector3(...VIEWS[view]));
+      this.lookFrom(VIEWS[view]);
+    },
+
+    // The same from any direction; from above, the front is below in the picture.
+    lookFrom([x, y, z]) {
+      this.camera.position.copy(this.controls.target).add(new THREE.Vector3(x || y ? x : 1e-4, y, z));
       this.fit(true);
     },
 
@@ -595,7 +601,8 @@ export default {
       const rank = (label) => is(label, "stroke") - is(label, "picked");
       labels.sort((one, other) => rank(one) - rank(other));
       for (const { userData: own } of labels) own.size ??= [own.element.offsetWidth, own.element.offsetHeight]; // all at once
-      const { clientWidth, clientHeight } = this.$el, taken = [];
+      const { clientWidth, clientHeight } = this.$el, [w, h] = this.cube.size;
+      const taken = [{ x: clientWidth - w, y: 0, w, h }];
       for (const label of labels) {
         const place = label.visible && label.parent.visible && this.room(label, clientWidth, clientHeight, taken);
         if (place) taken.push(place);
@@ -833,6 +840,7 @@ export default {
         this.scene.updateMatrixWorld();
         this.renderer?.render(this.scene, this.camera);
         for (const held of this.worn.splice(0)) held.dispose();
+        this.cube.turn(this.camera);
         this.place();
         this.$el.drawn = (this.$el.drawn ?? 0) + 1;
       });

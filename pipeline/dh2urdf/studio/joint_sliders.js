@@ -13,7 +13,7 @@ export default {
                @input="set(index, $event.target.valueAsNumber)" @keydown="step(index, $event)" />
         <input type="text" inputmode="decimal" class="joint-slider-number" :value="typed[index] ?? text(index)"
                :aria-label="joint.name + ' in ' + joint.unit" :aria-invalid="refused === index" :title="refused === index ? why : ''"
-               @input="typed[index] = $event.target.value" @change="enter(index, $event.target.value)" />
+               @input="typed[index] = $event.target.value" @change="enter(index, $event.target.value)" @blur="leave(index)" />
         <span class="joint-slider-unit">{{ joint.unit }}</span>
       </label>
       </template>
@@ -61,6 +61,11 @@ export default {
       if (text.trim() && Number.isFinite(Number(text))) this.take(index, Number(text));
       else if (text.trim()) this.$emit("typed", { index, text });
       else delete this.typed[index];
+    },
+
+    // A number that was typed again as it was is no change to the browser; the box goes on following the joint.
+    leave(index) {
+      if (this.refused !== index) delete this.typed[index];
     },
 
     take(index, value) {

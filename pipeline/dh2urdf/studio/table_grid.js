@@ -87,8 +87,17 @@
     mark(api);
   };
 
+  // A width in pixels, for text of the size that the page has.
+  const size = () => parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
+  let sized = size();
+  window.addEventListener("dh-look", () => {
+    if (size() !== sized && document.querySelector(".dh-table")) emitEvent("dh-text-size");
+    sized = size();
+  });
+
   window.dhGrid = {
     TypeEditor,
+    wide: (pixels) => Math.round(pixels * size()),
     stopEditing: () => grid?.stopEditing(),
     inRange: ({ colDef, node }) =>
       Boolean(shown) && shown.first <= node.rowIndex && node.rowIndex <= shown.last && shown.fields.includes(colDef.field),

@@ -69,6 +69,7 @@ class TableGrid:
         on_act: Callable[[str, int], None],
     ) -> None:
         self._header: tuple[Any, ...] = ()
+        self._columns: list[dict[str, Any]] = []
         self._rows: list[dict[str, Any]] | None = None
         self._grid = ui.aggrid(
             {
@@ -119,17 +120,23 @@ class TableGrid:
         ui.on("dh-clear", lambda event: on_clear(*event.args))
         ui.on("dh-act", lambda event: on_act(*event.args))
         ui.on("dh-row", lambda event: on_move(*event.args))
+        ui.on("dh-text-size", self._lay_columns)
 
     def show(self, session: Session) -> None:
         """Shows the table of a session, and what is wrong with it."""
         header = (session.columns, session.table.convention, session.table.length_unit, session.table.angle_unit)
         if header != self._header:
             self._header = header
-            self._grid.run_grid_method("setGridOption", "columnDefs", _columns(session))
+            self._columns = _columns(session)
+            self._lay_columns()
         if (rows := _rows(session)) != self._rows:
             self._rows = rows
             self._grid.run_grid_method("setGridOption", "rowData", rows)
         self.mark(session)
+
+    def _lay_columns(self) -> None:
+        """The columns, as wide as the text of the page is large."""
+        self._grid.run_grid_method("setGridOption", "columnDefs", self._columns)
 
     def typed(self, session: Session, row: int, field: str) -> None:
         """Shows what is wrong after a cell was typed, and the cell as it was taken.
@@ -199,7 +206,7 @@ def _columns(session: Session) -> list[dict[str, Any]]:
         "headerName": "i",
         ":valueGetter": "params => dhGrid.number(params)",
         "editable": False,
-        "width": 62,
+        ":width": "dhGrid.wide(62)",
         "pinned": "left",
         "rowDrag": True,
         "cellClass": "dh-number",
@@ -222,7 +229,7 @@ def _column(field: str, session: Session) -> dict[str, Any]:
         "colId": field,
         "headerName": f"{header} [{unit}]" if unit else header,
         "headerTooltip": _TOLD.get(field, field),
-        "minWidth": _WIDTHS.get(field, _WIDTH),
+        ":minWidth": f"dhGrid.wide({_WIDTHS.get(field, _WIDTH)})",
         "flex": _WIDTHS.get(field, _WIDTH),
     }
     if field == "type":

@@ -31,9 +31,19 @@ _STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
 """What an arrow key moves a slider by, in its unit."""
 _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
 """Digits behind the point of what a slider shows."""
+_LEAST_STEPS = 50
+"""From one limit of a joint to the other; of a joint that moves by a millimetre the steps are smaller."""
 
 
-VIEWS = {"front": "front (1)", "side": "side (3)", "top": "top (7)", "corner": "corner (9)"}
+VIEWS = {
+    "front": "front (1)",
+    "back": "back",
+    "right": "right (3)",
+    "left": "left",
+    "top": "top (7)",
+    "bottom": "bottom",
+    "corner": "corner (9)",
+}
 """The standard views, with the keys that choose them where the scene has the focus."""
 
 
@@ -193,12 +203,15 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
     @staticmethod
     def _as_json(slider: Slider) -> dict[str, Any]:
         unit = slider.unit.symbol
+        step, span = _STEPS.get(unit, 0.01), slider.shown(slider.upper) - slider.shown(slider.lower)
+        if 0.0 < span < _LEAST_STEPS * step:
+            step = 10.0 ** math.floor(math.log10(span / _LEAST_STEPS))
         return {
             "name": slider.name,
             "group": slider.group,
             "lower": slider.shown(slider.lower),
             "upper": slider.shown(slider.upper),
             "unit": "°" if slider.unit.degrees else unit,
-            "step": _STEPS.get(unit, 0.01),
-            "digits": _DIGITS.get(unit, 4),
+            "step": step,
+            "digits": max(_DIGITS.get(unit, 4), 1 - math.floor(math.log10(step))),
         }

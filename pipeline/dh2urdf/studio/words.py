@@ -79,12 +79,18 @@ def place(found: CellProblem, table: TableText) -> str:
     return f"row {found.row + 1}, {name}{f', {found.field}' if found.field else ''}: "
 
 
+_SMALL = 0.1
+"""Of an arm that is smaller [m], lengths have more digits: as many that count."""
+
+
 def numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
     """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
     r, t = pose
     length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
     factor = 10.0**-length.power
     digits = 5 + min(0, length.power)
+    if 0.0 < reach < _SMALL:
+        digits += math.ceil(math.log10(_SMALL / reach))
     rows = [
         " ".join(f"{_plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {_plain(t[i] * factor, max(2, digits)):>9}"
         for i in range(3)

@@ -432,6 +432,7 @@ def test_a_face_gives_what_type_checkers_see(path: Path) -> None:
 BY_TEXT = {
     "pipeline/dh2urdf/_faces.py": "public names, and the functions that methods of records call",
     "pipeline/dh2urdf/cli/__init__.py": "the commands, by their names",
+    "pipeline/dh2urdf/plugin_system/entry_points.py": "plugins, by their entry points",
     "pipeline/dh2urdf/stages.py": "records of lower layers that few commands make",
     "pipeline/dh2urdf/testing/children/forks.py": "the modules of a plugin that is tested",
 }

@@ -18,11 +18,11 @@ from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import importing
+from dh2urdf.plugin_system.entry_points import AnyDistribution, Point, points
 from dh2urdf.source import Mark, Problem, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-    from importlib.metadata import Distribution, EntryPoint
 
 UNKNOWN = "an unknown distribution"
 _BUILT_IN = "builtin = dh2urdf_plugins"
@@ -43,9 +43,9 @@ class Plugin:
         self,
         *,
         name: str,
-        distribution: Distribution | str | None,
+        distribution: AnyDistribution | str | None,
         module: Any = None,  # noqa: ANN401 - anything
-        point: EntryPoint | None = None,
+        point: Point | None = None,
     ) -> None:
         self.name = name
         self._distribution = distribution
@@ -53,9 +53,9 @@ class Plugin:
         self._point = point
 
     @classmethod
-    def of(cls, point: EntryPoint) -> Plugin:
+    def of(cls, point: Point) -> Plugin:
         """The plugin of an entry point."""
-        return cls(name=f"{point.name} = {point.value}", distribution=point.dist, point=point)
+        return cls(name=f"{point.name} = {point.value}", distribution=point.distribution, point=point)
 
     @cached_property
     def module(self) -> Any:  # noqa: ANN401, D102 - anything; documented with the class
@@ -131,8 +131,8 @@ def installed(without: Sequence[str] = ()) -> Installed:
     """
     major = max(1, int(INTERFACE_VERSION.partition(".")[0]))  # what is made for 0.x is in the group of 1
     by_major: dict[int, list[Plugin]] = {major: []}
-    for version, points in _entry_points(_search_path()):
-        by_major.setdefault(version, []).extend(map(Plugin.of, points))
+    for version, found in _entry_points(_search_path()):
+        by_major.setdefault(version, []).extend(map(Plugin.of, found))
     everybody = [plugin for plugins in by_major.values() for plugin in plugins]
     _check_names(without, everybody)
     left_out = [plugin for plugin in everybody if any(plugin.is_named(name) for name in without)]
@@ -162,15 +162,14 @@ def _search_path() -> tuple[tuple[str, int], ...]:
 
 
 @lru_cache(maxsize=8)
-def _entry_points(_place: tuple[tuple[str, int], ...]) -> tuple[tuple[int, tuple[EntryPoint, ...]], ...]:
-    """The entry points of plugins by the interface's major version: all metadata is read for them, so they are kept."""
-    from importlib.metadata import entry_points
-
-    every = entry_points()
+def _entry_points(_place: tuple[tuple[str, int], ...]) -> tuple[tuple[int, tuple[Point, ...]], ...]:
+    """The entry points of plugins by the interface's major version: folders are searched for them, so they are kept."""
+    found: dict[int, list[Point]] = {}
+    for point in points(PROJECT):
+        if version := _GROUP.fullmatch(point.group):
+            found.setdefault(int(version[1] or 1), []).append(point)
     return tuple(
-        (int(found[1] or 1), tuple(sorted(every.select(group=group), key=lambda point: (point.value, point.name))))
-        for group in every.groups
-        if (found := _GROUP.fullmatch(group))
+        (major, tuple(sorted(each, key=lambda point: (point.value, point.name)))) for major, each in found.items()
     )
 
 

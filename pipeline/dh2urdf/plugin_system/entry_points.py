@@ -1,0 +1,150 @@
+"""The entry points that plugins may have, as `importlib.metadata.entry_points` finds them, without an import of it.
+
+It imports some forty modules, the parser of e-mails among them, which take a tenth of the time of a conversion. The
+entry points of a distribution are lines of a text file, in a folder with the distribution's metadata. What is no such
+folder is left to `importlib.metadata`: zip archives, eggs, and what other finders than Python's own find.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from functools import cached_property
+from importlib import import_module
+from importlib.machinery import PathFinder
+from itertools import takewhile
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_INFO = (".dist-info", ".egg-info")
+
+
+class AnyDistribution(Protocol):
+    """What is asked of a distribution; an `importlib.metadata.Distribution` has it, too."""
+
+    @property
+    def name(self) -> str:
+        """Its name, as its metadata have it."""
+
+    @property
+    def version(self) -> str:
+        """Its version."""
+
+
+class Point(NamedTuple):
+    """An entry point.
+
+    Attributes:
+        group: the heading above it.
+        name: what stands before the ``=``.
+        value: what stands after it: a module, or a name in one.
+        distribution: what has it.
+    """
+
+    group: str
+    name: str
+    value: str
+    distribution: AnyDistribution | None
+
+    def load(self) -> Any:  # noqa: ANN401 - anything
+        """Import the module; the module, or what is named in it."""
+        if self.value.replace(".", "").isidentifier():
+            return import_module(self.value)
+        from importlib.metadata import EntryPoint
+
+        return EntryPoint(self.name, self.value, self.group).load()
+
+
+class InfoFolder:
+    """A distribution, of which only the folder with its metadata is known as long as nobody asks for more."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    @property
+    def name(self) -> str:
+        """Its name, as its metadata have it."""
+        return self._name_and_version[0]
+
+    @property
+    def version(self) -> str:
+        """Its version."""
+        return self._name_and_version[1]
+
+    @cached_property
+    def _name_and_version(self) -> tuple[str, str]:
+        found: dict[str, str] = {}
+        for line in takewhile(bool, _text(self._path, "METADATA").splitlines()):
+            word, _, value = line.partition(":")
+            found.setdefault(word.lower(), value.lstrip(" \t"))
+        if "name" in found and "version" in found:
+            return found["name"], found["version"]
+        from importlib.metadata import Distribution
+
+        distribution = Distribution.at(self._path)
+        return distribution.name, distribution.version
+
+
+def points(word: str) -> list[Point]:
+    """The entry points of the distributions that have a word in their list of entry points."""
+    if [finder for finder in sys.meta_path if hasattr(finder, "find_distributions")] == [PathFinder]:
+        folders = [_info_folders(place) for place in sys.path]
+        if None not in folders:
+            every = [folder for found in folders for folder in found or ()]
+            return [point for folder in _first_of_each_name(every) for point in _points_in(folder, word)]
+    from importlib.metadata import entry_points
+
+    others = entry_points()
+    return [
+        Point(group, point.name, point.value, point.dist)
+        for group in others.groups
+        for point in others.select(group=group)
+    ]
+
+
+def _info_folders(place: str) -> list[tuple[str, str]] | None:
+    """The folders of metadata in a place of `sys.path`; None where names alone do not show them all."""
+    try:
+        children = os.listdir(place or ".")  # noqa: PTH208 - a path for each of some hundred names takes as long as all else
+    except NotADirectoryError:
+        return None  # a zip archive
+    except OSError:
+        return []
+    found = [child for child in children if child.lower().endswith(_INFO)]
+    if place.lower().endswith(".egg") or not all(child.endswith(_INFO) for child in found):
+        return None
+    return [(place, child) for child in found]
+
+
+def _first_of_each_name(folders: list[tuple[str, str]]) -> Iterator[str]:
+    """What is found first hides what has the same name, as for imports."""
+    seen: set[str] = set()
+    for place, child in folders:
+        name = re.sub(r"[-_.]+", "-", child.rpartition(".")[0].partition("-")[0]).lower()
+        if name not in seen:
+            seen.add(name)
+            yield os.path.join(place, child)  # noqa: PTH118 - as above
+
+
+def _points_in(folder: str, word: str) -> Iterator[Point]:
+    text = _text(folder, "entry_points.txt", word.encode())
+    distribution, group = InfoFolder(folder), None
+    for line in map(str.strip, text.splitlines()):
+        if line.startswith("[") and line.endswith("]"):
+            group = line.strip("[]")
+        elif line and not line.startswith("#") and group is not None:
+            name, _, value = line.partition("=")
+            yield Point(group, name.strip(), value.strip(), distribution)
+
+
+def _text(folder: str, file: str, word: bytes = b"") -> str:
+    """The text of a file of metadata; empty where it is missing, or has no such word."""
+    try:
+        with open(os.path.join(folder, file), "rb") as opened:  # noqa: PTH118, PTH123 - as above
+            data = opened.read()
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError, PermissionError):
+        return ""
+    return data.decode() if word in data else ""

@@ -2,8 +2,9 @@
 
 `dataclasses.dataclass` writes and compiles up to six methods of each class: half a millisecond for a record of six
 fields. A conversion imports eighty records and makes half of them. Here the standard library finds the fields and makes
-the slots, in a tenth of that time, and a method is compiled when it is first used. The classes are dataclasses as any
-other: `fields`, `replace`, `asdict`, `copy`, `pickle`, `match` and `inspect.signature` work on them.
+the slots, in a tenth of that time. A method is compiled when it is first used, `__init__` when there are more than a
+few records. The classes are dataclasses as any other: `fields`, `replace`, `asdict`, `copy`, `pickle`, `match` and
+`inspect.signature` work on them.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import dataclasses
 import sys
 from dataclasses import MISSING, FrozenInstanceError, fields, is_dataclass
+from functools import partial
 from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any
 
@@ -34,11 +36,14 @@ else:
 
 
 def _dataclass(kind: type, *, frozen: bool, slots: bool, kw_only: bool, eq: bool, has_repr: bool) -> type:
-    if any(map(is_dataclass, kind.__mro__[1:])):  # Its `__init__` is for fields of several classes.
-        return dataclasses.dataclass(frozen=frozen, slots=slots, kw_only=kw_only, eq=eq, repr=has_repr)(kind)
     kind.__doc__ = kind.__doc__ or kind.__name__  # The standard library would look for a signature.
-    made: Any = dataclasses.dataclass(init=False, repr=False, eq=False, slots=slots, kw_only=kw_only)(kind)
-    methods: dict[str, Any] = {"__init__": _Late("__init__", made, _init)}
+    # Of a class that extends another one, the standard library checks that both are frozen, or neither is.
+    is_frozen = frozen and any(map(is_dataclass, kind.__mro__[1:]))
+    find_fields = dataclasses.dataclass(
+        init=False, repr=False, eq=False, frozen=is_frozen, slots=slots, kw_only=kw_only
+    )
+    made: Any = find_fields(kind)
+    methods: dict[str, Any] = {"__init__": _LateInit("__init__", made, _init)}
     if has_repr:
         methods["__repr__"] = _Late("__repr__", made, _repr)
     if frozen:
@@ -56,6 +61,10 @@ def _dataclass(kind: type, *, frozen: bool, slots: bool, kw_only: bool, eq: bool
     return made  # type: ignore[no-any-return]
 
 
+_FEW = 10
+"""Records whose fields are filled before an `__init__` is compiled, which takes as long as thirty of them."""
+
+
 # --- Methods with code of their own ----------------------------------------------------------------------------------
 
 
@@ -70,6 +79,36 @@ class _Late:
         function.__qualname__ = f"{self._kind.__qualname__}.{self._name}"
         setattr(self._kind, self._name, function)
         return function if record is None else function.__get__(record)
+
+
+class _LateInit(_Late):
+    """An `__init__` that fills the first few records without code of its own: in most commands there are no more."""
+
+    _records = 0
+
+    def __get__(self, record: object, kind: type | None = None) -> Any:  # noqa: ANN401 - a function or a method
+        if record is None or self._records >= _FEW:
+            return super().__get__(record, kind)
+        self._records += 1
+        return partial(self._fill, record)
+
+    def _fill(self, record: object, /, *given: Any, **named: Any) -> None:  # noqa: ANN401 - the values of the fields
+        kind: Any = self._kind
+        values = dict(zip(kind.__match_args__, given, strict=False)) | named
+        known = fields(kind)
+        if len(values) == len(given) + len(named):  # None is unknown, and none comes twice.
+            for field in known:
+                if field.name not in values and field.default_factory is not MISSING:
+                    values[field.name] = field.default_factory()
+                elif field.name not in values and field.default is not MISSING:
+                    values[field.name] = field.default
+            if values.keys() == {field.name for field in known}:
+                for field in known:
+                    object.__setattr__(record, field.name, values[field.name])
+                if hasattr(kind, "__post_init__"):
+                    record.__post_init__()  # type: ignore[attr-defined]
+                return
+        super().__get__(record)(*given, **named)  # It has the words for what is wrong.
 
 
 def _init(kind: Any) -> Callable[..., None]:  # noqa: ANN401 - a dataclass

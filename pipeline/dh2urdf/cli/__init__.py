@@ -1,9 +1,16 @@
 """The command line: one small file per command, imported when the command is called."""
 
+# ruff: noqa: E402 - the imports, too, are to be spared the search for garbage
+
 from __future__ import annotations
 
-import atexit
 import gc
+
+NEW_OBJECTS = 100_000
+"""New objects after which garbage is looked for: Python's 700 look for it some eighty times during the imports."""
+gc.set_threshold(NEW_OBJECTS)
+
+import atexit
 import io
 import os
 import signal
@@ -28,8 +35,6 @@ INTERRUPTED = 130
 SETTLED = f"{__name__}.settled"
 """The key in a context for an exit status that is sure before all is printed: no reader who leaves early changes it."""
 INTERNAL_ERROR = 1
-NEW_OBJECTS = 20_000
-"""New objects after which garbage is looked for: Python's 700 look for it some eighty times during the imports."""
 
 EXIT_STATUS = (
     "Exit status: 0 all done; 1 some manipulators failed, the others are written; 2 nothing could start: the command "
@@ -144,7 +149,6 @@ def dh2urdf(invocation: _Invocation, debug: bool) -> None:  # noqa: FBT001 - cli
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
     signal.signal(signal.SIGTERM, _on_terminate)
-    gc.set_threshold(NEW_OBJECTS)
     atexit.register(gc.freeze)  # At its end, Python would search all modules for garbage: a sixth of a short command.
     claim()
     _tell_of_the_end()

@@ -10,12 +10,28 @@ from __future__ import annotations
 import os
 from _thread import _local  # `threading.local`, without an import that takes as long as all of this
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from mmap import mmap
     from types import TracebackType
+    from typing import Protocol
+
+    class _NamedPlugin(Protocol):
+        """What is needed of a `dh2urdf.plugin_system.discovery.Plugin`."""
+
+        name: str
+
+        @property
+        def is_builtin(self) -> bool: ...
+
+        @property
+        def distribution(self) -> str: ...
+
+        @property
+        def distribution_name(self) -> str: ...
+
 
 __all__ = ["MAGIC", "MARK", "SIZE", "VARIABLE", "AtWork", "at_work_here", "has_parent", "importing", "unmarked"]
 
@@ -28,21 +44,6 @@ MARK = "\x1e"
 VARIABLE = "DH2URDF_AT_WORK"
 MAGIC = b"dh2urdf\n"
 SIZE = 1024  # bytes of the shared memory: a mark, and the name as a text that ends in a zero byte
-
-
-class _NamedPlugin(Protocol):
-    """What is needed of a `dh2urdf.plugin_system.discovery.Plugin`."""
-
-    name: str
-
-    @property
-    def is_builtin(self) -> bool: ...
-
-    @property
-    def distribution(self) -> str: ...
-
-    @property
-    def distribution_name(self) -> str: ...
 
 
 class AtWork:

@@ -18,11 +18,13 @@ from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import importing
-from dh2urdf.plugin_system.entry_points import AnyDistribution, Point, points
+from dh2urdf.plugin_system.entry_points import Point, points
 from dh2urdf.source import Mark, Problem, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+
+    from dh2urdf.plugin_system.entry_points import AnyDistribution
 
 UNKNOWN = "an unknown distribution"
 _BUILT_IN = "builtin = dh2urdf_plugins"

@@ -14,24 +14,25 @@ from functools import cached_property
 from importlib import import_module
 from importlib.machinery import PathFinder
 from itertools import takewhile
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from typing import Protocol
+
+    class AnyDistribution(Protocol):
+        """What is asked of a distribution; an `importlib.metadata.Distribution` has it, too."""
+
+        @property
+        def name(self) -> str:
+            """Its name, as its metadata have it."""
+
+        @property
+        def version(self) -> str:
+            """Its version."""
+
 
 _INFO = (".dist-info", ".egg-info")
-
-
-class AnyDistribution(Protocol):
-    """What is asked of a distribution; an `importlib.metadata.Distribution` has it, too."""
-
-    @property
-    def name(self) -> str:
-        """Its name, as its metadata have it."""
-
-    @property
-    def version(self) -> str:
-        """Its version."""
 
 
 class Point(NamedTuple):

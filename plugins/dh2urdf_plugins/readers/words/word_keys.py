@@ -17,8 +17,8 @@ _KEY = _GREEK | dict.fromkeys((*map(ord, _SEPARATORS), *range(0x2000, 0x200B), *
 
 def key_of(plain: str) -> str:
     """A word without case, separators and accents, by which headers are compared."""
-    plain = unicodedata.normalize("NFD", plain)
     if not plain.isascii():
+        plain = unicodedata.normalize("NFD", plain)
         for dotted, word in _DOTS.items():
             plain = plain.replace(dotted, word)
     return plain.translate(_KEY)
@@ -26,4 +26,4 @@ def key_of(plain: str) -> str:
 
 def keys_of(word: str) -> set[str]:
     """The keys by which a word of the lists above is known: with ``ä`` written as ``a`` or as ``ae``."""
-    return {key_of(word), key_of(word.translate(_WITHOUT_DOTS))}
+    return {key_of(word)} if word.isascii() else {key_of(word), key_of(word.translate(_WITHOUT_DOTS))}

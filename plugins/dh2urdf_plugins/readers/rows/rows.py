@@ -11,7 +11,7 @@ from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import Dimension, accepted_units
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
-from dh2urdf.row_fields import COM, DYNAMICS, INERTIA
+from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.readers.header.units import SI
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells
@@ -43,6 +43,8 @@ REMARKABLE_LIMIT = 4 * math.pi
 
 _ROTARY_VARIABLES = ("q", "theta")
 _LINEAR_VARIABLES = ("q", "d")
+_OTHERS = tuple(name for name in NUMBERS if name not in {"a", "alpha", "d", "theta", "offset", "mass", "radius"})
+"""The numbers of a row that have to do with no other number of it."""
 
 
 class RowReader(RowCells):
@@ -92,7 +94,7 @@ class RowReader(RowCells):
         self._six_parameters()
         if kind is not JointType.PRISMATIC and (theta or offset or sign < 0):
             self._refuse_bounds_of_theta()
-        resistances: dict[str, Any] = {name: self._friction(name, kind) for name in DYNAMICS}
+        others: dict[str, Any] = {name: self._number_of_its_own(name, kind) for name in _OTHERS}
         row = partial(  # What is wrong with an argument is known when all of them are there.
             DHRow,
             joint=self._joint,
@@ -109,7 +111,7 @@ class RowReader(RowCells):
             com=self._com(),
             inertia=self._inertia(),
             radius=self._positive("radius"),
-            **resistances,
+            **others,
             mark=mark,
         )
         if self.said is not None:
@@ -309,12 +311,17 @@ class RowReader(RowCells):
             if not self._absent(name) and self._cells[name].text.strip("+-0.") not in ("", "n/a", "none"):
                 self._notice(f"{reason}; {name} {shown(self._cells[name].text)} is left out", name)
 
-    def _friction(self, name: str, kind: JointType) -> float | None:
-        if kind is JointType.FIXED:
+    def _number_of_its_own(self, name: str, kind: JointType) -> float | None:
+        """A number that has to do with no other number of the row."""
+        field = ROW_FIELDS[name]
+        if kind is JointType.FIXED and kind not in field.types:
             self._not_for("a fixed joint does not move", (name,))
             return None
-        number = self._optional(name, linear=kind is JointType.PRISMATIC)
-        if number is not None and number < 0:
+        is_linear = kind is JointType.PRISMATIC
+        if field.positive:
+            return self._positive(name, linear=is_linear)
+        number = self._optional(name, linear=is_linear)
+        if number is not None and not field.takes(number):
             self._error(f"{shown(self._cells[name].text)} is negative", name, accepted="0 or more")
         return number
 

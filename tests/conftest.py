@@ -21,11 +21,11 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from dh2urdf.cli import _status
+from dh2urdf.cli import exit_status_of
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.unchecked_records import replace_unchecked
 from reference_arms import ReferenceRobot, load_reference_robots
 
 if TYPE_CHECKING:
@@ -250,7 +250,7 @@ def cli(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFi
 
     def call(*words: str | Path, status: int = 0) -> Answer:
         capfd.readouterr()
-        found = _status([str(word) for word in words], debug=False)
+        found = exit_status_of([str(word) for word in words], debug=False)
         answer = Answer(*capfd.readouterr())
         assert found == status, f"exit status {found}\n{answer.stdout}\n{answer.stderr}"
         return answer

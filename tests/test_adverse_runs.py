@@ -16,7 +16,7 @@ import dh2urdf
 from dh2urdf.errors import OutputError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.file_patterns import matching
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.report.ledger import Ledger
 from dh2urdf.running.run import load_plan
 from dh2urdf.tasks.batch import items

@@ -25,7 +25,7 @@ import dh2urdf_plugins
 from dh2urdf import hookspecs
 from dh2urdf._faces import METHODS, MOVED
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.catalog import KINDS, RECORDS, load
+from dh2urdf.plugin_system import KINDS, RECORDS, load
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.source import Mark, Problem

@@ -19,14 +19,15 @@ from dh2urdf.documents.composer import MAX_ALIASED, MAX_DEPTH
 from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.quantities.quantity import MAX_CHARACTERS, MAX_NESTING, Dimension, QuantityError, evaluate
+from dh2urdf.quantities import MAX_CHARACTERS, Dimension, QuantityError, evaluate
+from dh2urdf.quantities.quantity import MAX_NESTING
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.csv_file.header import MAX_HEADER
-from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT
 from dh2urdf_plugins.readers.statements.text import MAX_LINE
+from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.names import MAX_NAME
 

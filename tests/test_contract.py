@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.plugin_system.catalog import KINDS, load
+from dh2urdf.plugin_system import KINDS, load
 from dh2urdf.testing import (
     EditContract,
     EmitterContract,

@@ -34,7 +34,7 @@ import pytest
 from lxml import etree
 
 from dh2urdf.cli import COMMANDS, dh2urdf as program
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.report.schema import report_schema
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan

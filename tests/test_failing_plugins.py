@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.cli import _status
+from dh2urdf.cli import exit_status_of
 from dh2urdf.errors import InputError, StageError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.catalog import KINDS, RECORDS, load
+from dh2urdf.plugin_system import KINDS, RECORDS, load
 from dh2urdf.studio.editing.opening import open_tables
 from dh2urdf.studio.editing.save import table_file
 from dh2urdf.studio.viewing import load_figures
@@ -450,7 +450,7 @@ def test_debug_shows_where(
 ) -> None:
     """The line of the plugin that raised it, also where that was in a child process."""
     monkeypatch.chdir(lab(what))
-    assert _status(["--debug", *words.split()]) in {1, 3}
+    assert exit_status_of(["--debug", *words.split()]) in {1, 3}
     told = capfd.readouterr().err
     assert "Traceback (most recent call last):" in told
     assert 'raise ZeroDivisionError("at work")' in told
@@ -462,11 +462,11 @@ def test_debug_shows_where_of_listed_plugins(
     """`dh2urdf --debug plugins` shows the tracebacks, and --json has them always, as its schema says."""
     install(tmp_path, "at-import", "raise OSError('the licence server does not answer')")
     monkeypatch.syspath_prepend(tmp_path)
-    assert _status(["plugins"]) == 0
+    assert exit_status_of(["plugins"]) == 0
     assert "Traceback" not in capfd.readouterr().out
-    assert _status(["--debug", "plugins"]) == 0
+    assert exit_status_of(["--debug", "plugins"]) == 0
     assert "raise OSError('the licence server does not answer')" in capfd.readouterr().out
-    assert _status(["plugins", "--json"]) == 0
+    assert exit_status_of(["plugins", "--json"]) == 0
     (entry,) = json.loads(capfd.readouterr().out)["broken"]
     assert "raise OSError('the licence server does not answer')" in entry.pop("traceback")
     assert entry == {

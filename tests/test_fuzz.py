@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.quantities.quantity import Quantity
+from dh2urdf.quantities import Quantity
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 
 if TYPE_CHECKING:

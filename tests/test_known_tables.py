@@ -15,7 +15,7 @@ from known_words import documented
 from tables import Figures, WrongReading, cases, counted_fast, run_all, run_case
 
 from dh2urdf.columns import member, stacked
-from dh2urdf.quantities.units import Unit
+from dh2urdf.quantities import Unit
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.tables import row_table
 

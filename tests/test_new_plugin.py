@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from dh2urdf.plugin_system.catalog import KINDS
+from dh2urdf.plugin_system import KINDS
 from dh2urdf.scaffold import LONGEST
 
 if TYPE_CHECKING:

@@ -906,7 +906,7 @@ def test_info_says_where_shapes_and_masses_are_said(tmp_path: Path) -> None:
     from dh2urdf.provenance import Trace
     from dh2urdf.report.answers.info import details
     from dh2urdf_plugins.readers import yaml
-    from dh2urdf_plugins.readers.options import TableOptions
+    from dh2urdf_plugins.readers.table import TableOptions
 
     text = """convention: standard
 base: {mass: 4, geometry: {shape: box}}

@@ -19,8 +19,8 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from dh2urdf.cli import _status
-from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.cli import exit_status_of
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf_plugins.read_back.urdf_reader import read_urdf
 from dh2urdf_plugins.read_back.xacro_reader import expand
@@ -83,7 +83,7 @@ output: {{directory: out}}
 execution: {{stage: local, options: {{workers: 1}}}}
 """
     )
-    assert _status(["run", str(folder / "run")], debug=False) == 0
+    assert exit_status_of(["run", str(folder / "run")], debug=False) == 0
     published = {robot.id: robot for robot in reference_robots}
     return {path.stem: written_case(path, published.get(path.stem)) for path in sorted((folder / "out").glob("*.urdf"))}
 

@@ -14,7 +14,7 @@ from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import Call, Recipe, read_items, write_robot
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.rotations import IDENTITY, RigidTransform
 

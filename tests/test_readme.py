@@ -21,7 +21,7 @@ from lxml import etree
 from PIL import Image
 
 from dh2urdf.cli import COMMANDS
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -123,11 +123,14 @@ def test_the_table_says_what_it_means(converted: Path) -> None:
 @pytest.fixture(scope="module")
 def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the run file of the first block puts its files."""
-    from dh2urdf.cli import _status
+    from dh2urdf.cli import exit_status_of
 
     folder = tmp_path_factory.mktemp("readme")
     shutil.copytree(ROOT / "configs", folder / "configs")
-    assert _status(["run", str(folder / "configs" / "ur5.yaml"), "-o", str(folder / "build" / "ur5")], debug=False) == 0
+    assert (
+        exit_status_of(["run", str(folder / "configs" / "ur5.yaml"), "-o", str(folder / "build" / "ur5")], debug=False)
+        == 0
+    )
     return folder / "build" / "ur5"
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from dh2urdf.cli import _status
+from dh2urdf.cli import exit_status_of
 from dh2urdf.manipulator import Inertia, Manipulator
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ proof: {{poses: 4}}
 execution: {{stage: local, options: {{workers: 1}}}}
 """
     )
-    assert _status(["run", str(folder / "run.yaml")], debug=False) == 0
+    assert exit_status_of(["run", str(folder / "run.yaml")], debug=False) == 0
     report = json.loads((folder / "out" / "report.json").read_bytes())
     return Run(folder / "out", {manipulator["name"]: manipulator for manipulator in report["manipulators"]})
 

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from lxml import etree
 
-from dh2urdf.cli import _status
+from dh2urdf.cli import exit_status_of
 from dh2urdf.errors import PluginError
 from dh2urdf.manipulator import JointType
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.rotations import norm
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ output: {{directory: out}}
 report: {{html: false}}
 """
     )
-    return _status(["run", str(folder / "run")], debug=False)
+    return exit_status_of(["run", str(folder / "run")], debug=False)
 
 
 def installed() -> Iterator[str]:

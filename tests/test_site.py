@@ -29,8 +29,7 @@ import root_pages
 import site_hook
 from dh2urdf import hookspecs
 from dh2urdf.cli import COMMANDS
-from dh2urdf.plugin_system.catalog import KINDS, load
-from dh2urdf.plugin_system.options import describe_options
+from dh2urdf.plugin_system import KINDS, describe_options, load
 from dh2urdf.report.schema import manifest_schema
 from dh2urdf.run_file.schema import run_schema
 from hook_pages import specified

@@ -26,16 +26,15 @@ from dh2urdf import errors
 from dh2urdf.documents import composer as yaml_composer, text_files as textfiles
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
-from dh2urdf.quantities import functions as expression_functions, grammar as expressions
-from dh2urdf.quantities.units import UNITS, unit_word
+from dh2urdf.quantities import UNITS, functions as expression_functions, grammar as expressions, unit_word
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins import readers
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.csv_file import header as csv_header
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
-from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.rows import cells as row_cells, rows
 from dh2urdf_plugins.readers.statements import csv_comments, plausibility, text, top
+from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
 from dh2urdf_plugins.readers.words import fields, names, unheld
 from dh2urdf_plugins.readers.words.word_keys import key_of

@@ -10,7 +10,7 @@ from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, L
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark, Problem
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.unchecked_records import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -31,7 +31,7 @@ from dh2urdf.manipulator import (
 from dh2urdf.robot import Box, Cylinder, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.unchecked_records import replace_unchecked
 
 
 class Measured:

@@ -8,7 +8,7 @@ from typing import get_args, get_type_hints
 
 from dh2urdf import results
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.plugin_system.catalog import KINDS
+from dh2urdf.plugin_system import KINDS
 from dh2urdf.report.answers.conversions import FILLED_IN
 from dh2urdf.report.ledger import REPORTED
 

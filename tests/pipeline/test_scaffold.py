@@ -7,7 +7,7 @@ import pytest
 from trove_classifiers import classifiers
 
 from dh2urdf import __version__
-from dh2urdf.plugin_system.catalog import KINDS
+from dh2urdf.plugin_system import KINDS
 from dh2urdf.scaffold import LONGEST, stage_name
 
 if TYPE_CHECKING:

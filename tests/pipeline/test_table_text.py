@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import LinkGeometry
-from dh2urdf.quantities.quantity import evaluate
-from dh2urdf.quantities.units import UNITS
+from dh2urdf.quantities import UNITS, evaluate
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark
 from dh2urdf.table_text import Place, TableText, WrittenTable, number_in, table_text, transform_text, yaml_word

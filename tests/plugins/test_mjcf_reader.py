@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf_plugins.read_back.mjcf_reader import parse_mjcf, read_mjcf

@@ -16,7 +16,7 @@ from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf_plugins.read_back import urdf_scanner
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf

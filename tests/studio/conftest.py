@@ -14,8 +14,9 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from dh2urdf.kinematics.chain import as_matrices, forward_kinematics
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.plugin_system import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
 ARGUMENTS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

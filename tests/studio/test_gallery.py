@@ -9,7 +9,7 @@ import dh2urdf.studio
 from dh2urdf.studio import gallery
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
 GALLERY = Path(dh2urdf.studio.__file__).parent / "arms"

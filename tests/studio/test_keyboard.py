@@ -6,13 +6,13 @@ import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.kinematics.chain import forward_kinematics
+from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.manipulator import Manipulator
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 
 TABLES = Path(__file__).parents[2] / "configs" / "tables"

@@ -16,7 +16,7 @@ from dh2urdf.studio.viewing import View, load_figures
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

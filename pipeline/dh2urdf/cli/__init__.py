@@ -155,7 +155,7 @@ def main(arguments: list[str] | None = None) -> None:
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # what libraries warn their callers of is not for the user of a command
     words = sys.argv[1:] if arguments is None else arguments
-    sys.exit(_status(words))
+    sys.exit(exit_status_of(words))
 
 
 def _tell_of_the_end() -> None:
@@ -183,7 +183,7 @@ def _on_terminate(_number: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _status(words: list[str], *, debug: bool = False) -> int:
+def exit_status_of(words: list[str], *, debug: bool = False) -> int:
     """Call a command; the exit status that it, or what ends it, means."""
     invocation = _Invocation(debug=debug)
     try:

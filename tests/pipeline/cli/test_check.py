@@ -13,7 +13,7 @@ import pytest
 
 from dh2urdf.commands.check import inspect
 from dh2urdf.errors import ConfigError
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable

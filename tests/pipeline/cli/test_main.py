@@ -12,7 +12,7 @@ import pytest
 
 import dh2urdf.cli.plugins
 from dh2urdf import __version__, cli
-from dh2urdf.cli import COMMANDS, _status, main
+from dh2urdf.cli import COMMANDS, exit_status_of, main
 from dh2urdf.hookspecs import INTERFACE_VERSION
 
 if TYPE_CHECKING:
@@ -128,17 +128,17 @@ class TestDebug:
             raise LookupError("the ground is gone")
 
         monkeypatch.setattr(dh2urdf.cli.plugins, "catalog", broken)
-        assert _status(["plugins"], debug=False) == cli.INTERNAL_ERROR == 1
+        assert exit_status_of(["plugins"], debug=False) == cli.INTERNAL_ERROR == 1
         assert capfd.readouterr().err == (
             "dh2urdf: internal error: LookupError: the ground is gone\n"
             "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where\n"
         )
         with pytest.raises(LookupError):
-            _status(["--debug", "plugins"])
+            exit_status_of(["--debug", "plugins"])
 
     def test_it_is_heeded_wherever_it_stands_before_the_command(self, capfd: pytest.CaptureFixture[str]) -> None:
         """Other options of the program may stand before it."""
-        assert _status(["--without", "builtin", "--debug", "convert", "nope.csv"]) == 2
+        assert exit_status_of(["--without", "builtin", "--debug", "convert", "nope.csv"]) == 2
         assert "Traceback (most recent call last):" in capfd.readouterr().err
 
 

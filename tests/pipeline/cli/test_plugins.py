@@ -9,7 +9,7 @@ from jsonschema import Draft202012Validator
 
 from dh2urdf import __version__
 from dh2urdf.hookspecs import INTERFACE_VERSION
-from dh2urdf.plugin_system.catalog import KINDS, load
+from dh2urdf.plugin_system import KINDS, load
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,8 +58,8 @@ def test_no_simulator_is_imported() -> None:
     """Neither a simulator nor numpy nor pydantic: the list is there at once, whatever is installed."""
     script = (
         "import sys\n"
-        "from dh2urdf.cli import _status\n"
-        "assert _status(['plugins'], debug=False) == 0\n"
+        "from dh2urdf.cli import exit_status_of\n"
+        "assert exit_status_of(['plugins'], debug=False) == 0\n"
         "heavy = {'numpy', 'pybullet', 'pydantic', 'PIL', 'xacro', 'rich'} & set(sys.modules)\n"
         "sys.exit(' '.join(heavy) or 0)\n"
     )

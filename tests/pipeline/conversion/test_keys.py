@@ -20,7 +20,7 @@ from dh2urdf.manipulator import (
     MeshShape,
     Payload,
 )
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.documents import Node, load_yaml, stream_yaml
 from dh2urdf.documents.composer import MAX_ALIASED, MAX_DEPTH
-from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml, stream_yaml
+from dh2urdf.documents.document import expect_mapping, read_yaml
 from dh2urdf.errors import ConfigError, TableError
 
 INPUTS = Path(__file__).parents[2] / "reference" / "inputs"

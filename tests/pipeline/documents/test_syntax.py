@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from dh2urdf.documents.document import load_yaml
+from dh2urdf.documents import load_yaml
 from dh2urdf.errors import ConfigError
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dh2urdf.documents.text_files import check_file, decoded, read_bytes
+from dh2urdf.documents import check_file, decoded, read_bytes
 from dh2urdf.errors import ConfigError, TableError
 
 

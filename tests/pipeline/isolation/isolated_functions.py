@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
-from dh2urdf.isolation.child_process import run_in_child
+from dh2urdf.isolation import run_in_child
 from dh2urdf.isolation.loads import MEMORY, KeptChildren, load_in_child
 from dh2urdf.source import Problem
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions

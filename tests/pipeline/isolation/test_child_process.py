@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.errors import CrashError, MissingDependencyError, TimeLimitError
-from dh2urdf.isolation.child_process import ChildFailure, run_in_child
+from dh2urdf.isolation import ChildFailure, run_in_child
 from dh2urdf.isolation.interpreter import KEPT_OUTPUT
 
 if TYPE_CHECKING:

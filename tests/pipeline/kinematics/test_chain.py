@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.kinematics.chain import (
+from dh2urdf.kinematics import (
     KinematicChain,
     angle_error,
-    as_matrices,
     axis_rotation,
     dh_transform,
     dh_transforms,
     forward_kinematics,
     joint_variables,
+    pose_matrices,
     position_error,
     reach,
     row_transform,
 )
-from dh2urdf.kinematics.pose_arrays import pose_matrices
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, rotation_from_rpy

@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.kinematics.chain import forward_kinematics
+from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.comparison import TOLERANCE, changes, compare, number_text
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot

@@ -16,12 +16,12 @@ from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
+from dh2urdf.kinematics import KinematicChain, angle_error, position_error
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof import BLOCK, TOLERANCE, Proof, prove, prove_columns
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
+from dh2urdf.kinematics import CompiledChain
+from dh2urdf.kinematics.walk.compiled_chain import values_of
 from dh2urdf.kinematics.walk.vectors import STACKS
 from dh2urdf.rotations import IDENTITY_ROTATION, ZERO, RigidTransform
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.kinematics.chain import as_matrices, link_poses
+from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.measuring import load_function
 from dh2urdf.measuring.opened_arm import load_opened
 from dh2urdf.robot import Inertial

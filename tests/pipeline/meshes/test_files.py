@@ -7,7 +7,8 @@ import pytest
 
 from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import JointType, MeshFile
-from dh2urdf.meshes.files import copy_name, copy_path, find_mesh, has_meshes, located, mesh_files, prefix_of, read_mesh
+from dh2urdf.meshes import copy_name, find_mesh, has_meshes, read_mesh
+from dh2urdf.meshes.files import copy_path, located, mesh_files, prefix_of
 from dh2urdf.robot import Arm, Box, Collision, Inertial, Joint, Link, Mesh, Origin, Robot, Visual
 
 

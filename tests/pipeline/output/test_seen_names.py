@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
-from dh2urdf.output.seen_names import RECENT, SeenNames
+from dh2urdf.output import SeenNames
+from dh2urdf.output.seen_names import RECENT
 
 if TYPE_CHECKING:
     from pathlib import Path

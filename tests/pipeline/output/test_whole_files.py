@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
+from dh2urdf.output import write_whole
 from dh2urdf.output.whole_files import (
     LONGEST_STEM,
     Stems,
@@ -18,7 +19,6 @@ from dh2urdf.output.whole_files import (
     staging,
     write_all,
     write_files,
-    write_whole,
 )
 from dh2urdf.stages import EmittedFile
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.plugin_system import at_work
+from dh2urdf.plugin_system import ChildPlace, at_work
 from dh2urdf.plugin_system.at_work import AtWork, at_work_here, importing
-from dh2urdf.plugin_system.child_place import ChildPlace
 from dh2urdf.plugin_system.discovery import Plugin
 
 if TYPE_CHECKING:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import BrokenPluginError, EmitterError, StageError
-from dh2urdf.plugin_system import calls as attribution
+from dh2urdf.plugin_system import KINDS, calls as attribution, load
 from dh2urdf.plugin_system.calls import Call, blaming, broken, depending_on, own_work
-from dh2urdf.plugin_system.catalog import KINDS, load
 from dh2urdf.plugin_system.discovery import Plugin
 from dh2urdf.stages import Emitter, NoOptions
 

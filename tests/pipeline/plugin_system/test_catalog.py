@@ -11,7 +11,8 @@ import pytest
 
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin, load
+from dh2urdf.plugin_system import KINDS, RECORDS, Catalog, load
+from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.plugin_system.discovery import installed
 from dh2urdf.stages import Emitter, NoOptions, Reader
 

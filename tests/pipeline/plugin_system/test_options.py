@@ -11,9 +11,10 @@ import pytest
 from annotated_types import Gt
 from hypothesis import given, strategies as st
 
-from dh2urdf.documents.document import load_yaml
+from dh2urdf.documents import load_yaml
 from dh2urdf.errors import BrokenPluginError, ConfigError, TableError
-from dh2urdf.plugin_system.options import COMMAND_LINE, describe_options, make_options, word_node
+from dh2urdf.plugin_system import describe_options
+from dh2urdf.plugin_system.options import COMMAND_LINE, make_options, word_node
 from dh2urdf.source import Mark, Problem
 
 

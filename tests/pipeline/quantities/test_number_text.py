@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.quantities.number_text import format_columns, format_number, format_numbers
+from dh2urdf.quantities import format_columns, format_number, format_numbers
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 XSD_DOUBLE = re.compile(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]+)?")

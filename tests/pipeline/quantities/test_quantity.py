@@ -6,7 +6,7 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.quantities.quantity import Dimension, QuantityError, Unit, evaluate, find_unit
+from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate, find_unit
 
 ANGLE, LENGTH = Dimension.ANGLE, Dimension.LENGTH
 DEGREES, MILLIMETRES = find_unit("deg", ANGLE), find_unit("mm", LENGTH)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute

@@ -20,7 +20,7 @@ from PIL import Image
 
 from dh2urdf.conversion.outcome import Outcome, proof_facts, to_line
 from dh2urdf.kinematics.proof import Proof
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
@@ -456,7 +456,7 @@ class TestRuns:
 class TestDrawings:
     def test_the_skeleton_ends_where_tool0_is(self, reference_robot: ReferenceRobot) -> None:
         """Joint axes and frames of every published table are those of its DH product at zero, in both conventions."""
-        from dh2urdf.kinematics.chain import forward_kinematics
+        from dh2urdf.kinematics import forward_kinematics
         from dh2urdf.kinematics.expected_poses import Truth
 
         table_ = reference_robot.manipulator

@@ -4,7 +4,7 @@ import hashlib
 import re
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.running.run import execute, load_plan
 
 if TYPE_CHECKING:

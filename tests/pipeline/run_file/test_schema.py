@@ -9,10 +9,12 @@ from typing import Any, Literal
 import pytest
 from jsonschema import Draft202012Validator
 
-from dh2urdf.documents.document import load_yaml, read_yaml
+from dh2urdf.documents import load_yaml
+from dh2urdf.documents.document import read_yaml
 from dh2urdf.errors import ConfigError
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.plugin_system.catalog import Catalog, Plugin, load
+from dh2urdf.plugin_system import Catalog, load
+from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.run_file.schema import run_schema, table_schema
 from dh2urdf.stages import Emitter, Executor, Loader, NoOptions, Reader, Transform
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.plugin_system.catalog import load
-from dh2urdf.quantities.units import Dimension
+from dh2urdf.plugin_system import load
+from dh2urdf.quantities import Dimension
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.variations.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform

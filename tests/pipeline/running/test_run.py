@@ -15,7 +15,8 @@ from dh2urdf.conversion.outcome import ManifestRow, to_text
 from dh2urdf.errors import ConfigError, MissingDependencyError, OutputError, TableError, TransformError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
-from dh2urdf.plugin_system.catalog import KINDS, Catalog, Plugin, load
+from dh2urdf.plugin_system import KINDS, Catalog, load
+from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.report.verdicts import coverage_line
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.run_file.config import load_config

@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.errors import CrashError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.source import Problem

@@ -80,7 +80,7 @@ class Strange:
 
 def read(path: Path, _options: Any) -> Any:
     """A good reader: a line is a name, a and d."""
-    from dh2urdf.documents.text_files import check_file
+    from dh2urdf.documents import check_file
     from dh2urdf.errors import TableError
 
     check_file(path, TableError)

@@ -9,7 +9,7 @@ import pytest
 
 import dh2urdf_plugins
 from dh2urdf.errors import UnknownStageError
-from dh2urdf.kinematics.chain import forward_kinematics
+from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof import prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors

@@ -18,16 +18,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import ConfigError, ManipulatorError
-from dh2urdf.kinematics.chain import as_matrices, forward_kinematics
+from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.variation_section import LAWS
 from dh2urdf.source import Mark
 from dh2urdf.tasks.batch import batches
 from dh2urdf.tasks.expected import Expected
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.laws import Choices, DrawnValue, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
 from dh2urdf.variations.sampling import Sampling
@@ -347,7 +348,7 @@ class TestBinding:
 
     def test_units_are_those_of_the_joint(self) -> None:
         """Bounds of all joints with a unit of angles are none for the joint that slides."""
-        from dh2urdf.quantities.units import Dimension
+        from dh2urdf.quantities import Dimension
 
         (message,) = refused(rule("lower", Uniform(low=-0.2, high=-0.1), units=(Dimension.ANGLE,)))
         assert (

@@ -13,7 +13,7 @@ import pytest
 
 import dh2urdf
 from dh2urdf.errors import TableError
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:

@@ -10,8 +10,9 @@ import pytest
 from lxml import etree
 
 from dh2urdf.errors import EditError
-from dh2urdf.kinematics.chain import as_matrices, link_poses
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.plugin_system import load
 from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.edits.mount import MountOptions, edit_robot
 

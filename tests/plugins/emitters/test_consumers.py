@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Mesh
 from dh2urdf.rotations import RigidTransform

@@ -16,7 +16,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.stages import LoadRequest
 from dh2urdf_plugins.emitters.profile_names import ProfileName
 from dh2urdf_plugins.emitters.profiles import PROFILES, Profile

@@ -228,7 +228,7 @@ def test_a_cell_is_one_model(cli: Callable[..., Any], sdformat: Callable[..., st
     frames = [frame.get("name") for frame in etree.fromstring(sdformat("--print", path).encode()).iter("frame")]
     assert len([name for name in frames if name.endswith("tool0")]) == 2
     plant, context = drake(path)
-    from dh2urdf.kinematics.chain import KinematicChain
+    from dh2urdf.kinematics import KinematicChain
 
     assert EMITTER.read_back is not None
     found = EMITTER.read_back(path)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import ConfigError, ExecutorError, MissingDependencyError
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.stages import Lost

@@ -12,7 +12,7 @@ from faulty_files import SOUND
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import InputError
-from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
+from dh2urdf.kinematics import KinematicChain, angle_error, position_error
 from dh2urdf.source import Mark
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.lint.document.parsing import NotXmlError, parse

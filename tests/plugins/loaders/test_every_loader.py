@@ -13,7 +13,7 @@ import pytest
 
 from dh2urdf.errors import LoaderError, MissingDependencyError, PluginError
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
-from dh2urdf.plugin_system.catalog import load as load_catalog
+from dh2urdf.plugin_system import load as load_catalog
 from dh2urdf.robot import Collision, Cylinder, Origin
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import pytest
 
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.isolation.loads import load_in_child
-from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.robot import Link, Origin
 from dh2urdf_plugins.loaders.gazebo import loader as gazebo
 from dh2urdf_plugins.loaders.gazebo.arm import precision

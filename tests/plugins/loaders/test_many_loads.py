@@ -12,15 +12,15 @@ from dh2urdf.isolation import loads
 from dh2urdf.isolation.loads import LOADS, KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import Truth
 from dh2urdf.kinematics.proof_vectors import joint_vectors
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.stages import LoadRequest
+from dh2urdf.testing import plain_robot, reference_manipulators
 from dh2urdf.testing.oracle import table_pose
-from dh2urdf.testing.reference import plain_robot, reference_manipulators
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.isolation.interpreter import Interpreter
+    from dh2urdf.isolation import Interpreter
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Loader, LoadReport
 

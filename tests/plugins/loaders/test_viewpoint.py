@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.kinematics.chain import KinematicChain, as_matrices
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.robot import Box, Joint, Link, Origin, Robot, Visual
 from dh2urdf_plugins.loaders.viewpoint import FIELD_OF_VIEW, HEIGHT, WIDTH, best_view

@@ -8,7 +8,7 @@ import pytest
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,7 +13,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.csv import READER
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

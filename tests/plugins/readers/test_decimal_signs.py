@@ -9,8 +9,8 @@ import pytest
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers import csv, xlsx
-from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,7 +15,7 @@ from hypothesis import given, settings, strategies as st
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.rotations import HALF_PI
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,8 +14,8 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Inertia, Manipulator
 from dh2urdf_plugins.readers import csv, parquet, yaml
 from dh2urdf_plugins.readers.header.words import misspelt, read_header, suspected
-from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.fields import FIELDS
 

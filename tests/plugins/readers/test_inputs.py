@@ -15,7 +15,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -21,11 +21,11 @@ from pyarrow import parquet as pq
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Inertia, JointType, Manipulator, Payload
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, parquet
-from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -10,7 +10,7 @@ import pytest
 from dh2urdf.manipulator import Convention, DHRow, Inertia, Manipulator, Payload
 from dh2urdf.table_text import table_text
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from pathlib import Path

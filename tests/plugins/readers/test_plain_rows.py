@@ -11,11 +11,11 @@ from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import DHRow, Manipulator
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.readers import csv
-from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator

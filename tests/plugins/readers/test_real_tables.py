@@ -257,7 +257,7 @@ def test_metadata_without_the_prefix_are_refused(key: str, tmp_path: Path) -> No
     """They seem to say something of the table, and nothing would read them."""
     pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     from dh2urdf_plugins.readers import parquet
-    from dh2urdf_plugins.readers.options import TableOptions
+    from dh2urdf_plugins.readers.table import TableOptions
 
     table = pa.table({"a": [300.0], "alpha": [0.0], "d": [0.0]})
     said = {"dh2urdf.convention": "standard", "author": "me", key: "mm" if "nit" in key else "modified"}

@@ -14,7 +14,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.table_text import table_text
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.csv_file import texts as csv_texts
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Rejected

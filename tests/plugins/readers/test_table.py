@@ -8,7 +8,7 @@ import pytest
 import dh2urdf
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system import load
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.table import CellRow, TableOptions, read_table
@@ -113,7 +113,7 @@ class TestTheTop:
 
     def test_statements_from_outside(self) -> None:
         """A file that has metadata hands them over; the rows may not say them again."""
-        from dh2urdf.documents.document import load_yaml
+        from dh2urdf.documents import load_yaml
 
         said = {"name": load_yaml("scara", "metadata")}
         assert read_one(HEADER, FIRST, statements=said).name == "scara"

@@ -17,7 +17,7 @@ from pyarrow import parquet as pq
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers import csv, parquet, yaml
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

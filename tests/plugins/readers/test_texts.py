@@ -13,7 +13,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark
 from dh2urdf.table_text import FIELDS, TableText, table_text
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot

@@ -10,7 +10,7 @@ import pytest
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.provenance import Trace
 from dh2urdf_plugins.readers import csv, parquet, yaml
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 
 TABLES = sorted((Path(__file__).parents[3] / "configs" / "tables").iterdir())
 CSV = """\

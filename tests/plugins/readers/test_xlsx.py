@@ -20,7 +20,7 @@ from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, xlsx
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
 from dh2urdf_plugins.readers.xlsx_file.formats import ShownOtherwiseError, shown_unit
 from dh2urdf_plugins.readers.xlsx_file.rows import letters

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from dh2urdf.documents.document import load_yaml, read_yaml
+from dh2urdf.documents import load_yaml
+from dh2urdf.documents.document import read_yaml
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers.yaml import READER

@@ -206,7 +206,7 @@ def test_given_mass_properties_hold_in_the_dh_frame_after_the_row(frames: str, c
     pose = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))
     for joint in robot.joints[:3]:
         pose = pose @ joint.origin.transform
-    from dh2urdf.kinematics.chain import forward_kinematics
+    from dh2urdf.kinematics import forward_kinematics
 
     frame = forward_kinematics(replace(table, rows=table.rows[:2]), [0.0, 0.0])
     R, F = np.reshape(pose.rotation, (3, 3)), np.reshape(frame.rotation, (3, 3))

@@ -15,7 +15,7 @@ from dh2urdf.columns import in_columns
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import HALF_PI, RigidTransform
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import columns as transform_module
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, alpha_swap

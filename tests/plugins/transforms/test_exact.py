@@ -15,7 +15,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 

@@ -12,7 +12,7 @@ import trimesh
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.manipulator import Inertia, JointType, MeshFile, MeshShape
-from dh2urdf.meshes.files import find_mesh
+from dh2urdf.meshes import find_mesh
 from dh2urdf.robot import Cylinder, Mesh
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap, alpha_swap_columns

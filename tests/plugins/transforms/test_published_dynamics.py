@@ -19,7 +19,7 @@ from dh2urdf.manipulator import Inertia, Manipulator
 from dh2urdf.mass_properties import has_zero_moments, inertia_problem, principal_moments, with_floor
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.readers import csv, yaml as yaml_reader
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from dh2urdf.kinematics.chain import KinematicChain, as_matrices
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.kinematics.chain import dh_frames
+from dh2urdf.kinematics import dh_frames
 from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
 from dh2urdf.robot import Box, Cylinder, Origin, Sphere
 from dh2urdf.rotations import (

@@ -7,7 +7,7 @@ import socket
 import subprocess
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.isolation.fence import enter
+from dh2urdf.isolation import enter
 
 if TYPE_CHECKING:
     from collections.abc import Callable

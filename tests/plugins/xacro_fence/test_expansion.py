@@ -17,8 +17,8 @@ import pytest
 
 import dh2urdf
 from dh2urdf.errors import CrashError, InputError, ProofError, TableError
-from dh2urdf.isolation.child_process import run_in_child
-from dh2urdf.plugin_system.catalog import load
+from dh2urdf.isolation import run_in_child
+from dh2urdf.plugin_system import load
 from dh2urdf.stages import Expansion
 from dh2urdf.studio.viewing import load_figures
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from dh2urdf.kinematics.chain import as_matrices, dh_frames, row_transform
+from dh2urdf.kinematics import dh_frames, row_transform
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.studio.drawing.motions import motions, moving_frame, order, so_far

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dh2urdf.conversion.making import make_robot
-from dh2urdf.kinematics.chain import dh_frames
+from dh2urdf.kinematics import dh_frames
 from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.plugin_system.calls import default_call
@@ -28,7 +28,7 @@ from dh2urdf.studio.editing.session import Session
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 PLACE = RigidTransform.from_xyz_rpy((0.3, -0.2, 0.5), (0.4, -0.3, 1.1))
 

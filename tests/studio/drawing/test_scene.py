@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from dh2urdf.kinematics.chain import as_matrices, forward_kinematics, joint_variables
+from dh2urdf.kinematics import forward_kinematics, joint_variables
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 
 def figure(arm: Manipulator, catalog: Catalog) -> Figure:

@@ -12,7 +12,8 @@ import pytest
 import trimesh
 
 from dh2urdf.errors import OutputError
-from dh2urdf.kinematics.chain import as_matrices, dh_frames, link_poses
+from dh2urdf.kinematics import dh_frames, link_poses
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.studio import gallery
 from dh2urdf.studio.drawing.scene import LAYERS, Drawing
@@ -23,7 +24,7 @@ from dh2urdf.studio.viewing import View, load_figures
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 

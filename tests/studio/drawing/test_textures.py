@@ -21,7 +21,7 @@ from dh2urdf.studio.viewing import View, load_figures
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 COLOURS = {(0, 0): (255, 0, 0), (1, 0): (0, 255, 0), (0, 1): (0, 0, 255), (1, 1): (255, 255, 0)}
 """Colours at the corners of a square, by x and y."""

@@ -16,7 +16,7 @@ from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
     from dh2urdf.studio.drawing.scene import Figure
 
 # Two links of 0.3 m and 0.2 m in a plane, the second joint 2 mm off and tilted by 1°, the tip 5 mm too far.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
+from dh2urdf.kinematics import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.studio.editing.conversions import with_convention, with_units
@@ -16,7 +16,7 @@ from dh2urdf.table_text import TableText, table_text
 if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
 ARM = Manipulator(

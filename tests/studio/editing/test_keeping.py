@@ -11,7 +11,7 @@ from dh2urdf.studio.editing.keeping import kept_table, kept_text
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 
 @pytest.mark.parametrize("name", [item.file for item in gallery.exhibits()])

@@ -14,7 +14,7 @@ from dh2urdf.studio.editing.opening import open_tables, tables_of
 from dh2urdf.studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 REFERENCE = Path(__file__).parents[2] / "reference" / "inputs"
 TABLES = Path(__file__).parents[3] / "configs" / "tables"

@@ -10,7 +10,7 @@ from dh2urdf.studio.editing import edits, pasting
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 THREE = edits.with_cells(edits.resized(TableText(), 3), {(0, "a"): "1", (1, "a"): "2", (2, "a"): "3"})
 COLUMNS = ("joint", "a", "alpha", "d")

@@ -12,7 +12,7 @@ from dh2urdf.table_text import TableText
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 GOOD = TableText(
     name="x",

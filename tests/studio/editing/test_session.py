@@ -15,7 +15,7 @@ from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 
 @pytest.fixture

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from dh2urdf.kinematics.chain import as_matrices, dh_frames, dh_transform
+from dh2urdf.kinematics import dh_frames, dh_transform
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.session import Session
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 Q = {"a1": 0.3, "a2": -1.1}
 

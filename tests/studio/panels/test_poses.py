@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.spatial.transform import Rotation
 
-from dh2urdf.kinematics.chain import as_matrices, dh_frames, forward_kinematics
+from dh2urdf.kinematics import dh_frames, forward_kinematics
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.panels.poses import between
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 ANGLE = st.floats(-3.0, 3.0)
 

@@ -14,7 +14,8 @@ import pytest
 import trimesh
 from PIL import Image
 
-from dh2urdf.kinematics.chain import as_matrices, forward_kinematics
+from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.studio import gallery
 from dh2urdf.studio.drawing.turntable import FRAMES, LARGEST
 from dh2urdf.studio.editing.keeping import kept_table
@@ -23,7 +24,7 @@ from dh2urdf.studio.editing.session import Session
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 
 def choose(tab: Any, entry: str) -> None:

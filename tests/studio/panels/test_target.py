@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from dh2urdf.kinematics.chain import as_matrices, forward_kinematics
+from dh2urdf.kinematics import forward_kinematics
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.session import Session
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.plugin_system import Catalog
 
 
 def arm_of(file: str, catalog: Catalog) -> Manipulator:

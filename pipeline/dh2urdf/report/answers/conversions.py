@@ -64,7 +64,7 @@ def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = (
             for row, joint in moving
             if any(getattr(row.limits, each) is None and getattr(joint.limits, each) is not None for each in bounds)
         ]
-    return {what: tuple(names) for what, names in found.items() if names}
+    return {what: tuple(found[what]) for what in FILLED_IN if found[what]}
 
 
 def closing_line(conversion: Conversion, place: str) -> str:

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from arms import LONG, write_table
 from measuring import in_turn, machine, seconds, table
 
-from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_vectors
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import Call
@@ -53,7 +53,7 @@ def work(name: str, catalog: Catalog, manipulators: list[Manipulator], folder: P
     for manipulator in manipulators:
         robot, truth = (
             make_robot(manipulator, Call(stage=transform, options=transform.options())),
-            Truth.of(manipulator),
+            ExpectedPoses.of(manipulator),
         )
         first, *others = emitter.emit(robot, manipulator.name, emitter.options())
         for file in (first, *others):

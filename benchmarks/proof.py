@@ -27,7 +27,7 @@ from measuring import machine, table
 
 from dh2urdf.columns import in_columns
 from dh2urdf.kinematics import KinematicChain, forward_kinematics
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import prove
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.plugin_system.catalog import load
@@ -118,7 +118,7 @@ def of_columns(members: int, rounds: int, **kind: bool) -> float:
 def of_one(rounds: int, *, axes: int = 6, all_numbers: bool = False, **how: bool) -> float:
     """Seconds for the proof of an arm that is made by itself."""
     one = arm("arm", random.Random(2), axes=axes, all_numbers=all_numbers)
-    robot, truth = TRANSFORM.transform(one, OPTIONS), Truth.of(one)
+    robot, truth = TRANSFORM.transform(one, OPTIONS), ExpectedPoses.of(one)
     poses = proof_vectors(truth, robot, RANDOM)
     if not prove(truth, robot, poses, **how).holds:
         raise ValueError("not proved")

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from unittest.mock import patch
 
-from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import (
     ConfigError,
     EmitterError,
@@ -28,7 +28,7 @@ from dh2urdf.errors import (
     TableError,
 )
 from dh2urdf.kinematics.chain import forward_kinematics
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.plugin_system.calls import Call
@@ -149,7 +149,7 @@ def _check_arm(arm: Manipulator) -> None:
         _check_problems([problem for problem in error.problems if problem.severity == "error"], "error")
         return
     _check_problems(robot.notices, "notice")
-    truth = Truth.of(arm)
+    truth = ExpectedPoses.of(arm)
     poses = proof_vectors(truth, robot, 2)
     written = parse_urdf(file.content, "arm.urdf")
     proof = prove(truth, written, poses)

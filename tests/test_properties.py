@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from hypothesis import given, settings, strategies as st
 
-from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import Call, Recipe, read_items, write_robot
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.conversion.robots import make_robot
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
@@ -133,5 +133,5 @@ def convert(table: Path, frames: str) -> Path:
     (manipulator,) = read_items(Call(stage=reader, options=reader.options()), table)
     assert isinstance(manipulator, Manipulator)
     robot = make_robot(manipulator, recipe.transform)
-    write_robot(Truth.of(manipulator), robot, recipe, directory=table.parent, stem=frames)
+    write_robot(ExpectedPoses.of(manipulator), robot, recipe, directory=table.parent, stem=frames)
     return table.parent / f"{frames}.urdf"

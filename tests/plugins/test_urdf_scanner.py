@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import Call
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator

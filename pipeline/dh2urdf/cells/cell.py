@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.cells.wanted_tables import cannot_be_made
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import TOOL, KinematicChain, forward_kinematics
-from dh2urdf.kinematics.expected_poses import Stretch, Tip, Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Arm, Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
@@ -24,7 +24,7 @@ from dh2urdf.validation.coercion import replace_unchecked
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from dh2urdf.cells.wanted_tables import Gathering
+    from dh2urdf.cells.wanted_tables import WantedTables
     from dh2urdf.robot import Geometry
 
 WORLD = "world"
@@ -97,7 +97,7 @@ class Cell:
         return self.call.mark
 
 
-def with_tables(cells: Sequence[CellCall], gathering: Gathering) -> Iterator[Cell | Rejected]:
+def with_tables(cells: Sequence[CellCall], gathering: WantedTables) -> Iterator[Cell | Rejected]:
     """The cells with their tables, once everything has been seen; why not, where one cannot be made."""
     for cell in cells:
         found: dict[str, Manipulator] = {}
@@ -254,7 +254,7 @@ def _number_geometry(geometry: Geometry) -> Geometry:
 # --- What is proved ---------------------------------------------------------------------------------------------------
 
 
-def truth_of(cell: Cell, robots: Mapping[str, Robot]) -> Truth:
+def truth_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
     """Where the tables have tool0 of every arm of a cell.
 
     Args:
@@ -276,7 +276,7 @@ def truth_of(cell: Cell, robots: Mapping[str, Robot]) -> Truth:
         way = (*before[arm.name], _stretch(arm, cell.manipulators[arm.of]))
         names = [name for stretch in way for name in stretch.joints]
         tips.append(Tip(link=arm.prefix + TOOL, way=way, columns=tuple(columns[name] for name in names)))
-    return Truth(name=cell.name, root=WORLD, tips=tuple(tips), joints=joints, mark=cell.mark)
+    return ExpectedPoses(name=cell.name, root=WORLD, tips=tuple(tips), joints=joints, mark=cell.mark)
 
 
 def _stretch(arm: ArmCall, table: Manipulator) -> Stretch:

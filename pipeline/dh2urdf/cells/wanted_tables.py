@@ -18,7 +18,7 @@ SHOWN = 20
 """Names that a message lists."""
 
 
-class Gathering:
+class WantedTables:
     """Keeps the manipulators of some names, and no others."""
 
     def __init__(self, names: Iterable[str]) -> None:

@@ -14,8 +14,8 @@ from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
 from dh2urdf.commands.chosen_table import reader_call, refuse_run_file
-from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import default_call

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
 from dh2urdf.commands.options_of_stages import Asker, stage_calls
-from dh2urdf.conversion.making import make_item
 from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
+from dh2urdf.conversion.robots import make_item
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, EditError, InputError, PluginError, RobotError, TableError, TransformError
 from dh2urdf.late_dataclasses import dataclass
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.commands.options_of_stages import Setting
-    from dh2urdf.kinematics.expected_poses import Truth
+    from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof import Proof
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Emitter
@@ -311,7 +311,7 @@ def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
 
 
 def _write(
-    truth: Truth, robot: Robot, recipe: Recipe, target: Path | None, inputs: Sequence[Path]
+    truth: ExpectedPoses, robot: Robot, recipe: Recipe, target: Path | None, inputs: Sequence[Path]
 ) -> tuple[Written, ...]:
     """The files of a robot, proved and put where they belong: at a file's name, into a folder, or nowhere."""
     stem = safe_stem(truth.name)

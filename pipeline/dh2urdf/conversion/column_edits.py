@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.conversion.making import refuse_new_name, with_edits
+from dh2urdf.conversion.robots import refuse_new_name, with_edits
 from dh2urdf.elementwise import DividedError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import Call, blaming

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
-from dh2urdf.conversion.making import a_robot, keeps_kinematics
 from dh2urdf.conversion.own_folders import refuse_one_folder
+from dh2urdf.conversion.robots import a_robot, keeps_kinematics
 from dh2urdf.errors import EmitterError, ProofError, TableError
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
@@ -31,7 +31,7 @@ from dh2urdf.stages import Edit, EmittedFile, Emitter, Loader, Reader, Rejected,
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from dh2urdf.kinematics.expected_poses import Truth
+    from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof_vectors import Poses
     from dh2urdf.provenance import Trace
     from dh2urdf.robot import Robot
@@ -153,7 +153,7 @@ def with_copies(robot: Robot, recipe: Recipe) -> Robot:
 
 
 def write_robot(
-    truth: Truth,
+    truth: ExpectedPoses,
     robot: Robot,
     recipe: Recipe,
     *,
@@ -192,7 +192,7 @@ def write_robot(
 
 
 def emit_robot(
-    truth: Truth,
+    truth: ExpectedPoses,
     robot: Robot,
     recipe: Recipe,
     *,
@@ -250,7 +250,7 @@ def emit_robot(
 
 
 def _prove_file(
-    truth: Truth, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe, at_once: bool
+    truth: ExpectedPoses, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe, at_once: bool
 ) -> Proof | None:
     emitter = call.stage
     if emitter.read_back is None:

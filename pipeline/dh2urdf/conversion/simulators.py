@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.conversion.one_manipulator import Recipe, Written
     from dh2urdf.isolation.loads import KeptChildren
-    from dh2urdf.kinematics.expected_poses import Truth
+    from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
 
@@ -84,7 +84,7 @@ class Loaded(NamedTuple):
 
 
 def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
-    truth: Truth,
+    truth: ExpectedPoses,
     robot: Robot,
     recipe: Recipe,
     written: Sequence[Written],
@@ -152,7 +152,7 @@ def _missing(name: str, why: str) -> Verdict:
 
 
 def load_written(
-    truth: Truth,
+    truth: ExpectedPoses,
     robot: Robot,
     call: Call[Loader[Any]],
     written: Sequence[Written],

@@ -81,7 +81,7 @@ class Tip:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Truth:
+class ExpectedPoses:
     """What the tables declare about a robot.
 
     Attributes:
@@ -99,7 +99,7 @@ class Truth:
     mark: Mark | None = None
 
     @classmethod
-    def of(cls, manipulator: Manipulator) -> Truth:
+    def of(cls, manipulator: Manipulator) -> ExpectedPoses:
         """The truth of a robot that is one arm."""
         joints = tuple(row.joint for row in manipulator.moving_rows)
         tip = Tip(link=TOOL, way=(Stretch(manipulator, joints),), columns=tuple(range(len(joints))))

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.chain import TOOL, compile_joints, joints_between, reach
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
 from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, Frame, JointValue, values_of
 from dh2urdf.kinematics.walk.vectors import STACKS
@@ -75,7 +75,7 @@ class Proof:
         )
 
 
-def prove(truth: Truth, written: Robot, poses: Sequence[Sequence[float]], *, at_once: bool = False) -> Proof:
+def prove(truth: ExpectedPoses, written: Robot, poses: Sequence[Sequence[float]], *, at_once: bool = False) -> Proof:
     """Compare T(root → tool0), of every arm, of what was written with the DH product.
 
     Args:
@@ -110,7 +110,7 @@ def _written_way(joints: Sequence[Joint], columns: Sequence[int] | None = None) 
     return chain
 
 
-def joints_to(truth: Truth, tip: Tip, written: Robot) -> tuple[Joint, ...]:
+def joints_to(truth: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint, ...]:
     """The joints on the written way to a tip, of which those that move have to be those of the tables' way.
 
     Raises:
@@ -242,7 +242,7 @@ def prove_columns(
         order; None where no group has its file.
     """
     found: dict[int, Proof | ProofError] = {}
-    truth = Truth.of(tables.table)
+    truth = ExpectedPoses.of(tables.table)
     for places, described in written:
         try:
             joints = joints_to(truth, truth.tips[0], described)
@@ -259,7 +259,7 @@ def prove_columns(
 def _refusals(tables: ManipulatorColumns, places: Sequence[int], described: Robot) -> Iterator[tuple[int, ProofError]]:
     """Why there is no proof, for each of the members of a group, with its name."""
     for place in places:
-        truth = Truth.of(tables.pick(place))
+        truth = ExpectedPoses.of(tables.pick(place))
         try:
             joints_to(truth, truth.tips[0], replace(described, name=truth.name))
         except ProofError as error:
@@ -292,7 +292,10 @@ def _proofs(
     table = replace_unchecked(table, rows=tuple([_row(row, of_tables) for row in table.rows]))
     q = joint_columns(table, robot, of_tables, count)
     with np.errstate(all="ignore"):
-        said, found = Truth.of(table).tips[0].compiled(), _written_way([_joint(joint, of_files) for joint in joints])
+        said, found = (
+            ExpectedPoses.of(table).tips[0].compiled(),
+            _written_way([_joint(joint, of_files) for joint in joints]),
+        )
     shape = (3 + count, len(places))
     largest = _largest_of_arms(said, found, values_of(q), shape)
     return [

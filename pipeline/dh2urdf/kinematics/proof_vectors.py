@@ -17,7 +17,7 @@ from dh2urdf.elementwise import greater_of, smaller_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.kinematics.expected_poses import Truth
+    from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.walk.vectors import Numbers
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint, Robot
@@ -39,7 +39,7 @@ def fractions(joints: int, count: int) -> Poses:
     return tuple(tuple(draw.random() for _ in range(joints)) for _ in range(count))
 
 
-def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
+def joint_vectors(truth: ExpectedPoses, robot: Robot, count: int) -> Poses:
     """Joint vectors inside the limits: the one nearest to zero, then random ones [rad or m].
 
     Args:
@@ -56,7 +56,7 @@ def joint_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
     return (nearest_to_zero, *others) if count > 0 else ()
 
 
-def proof_vectors(truth: Truth, robot: Robot, count: int) -> Poses:
+def proof_vectors(truth: ExpectedPoses, robot: Robot, count: int) -> Poses:
     """The joint vectors of a proof: all zero (inside the limits or not), both ends, and `count` inside the limits."""
     ranges = joint_ranges(truth, robot)
     ends = [tuple(0.0 for _ in ranges), tuple(low for low, _ in ranges), tuple(high for _, high in ranges)]
@@ -79,7 +79,7 @@ def joint_columns(table: Manipulator, robot: Robot, pick: Pick, count: int) -> l
     return values
 
 
-def joint_ranges(truth: Truth, robot: Robot) -> list[tuple[float, float]]:
+def joint_ranges(truth: ExpectedPoses, robot: Robot) -> list[tuple[float, float]]:
     """The ends of every joint's limits, as far as they are sampled [rad or m]; a full turn where there are none."""
     joints = {joint.name: joint for joint in robot.joints}
     return [_range(joints.get(name)) for name in truth.joints]

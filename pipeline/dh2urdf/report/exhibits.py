@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.cells.cell import Cell
-from dh2urdf.conversion.making import make_item
 from dh2urdf.conversion.outcome import ManifestRow
+from dh2urdf.conversion.robots import make_item
 from dh2urdf.errors import ManipulatorError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Joint, Link, Robot
@@ -105,7 +105,7 @@ class Exhibit:
     row: ManifestRow
     what: Manipulator | Cell | None
     robot: Robot | None = None
-    truth: Truth | None = None
+    truth: ExpectedPoses | None = None
 
     @classmethod
     def of(cls, number: int, row: ManifestRow, what: Single, recipe: Recipe) -> Exhibit:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from dh2urdf.kinematics.expected_poses import Truth
+    from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.report.skeletons import Skeleton
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import Vec3
@@ -78,7 +78,7 @@ _STYLE: dict[str, Any] = {
 # --- The arm --------------------------------------------------------------------------------------------------------
 
 
-def arm_figure(truth: Truth, key: str) -> str:
+def arm_figure(truth: ExpectedPoses, key: str) -> str:
     """The arms of a robot where all joint values are 0, with joint axes and DH frames, as SVG.
 
     Args:
@@ -174,7 +174,7 @@ class Workspace:
         points: positions of every tip in the root frame at random joint vectors inside the limits, (samples, 3) [m].
     """
 
-    def __init__(self, truth: Truth, robot: Robot) -> None:
+    def __init__(self, truth: ExpectedPoses, robot: Robot) -> None:
         import numpy as np
 
         ranges = np.array(joint_ranges(truth, robot)).reshape(-1, 2)

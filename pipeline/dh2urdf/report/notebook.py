@@ -14,7 +14,7 @@ from importlib.resources import files
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY
@@ -175,7 +175,7 @@ def _drawing(what: Manipulator | Robot) -> str:
         if isinstance(what, Robot):
             bones, frames = robot_skeleton(what), "link frames"
         else:
-            bones, frames = arm_skeleton(Truth.of(what).tips[0]), "DH frames"
+            bones, frames = arm_skeleton(ExpectedPoses.of(what).tips[0]), "DH frames"
     except (ValueError, OverflowError):  # no tree, or an angle that is no number or endless
         return ""
     places = [*bones.tips, *(frame.translation for frame in bones.frames)]

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import orjson
 
 from dh2urdf.conversion.column_edits import edited_robots, edited_tables
-from dh2urdf.conversion.making import make_item, new_notices
 from dh2urdf.conversion.one_manipulator import Written, emit_robot, with_copies, with_notices
 from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
+from dh2urdf.conversion.robots import make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cells.cell import Cell
 from dh2urdf.commands.check import expanded_with
-from dh2urdf.conversion.making import make_item, make_robot
 from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.robots import make_item, make_robot
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.foreign_robot import ForeignRobot, following, with_followers

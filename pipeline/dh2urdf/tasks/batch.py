@@ -12,7 +12,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, overload
 
 from dh2urdf.cells.cell import Cell, with_tables
-from dh2urdf.cells.wanted_tables import Gathering
+from dh2urdf.cells.wanted_tables import WantedTables
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, in_columns
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
@@ -285,7 +285,7 @@ def items(plan: Plan, expected: Expected, *, columns: bool = False) -> Iterator[
         columns: whether manipulators may come in columns.
     """
     needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
-    gathering = Gathering(needed)
+    gathering = WantedTables(needed)
     meshes = MeshGiver(plan.meshes)
     count = 0
     for path, call in plan.inputs:
@@ -337,7 +337,7 @@ def _file(mark: Mark | None) -> str:
     return mark.file if mark else ""
 
 
-def _variants(call: VariationCall, gathering: Gathering) -> Iterator[Variant | Rejected]:
+def _variants(call: VariationCall, gathering: WantedTables) -> Iterator[Variant | Rejected]:
     """The variants of a variation, one by one; why not, where there can be none."""
     table = gathering.table(call.of, f"the variation {shown(call.name)}", call.of_mark or call.mark)
     try:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.columns import RobotColumns
 from dh2urdf.errors import Dh2UrdfError, EmitterError, InputError, PluginError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.robot import Box, Link, Sphere, Visual
@@ -184,7 +184,7 @@ class EmitterContract(StageContract):
         if self.stage.read_back is None:
             return  # A format that holds no kinematics, such as a data sheet.
         for manipulator in reference_manipulators():
-            robot, truth = plain_robot(manipulator), Truth.of(manipulator)
+            robot, truth = plain_robot(manipulator), ExpectedPoses.of(manipulator)
             _write(tmp_path, files := self._emit(robot))
             if not files[0].is_robot:
                 continue

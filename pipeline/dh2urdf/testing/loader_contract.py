@@ -13,7 +13,7 @@ import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError, UnknownStageError
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_vectors
 from dh2urdf.measuring.opened_arm import load_function
 from dh2urdf.plugin_system.catalog import load
@@ -254,7 +254,7 @@ class LoaderContract(StageContract):
     def _request(self, folder: Path, manipulator: Manipulator | None = None) -> LoadRequest:
         """A written file of a reference arm, and where its tool0 is by the oracle's matrices."""
         manipulator = manipulator or reference_manipulators()[0]
-        robot, truth = plain_robot(manipulator), Truth.of(manipulator)
+        robot, truth = plain_robot(manipulator), ExpectedPoses.of(manipulator)
         path = self._written(robot, folder)
         poses = joint_vectors(truth, robot, self.stage.poses(self.given()))
         frames = tuple(tuple(number for row in table_pose(manipulator, q) for number in row) for q in poses)

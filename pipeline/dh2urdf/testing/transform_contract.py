@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import PluginError, ProofError, TransformError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
@@ -67,7 +67,7 @@ class TransformContract(StageContract):
         clause = self.test_keeps_the_kinematics
         remedy = "fix the transform; or, where another arm is meant, let keeps_kinematics say False with these options"
         for manipulator in self._manipulators():
-            robot, truth = self._transform(manipulator), Truth.of(manipulator)
+            robot, truth = self._transform(manipulator), ExpectedPoses.of(manipulator)
             poses = proof_vectors(truth, robot, POSES)
             try:
                 proof = prove(truth, robot, poses)

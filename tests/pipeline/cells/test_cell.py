@@ -13,9 +13,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, truth_of, with_tables
-from dh2urdf.cells.wanted_tables import Gathering
-from dh2urdf.conversion.making import make_cell
+from dh2urdf.cells.wanted_tables import WantedTables
 from dh2urdf.conversion.one_manipulator import Call
+from dh2urdf.conversion.robots import make_cell
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.kinematics.proof import prove
@@ -470,7 +470,7 @@ class TestGathering:
     CALL = CellCall(name="pair", arms=(call("a", "arm"), call("b", "arm")), mark=Mark(file="run.yaml", line=3))
 
     def gathered(self, *items: Manipulator | Rejected) -> Cell | Rejected:
-        gathering = Gathering(["arm"])
+        gathering = WantedTables(["arm"])
         for item in items:
             gathering.see(item)
         (found,) = with_tables([self.CALL], gathering)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import (
     Call,
     Recipe,
@@ -18,6 +17,7 @@ from dh2urdf.conversion.one_manipulator import (
     read_items,
     write_robot,
 )
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import (
     EmitterError,
     MissingDependencyError,
@@ -27,7 +27,7 @@ from dh2urdf.errors import (
     TableError,
     TransformError,
 )
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Mark, Problem
@@ -112,7 +112,7 @@ def write(
 ) -> Sequence[Written]:
     drawing = transforming(lambda _table, _options: robot(), keeps=keeps)
     recipe = Recipe(transform=drawing, emitters=emitters, poses=4)
-    return write_robot(Truth.of(TABLE), of or robot(), recipe, directory=to, stem="arm", **more)
+    return write_robot(ExpectedPoses.of(TABLE), of or robot(), recipe, directory=to, stem="arm", **more)
 
 
 def fail(*_: object) -> Any:
@@ -279,7 +279,7 @@ class TestWriteRobot:
         """A long run leaves the slow proofs to a sample, and those only; or all of them; the files are written."""
         emitters = (emitting(), emitting("slow", suffix=".slow", costly=True))
         recipe = Recipe(transform=transforming(lambda *_: robot()), emitters=emitters, poses=4)
-        written = emit_robot(Truth.of(TABLE), robot(), recipe, folder=tmp_path, stem="arm", **asked)
+        written = emit_robot(ExpectedPoses.of(TABLE), robot(), recipe, folder=tmp_path, stem="arm", **asked)
         assert [each.proof is not None for each in written] == proofs
         assert {path.name for path in tmp_path.iterdir()} == {"arm.pickle", "arm.slow"}
 
@@ -287,10 +287,10 @@ class TestWriteRobot:
         """Nobody looks: what a run does not prove it does not claim either."""
         recipe = Recipe(transform=transforming(lambda *_: robot()), emitters=(emitting(),), poses=4)
         longer = robot(length=0.6)
-        (written,) = emit_robot(Truth.of(TABLE), longer, recipe, folder=tmp_path, stem="arm", proved=False)
+        (written,) = emit_robot(ExpectedPoses.of(TABLE), longer, recipe, folder=tmp_path, stem="arm", proved=False)
         assert written.proof is None
         with pytest.raises(ProofError):
-            emit_robot(Truth.of(TABLE), longer, recipe, folder=tmp_path, stem="arm")
+            emit_robot(ExpectedPoses.of(TABLE), longer, recipe, folder=tmp_path, stem="arm")
 
     def test_the_first_main_file_can_be_named(self, tmp_path: Path) -> None:
         """A person may name the main file; the files beside it keep their names."""

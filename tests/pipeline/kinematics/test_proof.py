@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import LARGEST_SAMPLE, fractions, joint_vectors, proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
@@ -24,7 +24,7 @@ TABLE = Manipulator(
     ),
 )
 """Turns about z, reaches 0.5 m along x, slides along −y."""
-TRUTH = Truth.of(TABLE)
+TRUTH = ExpectedPoses.of(TABLE)
 
 
 def written(**changes: Joint) -> Robot:
@@ -108,18 +108,20 @@ class TestJointVectors:
             "from dh2urdf.manipulator import *; from dh2urdf.robot import *; from dh2urdf.kinematics.proof_vectors import *; from dh2urdf.kinematics.expected_poses import *\n"
             "row = DHRow(joint='j', link='l', a=0.0, alpha=0.0, d=0.0)\n"
             "table = Manipulator(name='arm', convention=Convention.STANDARD, rows=(row,))\n"
-            "print(joint_vectors(Truth.of(table), Robot(name='arm', links=(), joints=()), 3))"
+            "print(joint_vectors(ExpectedPoses.of(table), Robot(name='arm', links=(), joints=()), 3))"
         )
         table = Manipulator(
             name="arm", convention=Convention.STANDARD, rows=(DHRow(joint="j", link="l", a=0.0, alpha=0.0, d=0.0),)
         )
-        here = joint_vectors(Truth.of(table), Robot(name="arm", links=(), joints=()), 3)
+        here = joint_vectors(ExpectedPoses.of(table), Robot(name="arm", links=(), joints=()), 3)
         there = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
         assert there.strip() == str(here)
 
     def test_arms_of_as_many_joints_have_the_same(self) -> None:
         """The vectors are fractions of the limits that depend on the number of joints alone."""
-        assert joint_vectors(Truth.of(replace(TABLE, name="other")), written(), 9) == joint_vectors(TRUTH, written(), 9)
+        assert joint_vectors(ExpectedPoses.of(replace(TABLE, name="other")), written(), 9) == joint_vectors(
+            TRUTH, written(), 9
+        )
         wider = replace(joint("turn"), limits=Limits(lower=-2.0, upper=4.0))
         turns = [q[0] for q in joint_vectors(TRUTH, written(), 9)]
         assert [q[0] for q in joint_vectors(TRUTH, written(turn=wider), 9)] == [2 * turn for turn in turns]
@@ -201,7 +203,7 @@ class TestProve:
             replace(joint("turn"), axis=(0.0, 0.0, -1.0)),
             Joint(name="end", type=JointType.FIXED, parent="one", child="tool0"),
         )
-        proof = prove(Truth.of(table), Robot(name="wrist", links=(), joints=joints), [(0.0,), (0.5,), (-0.2,)])
+        proof = prove(ExpectedPoses.of(table), Robot(name="wrist", links=(), joints=joints), [(0.0,), (0.5,), (-0.2,)])
         assert proof.q == (0.5,)
         assert proof.position_error == 0.0
         assert proof.angle_error == pytest.approx(1.0)
@@ -212,7 +214,7 @@ class TestProve:
         assert prove(TRUTH, written(), [(0.0, 0.0)]).tolerance == TOLERANCE
         crane = replace(TABLE, rows=(replace(TABLE.rows[0], a=1000.0), *TABLE.rows[1:]))
         long = replace(joint("bolt"), origin=Origin(xyz=(1000.0, 0.0, 0.0)))
-        assert prove(Truth.of(crane), written(bolt=long), POSES).tolerance == pytest.approx(TOLERANCE * 1000.65)
+        assert prove(ExpectedPoses.of(crane), written(bolt=long), POSES).tolerance == pytest.approx(TOLERANCE * 1000.65)
 
     @pytest.mark.parametrize(
         ("position", "angle", "holds"),
@@ -277,7 +279,7 @@ class TestChainsThatDoNotMatch:
             ),
         )
         robot = Robot(name="arm", links=(), joints=joints)
-        poses = proof_vectors(Truth.of(table), robot, 2)
+        poses = proof_vectors(ExpectedPoses.of(table), robot, 2)
         assert set(poses) == {()}
         for at_once in (False, True):
-            assert prove(Truth.of(table), robot, poses, at_once=at_once).holds
+            assert prove(ExpectedPoses.of(table), robot, poses, at_once=at_once).holds

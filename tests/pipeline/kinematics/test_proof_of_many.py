@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.columns import RobotColumns, column, in_columns
-from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import Call
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import KinematicChain, angle_error, position_error
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import BLOCK, TOLERANCE, Proof, prove, prove_columns
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
@@ -81,7 +81,7 @@ def proved(
 
 
 def proved_alone(table: Manipulator, robot: Robot, file: bytes) -> Proof:
-    truth = Truth.of(table)
+    truth = ExpectedPoses.of(table)
     return prove(truth, parse_urdf(file, robot.name), proof_vectors(truth, robot, COUNT))
 
 
@@ -97,7 +97,7 @@ def test_every_published_robot(reference_robot: ReferenceRobot) -> None:
         assert proof.position_error < 1e-5 * proof.tolerance
         assert proof.angle_error < 1e-13
         assert (proof.poses, proof.tolerance, proof.tip) == (alone.poses, alone.tolerance, alone.tip)
-        assert proof.q in proof_vectors(Truth.of(table), robot, COUNT)
+        assert proof.q in proof_vectors(ExpectedPoses.of(table), robot, COUNT)
 
 
 # --- Wrong files ------------------------------------------------------------------------------------------------------
@@ -247,8 +247,8 @@ def test_the_figures_are_those_of_the_proof_of_one(tables: list[Manipulator], fr
         assert proof.position_error == pytest.approx(alone.position_error, rel=1e-9, abs=1e-13)
         assert proof.tolerance == alone.tolerance
         assert proof.poses == alone.poses
-        assert proof.q in proof_vectors(Truth.of(table), robot, COUNT)
-        tip = Truth.of(table).tips[0]
+        assert proof.q in proof_vectors(ExpectedPoses.of(table), robot, COUNT)
+        tip = ExpectedPoses.of(table).tips[0]
         said, found = tip.pose(proof.q), KinematicChain.between(parse_urdf(file, "arm")).forward_kinematics(proof.q)
         assert position_error(said, found) == pytest.approx(proof.position_error, rel=1e-9, abs=1e-13)
         if all(joint.type in (JointType.FIXED, JointType.PRISMATIC) for joint in robot.joints):

@@ -457,10 +457,10 @@ class TestDrawings:
     def test_the_skeleton_ends_where_tool0_is(self, reference_robot: ReferenceRobot) -> None:
         """Joint axes and frames of every published table are those of its DH product at zero, in both conventions."""
         from dh2urdf.kinematics import forward_kinematics
-        from dh2urdf.kinematics.expected_poses import Truth
+        from dh2urdf.kinematics.expected_poses import ExpectedPoses
 
         table_ = reference_robot.manipulator
-        arm = arm_skeleton(Truth.of(table_).tips[0])
+        arm = arm_skeleton(ExpectedPoses.of(table_).tips[0])
         zero = [0.0] * len(table_.moving_rows)
         expected = forward_kinematics(table_, zero)
         np.testing.assert_allclose(arm.tips[0], expected.translation, atol=1e-12)
@@ -480,13 +480,13 @@ class TestDrawings:
 
     def test_the_workspace_is_inside_the_reach(self, reference_robot: ReferenceRobot) -> None:
         """No point is farther from the root than the table's lengths together, and some are not near."""
-        from dh2urdf.conversion.making import make_robot
         from dh2urdf.conversion.one_manipulator import Call
-        from dh2urdf.kinematics.expected_poses import Truth
+        from dh2urdf.conversion.robots import make_robot
+        from dh2urdf.kinematics.expected_poses import ExpectedPoses
 
         stage = load().get("transform", "alpha-swap")
         robot = make_robot(reference_robot.manipulator, Call(stage=stage, options=stage.options()))
-        truth = Truth.of(reference_robot.manipulator)
+        truth = ExpectedPoses.of(reference_robot.manipulator)
         workspace = Workspace(truth, robot)
         extent = workspace.extent("tool0")
         limits = [joint.limits for joint in robot.moving_joints if joint.type.value == "prismatic"]

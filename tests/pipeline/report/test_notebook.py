@@ -151,11 +151,11 @@ class TestDrawings:
 
     def test_the_robot_is_drawn_where_it_is(self, reference_robot: ReferenceRobot) -> None:
         """A drawn robot ends at tool0, and a joint's axis goes through the joint in its direction."""
-        from dh2urdf.kinematics.expected_poses import Truth
+        from dh2urdf.kinematics.expected_poses import ExpectedPoses
         from dh2urdf.report.skeletons import arm_skeleton, robot_skeleton
 
         arm = reference_robot.manipulator
-        bones, truth = robot_skeleton(robot_of(arm)), arm_skeleton(Truth.of(arm).tips[0])
+        bones, truth = robot_skeleton(robot_of(arm)), arm_skeleton(ExpectedPoses.of(arm).tips[0])
         np.testing.assert_allclose(bones.tips[-1], arm.fk(np.zeros(len(arm.moving_rows)))[:3, 3], atol=1e-9)
         for drawn, expected in zip(bones.axes, truth.axes, strict=True):
             assert (drawn.number, drawn.slides) == (expected.number, expected.slides)

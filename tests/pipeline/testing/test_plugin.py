@@ -10,7 +10,7 @@ import pytest
 import dh2urdf_plugins
 from dh2urdf.errors import UnknownStageError
 from dh2urdf.kinematics import forward_kinematics
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, JointType
@@ -42,14 +42,14 @@ class TestReferenceArms:
     @ARMS
     def test_the_plain_robot_is_the_arm(self, arm: Manipulator) -> None:
         """It is proved as any other robot, and every reader takes it."""
-        robot, truth = plain_robot(arm), Truth.of(arm)
+        robot, truth = plain_robot(arm), ExpectedPoses.of(arm)
         assert prove(truth, robot, proof_vectors(truth, robot, 20)).holds
         assert check_robot(robot) == ()
 
     @ARMS
     def test_the_oracle_agrees_with_the_pipeline(self, arm: Manipulator) -> None:
         """Two computations of T(q) that share no code give the same frames."""
-        robot, truth = plain_robot(arm), Truth.of(arm)
+        robot, truth = plain_robot(arm), ExpectedPoses.of(arm)
         for q in proof_vectors(truth, robot, 20):
             rotation, translation = forward_kinematics(arm, q)
             found = table_pose(arm, q)

@@ -10,7 +10,7 @@ import pytest
 from dh2urdf.errors import LoaderError, PluginError
 from dh2urdf.isolation import loads
 from dh2urdf.isolation.loads import LOADS, KeptChildren, load_in_child
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_vectors
 from dh2urdf.plugin_system import load
 from dh2urdf.stages import LoadRequest
@@ -36,7 +36,7 @@ def options_of(loader: Loader[Any], *, picture: bool = False) -> Any:
 
 def request_of(manipulator: Manipulator, loader: Loader[Any], folder: Path) -> LoadRequest:
     """A written file; every arm has the same name of a file, in a folder of its own."""
-    robot, truth = plain_robot(manipulator), Truth.of(manipulator)
+    robot, truth = plain_robot(manipulator), ExpectedPoses.of(manipulator)
     emitter = CATALOG.get("emitter", loader.formats[0])
     folder.mkdir()
     for file in (files := emitter.emit(robot, "arm", emitter.options())):

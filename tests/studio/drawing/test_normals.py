@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from dh2urdf.conversion.making import make_robot
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, link_poses, position_error
 from dh2urdf.kinematics.comparison import Agreement, compare
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
 from dh2urdf.late_dataclasses import dataclass
@@ -84,7 +84,7 @@ def beside(figure: Figure, table: Manipulator, robot: Robot, *, base_link: str =
     if agreement.difference is None:
         return Beside(figure=figure, agreement=agreement)
     chain = KinematicChain.between(figure.robot, agreement.base_link, agreement.tip_link)
-    every = [differences(chain, table, q) for q in proof_vectors(Truth.of(table), robot, POSES)]
+    every = [differences(chain, table, q) for q in proof_vectors(ExpectedPoses.of(table), robot, POSES)]
     worst = tuple(
         Apart(max(each.distance for each in of_one), max(each.angle for each in of_one))
         for of_one in zip(*every, strict=True)

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.written_tables import in_format
-from dh2urdf.conversion.making import make_robot
 from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator

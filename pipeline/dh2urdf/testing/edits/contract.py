@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.columns import member, stacked
 from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import EditError, PluginError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.robot_check import check_robot
@@ -74,7 +74,7 @@ class EditContract(StageContract):
             return  # The edited table is the truth; or the proof reports the difference, and fails nothing.
         for manipulator in self._manipulators():
             table, robot = self._edited_table(manipulator), self._edited_robot(manipulator)
-            truth = Truth.of(table)
+            truth = ExpectedPoses.of(table)
             for q in proof_vectors(truth, plain_robot(table), POSES):
                 distance, angle = self._distance(table, robot, q)
                 tolerance = TOLERANCE * max(1.0, truth.tips[0].reach([q]))

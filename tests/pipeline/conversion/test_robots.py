@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.conversion.keys import recipe_key
-from dh2urdf.conversion.making import make_item, make_robot
 from dh2urdf.conversion.one_manipulator import Recipe, write_robot
+from dh2urdf.conversion.robots import make_item, make_robot
 from dh2urdf.errors import EditError, ProofError, RobotError, StageError
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.plugin_system.calls import Call

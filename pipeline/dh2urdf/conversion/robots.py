@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ManipulatorError, RobotError
-from dh2urdf.kinematics.expected_poses import Truth
+from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import Call, blaming, depending_on
 from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def make_item(
     item: Manipulator | Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
-) -> tuple[Robot, Truth]:
+) -> tuple[Robot, ExpectedPoses]:
     """The robot of a manipulator or cell, checked, and what its tables declare about it after the edits.
 
     Raises:
@@ -32,7 +32,7 @@ def make_item(
     """
     if isinstance(item, Manipulator):
         table = edited_table(item, edits)
-        return _robot_of(table, item, transform, edits), Truth.of(table)
+        return _robot_of(table, item, transform, edits), ExpectedPoses.of(table)
     return make_cell(item, transform, edits)
 
 
@@ -49,7 +49,7 @@ def make_robot(
 
 def make_cell(
     cell: Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
-) -> tuple[Robot, Truth]:
+) -> tuple[Robot, ExpectedPoses]:
     """The robot of a cell, checked, and what its tables declare about it.
 
     Notices about an arm go with its manipulator. Edits change each arm, not the cell.

@@ -18,7 +18,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf_plugins.read_back import urdf_scanner
+from dh2urdf_plugins.read_back import urdf_forms, urdf_scanner
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
 
@@ -121,10 +121,23 @@ def written(table: Manipulator, frames: str) -> bytes:
     return urdf(make_robot(table, Call(stage=stage, options=options)))
 
 
-@pytest.fixture(autouse=True)
-def anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No test knows the skeletons of another."""
+def with_other_numbers(step: float) -> bytes:
+    """The arm with another number in the place of each."""
+    head, robot, body = ARM.partition(b"<robot")
+    count = iter(range(1000))
+    return (
+        head + robot + re.sub(rb'(?<=[" ])-?[0-9][0-9.e-]*', lambda m: b"%r" % (float(m[0]) + step * next(count)), body)
+    )
+
+
+@pytest.fixture(autouse=True, params=[urdf_forms.ENOUGH, 1], ids=["a few files", "many files"])
+def anew(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """No test knows the skeletons of another; what many files have in common is learned before a test, or never."""
     monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner())
+    monkeypatch.setattr(urdf_forms, "ENOUGH", request.param)
+    if request.param == 1:
+        (group,) = scan_columns([with_other_numbers(step) for step in (0.01, 0.02, 0.03, 0.04)])
+        assert group[0] == [0, 1, 2, 3]
 
 
 class TestWhatIsRead:
@@ -301,7 +314,7 @@ class TestWhatIsLeftOut:
         noted = with_changes((b"<joint", b"<!-- no quotes & no joint --><joint"), (b"<link", b"<![CDATA[<]]><link"))
         assert scanned([noted, ARM]) == {0: as_read(noted), 1: as_read(ARM)}
 
-    @settings(max_examples=1500)
+    @settings(max_examples=750)
     @given(data=st.data())
     def test_a_damaged_file_is_left_out_or_read_as_it_is(self, data: st.DataObject) -> None:
         """Whatever happens to its bytes: what is read is what the slow reader reads, which refuses nothing of it."""
@@ -324,6 +337,24 @@ class TestWhatIsLeftOut:
 
 
 class TestWhatIsRemembered:
+    def test_what_many_files_have_in_common(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Files that differ in the numbers in which those before them differed are read together, to the last bit."""
+        arms = [with_other_numbers(step) for step in (0.01, 0.02, 0.03, 0.04)]
+        monkeypatch.setattr(urdf_forms, "ENOUGH", 1)
+        scan_columns(arms)
+        monkeypatch.delattr(urdf_scanner._Scanner, "_one")
+        files = [with_other_numbers(step) for step in (0.05, 1e-9, -0.3)]
+        assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
+
+    def test_numbers_that_were_always_equal(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A file in which a number is not the same as another one, as it was in all files before, is read as it is."""
+        monkeypatch.setattr(urdf_forms, "ENOUGH", 1)
+        twice = [with_changes((b"0 0 0.5", b"0 0 %d" % k), (b"0 0 0.25", b"0 0 %d" % k)) for k in (1, 2, 3, 4)]
+        other = with_changes((b"0 0 0.5", b"0 0 5"), (b"0 0 0.25", b"0 0 6"))
+        assert scanned([*twice, other, *twice]) == {
+            place: as_read(content) for place, content in enumerate([*twice, other, *twice])
+        }
+
     def test_the_order_of_the_files_changes_nothing(self) -> None:
         """A file is read or left out for what it is, whatever came before it."""
         files = [with_changes(change) for change in NOT_PLAIN.values()]

@@ -20,28 +20,28 @@ What is read is what the slow reader would read, well-formedness included, since
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import replace
-from operator import itemgetter
-from typing import TYPE_CHECKING, Any, TypeAlias
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import orjson
 from lxml import etree
 
 from dh2urdf.errors import ProofError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import Limits
-from dh2urdf.robot import Joint, Link, Origin, Robot
-from dh2urdf.rotations import ZERO
+from dh2urdf.robot import Link, Robot
+from dh2urdf_plugins.read_back.urdf_forms import (
+    Attribute,
+    Form,
+    Joints,
+    Picker,
+    Skeleton,
+    between_numbers,
+    numbers_in,
+    picker,
+)
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Sequence
-
-_Values: TypeAlias = list[bytes]
-"""The values of the attributes that follow the robot's name, in the order of the file."""
-_Attribute: TypeAlias = tuple[str, str]
-"""Tag and name of an attribute."""
+    from collections.abc import Hashable, Iterable, Iterator, Sequence
 
 # XML 1.0: prolog (22), XML declaration (23), comment (15), in which no `--` is, start tag (40).
 _HEAD = re.compile(
@@ -53,7 +53,7 @@ _HEAD = re.compile(
 _LINE_ENDS_AND_TABS = b"\t\r\n"
 
 # The attributes of the URDF specification (wiki.ros.org/urdf/XML) that are numbers; the joints' first.
-_NUMBERS: tuple[_Attribute, ...] = (
+_NUMBERS: tuple[Attribute, ...] = (
     ("origin", "xyz"),
     ("origin", "rpy"),
     ("axis", "xyz"),
@@ -73,29 +73,13 @@ _NUMBERS: tuple[_Attribute, ...] = (
     ("color", "rgba"),
 )
 _OF_JOINTS = _NUMBERS[:9]
-_IN_NUMBERS = b"0123456789.eE+-"
 
+_AT_ONCE = 64
+"""Files whose numbers are read in one call: so many that their texts stay in the processor's cache."""
+_MOST_FORMS = 4
+"""Forms of files that are tried before a file is read by itself."""
 _MOST_REMEMBERED = 1000
 """Layouts and skeletons that are remembered from call to call, some kilobytes each."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Joints:
-    """The joints of files whose joints differ in numbers only.
-
-    Attributes:
-        robot: those of one of them, with the names of its links.
-        places: for each joint, where among the numbers of a file those of its attributes begin.
-    """
-
-    robot: Robot
-    places: tuple[dict[_Attribute, int], ...]
-
-    def with_numbers(self, name: str, rows: Sequence[Sequence[float]]) -> Robot:
-        """The joints with the numbers of many files, a row for each."""
-        numbers = _columns(rows)
-        joints = zip(self.robot.joints, self.places, strict=True)
-        return replace(self.robot, name=name, joints=tuple([_with_numbers(*each, numbers) for each in joints]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,86 +88,121 @@ class _Layout:
 
     Attributes:
         words: picks the words.
-        numbers: picks the numbers, those of joints first.
-        of_joints: the places of the latter among the values.
-        commas: how many are between the numbers, where none is in them.
-        known: the joints of such files, and how many numbers they have, by the words and by what stands between the
-            numbers.
+        of_joints: the places of the numbers of joints among the values.
+        others: the places of the other numbers.
+        known: the skeletons of such files, by the words and by what stands between the numbers.
     """
 
-    words: Callable[[_Values], tuple[bytes, ...]]
-    numbers: Callable[[_Values], tuple[bytes, ...]]
+    words: Picker
     of_joints: tuple[int, ...]
-    commas: int
-    known: dict[tuple[tuple[bytes, ...], bytes], tuple[_Joints, int]]
+    others: tuple[int, ...]
+    known: dict[tuple[tuple[bytes, ...], bytes], Skeleton] = field(default_factory=dict)
+
+
+class _Found(NamedTuple):
+    """Files whose joints differ in numbers only.
+
+    Attributes:
+        joints: their joints.
+        indices: which files they are.
+        name: the robot's name in the first of them.
+        table: the numbers of their joints, a row for each.
+    """
+
+    joints: Joints
+    indices: list[int]
+    name: str
+    table: Any
 
 
 class _Scanner:
-    """Reads files one by one, and remembers the skeletons that it has met.
+    """Reads files, and remembers the skeletons that it has met.
 
     What it remembers makes it faster and changes nothing: a skeleton is the same, whichever of its files comes first.
     """
 
     def __init__(self) -> None:
         self._layouts: dict[bytes, _Layout] = {}
-        self._joints: dict[Hashable, _Joints] = {}
+        self._joints: dict[Hashable, Joints] = {}
+        self._forms: list[Form] = []
         self.size = 0
 
-    def scan(self, content: bytes) -> tuple[str, _Joints, list[float]] | None:
-        """The robot's name, its joints and their numbers; None where the file is not plain."""
-        head = _HEAD.match(content)
-        if head is None or not _is_printable(head[0]):
-            return None
-        body = content[head.end() :]
-        pieces = body.split(b'"')
+    def scan(self, contents: Iterable[tuple[int, bytes]]) -> Iterator[_Found]:
+        """The joints of files, given with their indices, that are plain."""
+        import numpy as np
+
+        waiting: dict[Form, list[tuple[int, str, bytes]]] = {}
+        for index, content in contents:
+            head = _HEAD.match(content)
+            if head is None or not _is_printable(head[0]):
+                continue
+            for place, form in enumerate(self._forms):
+                if (text := form.numbers(content, head.end())) is not None:
+                    waiting.setdefault(form, []).append((index, head[1].decode(), text))
+                    if place:
+                        self._forms.insert(0, self._forms.pop(place))
+                    break
+            else:
+                if found := self._one(content, head.end()):
+                    yield _Found(found[0], [index], head[1].decode(), np.array([found[1]], dtype=float))
+        for form, files in waiting.items():
+            good, table = form.rows([text for _, _, text in files])
+            if good:
+                yield _Found(form.joints, [files[place][0] for place in good], files[good[0]][1], table)
+
+    def _one(self, content: bytes, start: int) -> tuple[Joints, list[float]] | None:
+        """The joints of a file and their numbers; None where the file is not plain."""
+        pieces = content[start:].split(b'"')
         if len(pieces) % 2 == 0:
             return None
         markup, values = b'"'.join(pieces[::2]), pieces[1::2]
-        layout = self._layouts.get(markup) or self._lay_out(markup, content, body)
+        layout = self._layouts.get(markup) or self._lay_out(markup, content, start)
         if layout is None:
             return None
-        text = b",".join(layout.numbers(values))
-        if text.count(b",") != layout.commas:
+        places = (*layout.of_joints, *layout.others)
+        text = b",".join([values[place] for place in places])
+        if text.count(b",") != len(places) - 1:
             return None
-        try:
-            numbers = orjson.loads(b"[%b]" % text.replace(b" ", b","))
-        except orjson.JSONDecodeError:
+        numbers = numbers_in(text)
+        if numbers is None:
             return None  # And nothing is learned from what is not written so: its spaces may mean something else.
-        key = (layout.words(values), text.translate(None, _IN_NUMBERS))
-        known = layout.known.get(key) or self._learn(key, layout, content, body)
-        return known and (head[1].decode(), known[0], numbers[: known[1]])
+        key = (layout.words(values), between_numbers(text))
+        skeleton = layout.known.get(key)
+        if skeleton is None:
+            skeleton = self._learn(key, layout, content, start)
+        if skeleton is None:
+            return None
+        if form := skeleton.see(pieces):
+            self._forms = [form, *self._forms[: _MOST_FORMS - 1]]
+        return skeleton.joints, numbers[: skeleton.count]
 
-    def _lay_out(self, markup: bytes, content: bytes, body: bytes) -> _Layout | None:
-        attributes = _attributes(content, body)
+    def _lay_out(self, markup: bytes, content: bytes, start: int) -> _Layout | None:
+        attributes = _attributes(content, start)
         kinds = [(str(element.tag), name) for element, name in attributes]
         numbers = [index for index, kind in enumerate(kinds) if kind in _NUMBERS]
         words = [index for index, kind in enumerate(kinds) if kind not in _NUMBERS]
-        if len(numbers) < 2 or len(words) < 2:  # noqa: PLR2004 - `itemgetter` gives a tuple from two on
+        if not (numbers and words):
             return None
-        of_joints = [index for index in numbers if _is_of_joint(attributes[index][0])]
-        others = [index for index in numbers if not _is_of_joint(attributes[index][0])]
         layout = _Layout(
-            words=itemgetter(*words),
-            numbers=itemgetter(*of_joints, *others),
-            of_joints=tuple(of_joints),
-            commas=len(numbers) - 1,
-            known={},
+            words=picker(words),
+            of_joints=tuple([index for index in numbers if _is_of_joint(attributes[index][0])]),
+            others=tuple([index for index in numbers if not _is_of_joint(attributes[index][0])]),
         )
         self._layouts[markup] = layout
         self.size += 1
         return layout
 
     def _learn(
-        self, key: tuple[tuple[bytes, ...], bytes], layout: _Layout, content: bytes, body: bytes
-    ) -> tuple[_Joints, int] | None:
+        self, key: tuple[tuple[bytes, ...], bytes], layout: _Layout, content: bytes, start: int
+    ) -> Skeleton | None:
         try:
             robot = parse_urdf(content, "")
         except ProofError:
             return None
-        attributes = _attributes(content, body)
+        attributes = _attributes(content, start)
         if not attributes:
             return None
-        values = _values(body)
+        values = _values(content, start)
         starts: dict[tuple[etree._Element, str], int] = {}
         count = 0
         for index in layout.of_joints:
@@ -195,10 +214,11 @@ class _Scanner:
         shape = [(j.name, j.type, j.parent, j.child, *where.items()) for j, where in zip(joints, places, strict=True)]
         names = tuple([link.name for link in robot.links])
         robot = Robot(name=robot.name, links=tuple(map(_frame, names)), joints=tuple(joints))
-        found = self._joints.setdefault((names, *shape), _Joints(robot=robot, places=places))
-        layout.known[key] = found, count
+        found = self._joints.setdefault((names, *shape), Joints(robot=robot, places=places))
+        skeleton = Skeleton(joints=found, of_joints=layout.of_joints, others=layout.others, count=count)
+        layout.known[key] = skeleton
         self.size += 1
-        return found, count
+        return skeleton
 
 
 def _is_printable(head: bytes) -> bool:
@@ -209,12 +229,12 @@ def _is_printable(head: bytes) -> bool:
         return False
 
 
-def _values(body: bytes) -> _Values:
-    """What stands between the quotes."""
-    return body.split(b'"')[1::2]
+def _values(content: bytes, start: int) -> list[bytes]:
+    """What stands between the quotes, from a place on."""
+    return content[start:].split(b'"')[1::2]
 
 
-def _attributes(content: bytes, body: bytes) -> list[tuple[etree._Element, str]]:
+def _attributes(content: bytes, start: int) -> list[tuple[etree._Element, str]]:
     """The elements and the names of the attributes after the robot's name.
 
     None are given where lxml finds others than stand between the quotes: where a quote is not around an attribute, or a
@@ -225,7 +245,7 @@ def _attributes(content: bytes, body: bytes) -> list[tuple[etree._Element, str]]
     except etree.XMLSyntaxError:
         return []
     found = [(element, *item) for element in root.iter(etree.Element) for item in element.attrib.items()][1:]
-    if b"'" in body or [value.encode() for _, _, value in found] != _values(body):
+    if content.find(b"'", start) >= 0 or [value.encode() for _, _, value in found] != _values(content, start):
         return []
     return [(element, str(name)) for element, name, _ in found]
 
@@ -236,7 +256,7 @@ def _is_of_joint(element: etree._Element) -> bool:
     return joint is not None and joint.tag == "joint" and joint.getparent() is element.getroottree().getroot()
 
 
-def _places(joint: etree._Element, starts: dict[tuple[etree._Element, str], int]) -> dict[_Attribute, int]:
+def _places(joint: etree._Element, starts: dict[tuple[etree._Element, str], int]) -> dict[Attribute, int]:
     """Where the numbers of a joint's attributes begin; the first element of a tag is the one that is read."""
     found = {}
     for tag, name in _OF_JOINTS:
@@ -248,36 +268,6 @@ def _places(joint: etree._Element, starts: dict[tuple[etree._Element, str], int]
 
 def _frame(name: str) -> Link:
     return Link(name=name)
-
-
-def _columns(rows: Sequence[Sequence[float]]) -> list[Any]:
-    """The columns of a table as `dh2urdf.columns` has them: a float where all rows have the same number."""
-    import numpy as np
-
-    table = np.array(rows, dtype=float).T.copy()
-    alike = (table == table[:, :1]).all(axis=1)
-    return [float(column[0]) if same else column for column, same in zip(table, alike, strict=True)]
-
-
-def _with_numbers(joint: Joint, places: dict[_Attribute, int], numbers: Sequence[Any]) -> Joint:
-    """A joint with other numbers in the place of those that its file says."""
-
-    def number(tag: str, name: str) -> Any:  # noqa: ANN401 - a float or an array
-        place = places.get((tag, name))
-        return None if place is None else numbers[place]
-
-    def vector(tag: str, name: str, default: Any) -> Any:  # noqa: ANN401 - three floats or arrays
-        place = places.get((tag, name))
-        return default if place is None else tuple(numbers[place : place + 3])
-
-    return replace(
-        joint,
-        origin=Origin(xyz=vector("origin", "xyz", ZERO), rpy=vector("origin", "rpy", ZERO)),
-        axis=vector("axis", "xyz", joint.axis),
-        limits=Limits(**{name: number("limit", name) for name in ("lower", "upper", "velocity", "effort")}),
-        damping=number("dynamics", "damping"),
-        friction=number("dynamics", "friction"),
-    )
 
 
 _scanner = _Scanner()
@@ -295,14 +285,20 @@ def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
         For each group the places of its members among the files, and a robot with their joints, whose numbers are
         columns as in `dh2urdf.columns`, and the names of their links; its name is the first one's.
     """
+    import numpy as np
+
     global _scanner  # noqa: PLW0603 - the skeletons are remembered from call to call
     if _scanner.size > _MOST_REMEMBERED:
         _scanner = _Scanner()
-    groups: dict[_Joints, tuple[str, list[int], list[list[float]]]] = {}
-    for index, content in enumerate(contents):
-        if found := _scanner.scan(content):
-            name, joints, numbers = found
-            _, indices, rows = groups.setdefault(joints, (name, [], []))
-            indices.append(index)
-            rows.append(numbers)
-    return [(indices, joints.with_numbers(name, rows)) for joints, (name, indices, rows) in groups.items()]
+    groups: dict[Joints, list[_Found]] = {}
+    for first in range(0, len(contents), _AT_ONCE):
+        for found in _scanner.scan(enumerate(contents[first : first + _AT_ONCE], first)):
+            groups.setdefault(found.joints, []).append(found)
+    read = []
+    for joints, parts in groups.items():
+        indices = np.array(list(chain.from_iterable([part.indices for part in parts])))
+        order = np.argsort(indices)
+        name = min(parts, key=lambda part: part.indices[0]).name
+        table = np.concatenate([part.table for part in parts])[order]
+        read.append((indices[order].tolist(), joints.with_numbers(name, table)))
+    return sorted(read, key=lambda group: group[0][0])

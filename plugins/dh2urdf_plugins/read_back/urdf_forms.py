@@ -1,0 +1,207 @@
+"""What URDF files with the same markup have in common, learned from the files themselves: for `urdf_scanner`.
+
+Files of one skeleton differ in numbers only, and in few of these: most are the same text in every file, and many of the
+others are there twice. What is the same is compared as bytes; the rest is read, of many files in one call.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from operator import itemgetter
+from typing import Any, TypeAlias
+
+import orjson
+
+from dh2urdf.manipulator import Limits
+from dh2urdf.robot import Joint, Origin, Robot
+from dh2urdf.rotations import ZERO
+
+Attribute: TypeAlias = tuple[str, str]
+"""Tag and name of an attribute."""
+Picker: TypeAlias = Callable[[Sequence[bytes]], tuple[bytes, ...]]
+
+ENOUGH = 64
+"""Files of a skeleton from which on it pays to learn what they have in common: an expression costs 8 ms."""
+_IN_NUMBERS = b"0123456789.eE+-"
+
+
+def between_numbers(text: bytes) -> bytes:
+    """What is in a text besides the characters of numbers."""
+    return text.translate(None, _IN_NUMBERS)
+
+
+def numbers_in(text: bytes) -> list[float] | None:
+    """The numbers of a text, with a space or a comma between them; None where JSON does not write them so."""
+    try:
+        numbers: list[float] = orjson.loads(b"[%b]" % text.replace(b" ", b","))
+    except orjson.JSONDecodeError:
+        return None
+    return numbers or None
+
+
+def picker(places: Sequence[int]) -> Picker:
+    """What picks the entries at some places."""
+    if len(places) > 1:
+        return itemgetter(*places)
+    return lambda entries: tuple([entries[place] for place in places])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joints:
+    """The joints of files whose joints differ in numbers only.
+
+    Attributes:
+        robot: those of one of them, with the names of its links.
+        places: for each joint, where among the numbers of a file those of its attributes begin.
+    """
+
+    robot: Robot
+    places: tuple[dict[Attribute, int], ...]
+
+    def with_numbers(self, name: str, table: Any) -> Robot:  # noqa: ANN401 - an array
+        """The joints with the numbers of many files, a row for each."""
+        numbers = _columns(table)
+        joints = zip(self.robot.joints, self.places, strict=True)
+        return replace(self.robot, name=name, joints=tuple([_with_numbers(*each, numbers) for each in joints]))
+
+
+class Skeleton:
+    """Files that are the same bytes, but for the numbers in them.
+
+    Attributes:
+        joints: the joints of such files.
+        of_joints: the places of the numbers of joints among the values.
+        others: the places of the other numbers.
+        count: how many numbers of joints there are.
+    """
+
+    def __init__(self, joints: Joints, of_joints: Sequence[int], others: Sequence[int], count: int) -> None:
+        self.joints, self.of_joints, self.others, self.count = joints, of_joints, others, count
+        self._seen = 0
+        self._first: list[bytes] = []
+        self._varying: set[int] = set()
+        self._traces = dict.fromkeys((*of_joints, *others), 0)
+
+    def see(self, pieces: list[bytes]) -> Form | None:
+        """Take notice of one more file, whose numbers were read.
+
+        Returns:
+            What the files have in common, every time that twice as many were seen.
+        """
+        values = pieces[1::2]
+        self._seen += 1
+        self._first = self._first or values
+        self._varying.update([place for place in self._traces if values[place] != self._first[place]])
+        # Numbers with the same trace were the same text in every file; if not, a file is of no form, and that is all.
+        self._traces = {place: hash((trace, values[place])) for place, trace in self._traces.items()}
+        if self._seen < ENOUGH or self._seen.bit_count() > 1:
+            return None
+        return Form(self, pieces, {place: self._traces[place] for place in sorted(self._varying)})
+
+
+class Form:
+    """What the files of a skeleton have in common besides their markup and words: an expression that matches them.
+
+    Attributes:
+        joints: their joints.
+    """
+
+    def __init__(self, skeleton: Skeleton, pieces: list[bytes], traces: Mapping[int, int]) -> None:
+        """Learn from one of the files.
+
+        Args:
+            skeleton: the skeleton.
+            pieces: what quotes cut the file into.
+            traces: the places of the numbers that vary, with what those have in common that are always the same.
+        """
+        first = {trace: place for place, trace in reversed(traces.items())}
+        groups = {place: number for number, place in enumerate(sorted(first.values()), start=1)}
+        parts = list(map(re.escape, pieces))
+        for place, trace in traces.items():
+            name, is_first = b"_%d" % groups[first[trace]], place in groups
+            parts[2 * place + 1] = b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name
+        values = pieces[1::2]
+        moving = [place for place in skeleton.of_joints if place in traces]
+        said = {first[traces[place]] for place in moving}
+        lone = [*(first[traces[place]] for place in moving), *(place for place in groups if place not in said)]
+        text = b",".join([values[place] for place in lone])
+        counts = [values[place].count(b" ") + 1 for place in skeleton.of_joints]
+        spans = {
+            place: range(end - count, end)
+            for place, count, end in zip(skeleton.of_joints, counts, accumulate(counts), strict=True)
+        }
+        self.joints = skeleton.joints
+        self._match = re.compile(b'"'.join(parts)).fullmatch
+        self._lone = [groups[place] for place in lone]
+        self._between = between_numbers(text)
+        self._count = text.count(b" ") + text.count(b",") + 1 if lone else 0
+        self._columns = [column for place in moving for column in spans[place]]
+        self._row = numbers_in(b",".join([values[place] for place in skeleton.of_joints])) or []
+
+    def numbers(self, content: bytes, start: int) -> bytes | None:
+        """The numbers that are to be read in a file, with commas between them; None where it is of another form."""
+        match = self._match(content, start)
+        return None if match is None else b",".join(match.group(0, 0, *self._lone)[2:])
+
+    def rows(self, texts: Sequence[bytes]) -> tuple[list[int], Any]:
+        """The numbers of the joints of files of this form.
+
+        Args:
+            texts: the numbers that are to be read in each.
+
+        Returns:
+            The places of the files in which they are numbers, as many as there should be, and a table with a row of
+            the numbers of joints for each of these.
+        """
+        import numpy as np
+
+        good = [(place, row) for place, row in enumerate(self._read(texts)) if row is not None]
+        table = np.empty((len(good), len(self._row)))
+        table[:] = self._row
+        if good and self._columns:
+            table[:, self._columns] = [row for _, row in good]
+        return [place for place, _ in good], table
+
+    def _read(self, texts: Sequence[bytes]) -> list[list[float] | None]:
+        """The numbers of joints among those that are read; None of a file in which something else is there."""
+        if not self._count:
+            return [[] for _ in texts]
+        text = b",".join(texts)
+        # As there is a comma at least between two values, none is in them, and each has its own number of spaces.
+        if between_numbers(text) == b",".join([self._between] * len(texts)):
+            numbers = numbers_in(text)
+            if numbers is not None:
+                width = len(self._columns)
+                return [numbers[start : start + width] for start in range(0, len(numbers), self._count)]
+        return [None] if len(texts) == 1 else [row for each in texts for row in self._read([each])]
+
+
+def _columns(rows: Any) -> list[Any]:  # noqa: ANN401 - an array
+    """The columns of a table as `dh2urdf.columns` has them: a float where all rows have the same number."""
+    table = rows.T.copy()
+    alike = (table == table[:, :1]).all(axis=1)
+    return [float(column[0]) if same else column for column, same in zip(table, alike, strict=True)]
+
+
+def _with_numbers(joint: Joint, places: dict[Attribute, int], numbers: Sequence[Any]) -> Joint:
+    """A joint with other numbers in the place of those that its file says."""
+
+    def number(tag: str, name: str) -> Any:  # noqa: ANN401 - a float or an array
+        place = places.get((tag, name))
+        return None if place is None else numbers[place]
+
+    def vector(tag: str, name: str, default: Any) -> Any:  # noqa: ANN401 - three floats or arrays
+        place = places.get((tag, name))
+        return default if place is None else tuple(numbers[place : place + 3])
+
+    return replace(
+        joint,
+        origin=Origin(xyz=vector("origin", "xyz", ZERO), rpy=vector("origin", "rpy", ZERO)),
+        axis=vector("axis", "xyz", joint.axis),
+        limits=Limits(**{name: number("limit", name) for name in ("lower", "upper", "velocity", "effort")}),
+        damping=number("dynamics", "damping"),
+        friction=number("dynamics", "friction"),
+    )

@@ -76,8 +76,6 @@ _OF_JOINTS = _NUMBERS[:9]
 
 _AT_ONCE = 64
 """Files whose numbers are read in one call: so many that their texts stay in the processor's cache."""
-_MOST_FORMS = 4
-"""Forms of files that are tried before a file is read by itself."""
 _MOST_REMEMBERED = 1000
 """Layouts and skeletons that are remembered from call to call, some kilobytes each."""
 
@@ -88,12 +86,14 @@ class _Layout:
 
     Attributes:
         words: picks the words.
+        numbers: picks the numbers, those of joints first.
         of_joints: the places of the numbers of joints among the values.
         others: the places of the other numbers.
         known: the skeletons of such files, by the words and by what stands between the numbers.
     """
 
     words: Picker
+    numbers: Picker
     of_joints: tuple[int, ...]
     others: tuple[int, ...]
     known: dict[tuple[tuple[bytes, ...], bytes], Skeleton] = field(default_factory=dict)
@@ -124,27 +124,29 @@ class _Scanner:
     def __init__(self) -> None:
         self._layouts: dict[bytes, _Layout] = {}
         self._joints: dict[Hashable, Joints] = {}
-        self._forms: list[Form] = []
+        self._before: Skeleton | None = None  # that of the last file that was read by itself
+        self._skeleton: Skeleton | None = None  # the same where it is that of the file before too, as it often stays
         self.size = 0
 
     def scan(self, contents: Iterable[tuple[int, bytes]]) -> Iterator[_Found]:
         """The joints of files, given with their indices, that are plain."""
         import numpy as np
 
+        alone: dict[Joints, list[tuple[int, str, list[float]]]] = {}
         waiting: dict[Form, list[tuple[int, str, bytes]]] = {}
         for index, content in contents:
             head = _HEAD.match(content)
             if head is None or not _is_printable(head[0]):
                 continue
-            for place, form in enumerate(self._forms):
-                if (text := form.numbers(content, head.end())) is not None:
-                    waiting.setdefault(form, []).append((index, head[1].decode(), text))
-                    if place:
-                        self._forms.insert(0, self._forms.pop(place))
-                    break
-            else:
-                if found := self._one(content, head.end()):
-                    yield _Found(found[0], [index], head[1].decode(), np.array([found[1]], dtype=float))
+            form = self._skeleton.form if self._skeleton else None
+            if form and (text := form.numbers(content, head.end())) is not None:
+                waiting.setdefault(form, []).append((index, head[1].decode(), text))
+                continue
+            if found := self._one(content, head.end()):
+                alone.setdefault(found[0], []).append((index, head[1].decode(), found[1]))
+        for joints, numbers in alone.items():
+            indices, names, rows = zip(*numbers, strict=True)
+            yield _Found(joints, list(indices), names[0], np.array(rows, dtype=float))
         for form, files in waiting.items():
             good, table = form.rows([text for _, _, text in files])
             if good:
@@ -159,9 +161,8 @@ class _Scanner:
         layout = self._layouts.get(markup) or self._lay_out(markup, content, start)
         if layout is None:
             return None
-        places = (*layout.of_joints, *layout.others)
-        text = b",".join([values[place] for place in places])
-        if text.count(b",") != len(places) - 1:
+        text = b",".join(layout.numbers(values))
+        if text.count(b",") != len(layout.of_joints) + len(layout.others) - 1:
             return None
         numbers = numbers_in(text)
         if numbers is None:
@@ -172,8 +173,10 @@ class _Scanner:
             skeleton = self._learn(key, layout, content, start)
         if skeleton is None:
             return None
-        if form := skeleton.see(pieces):
-            self._forms = [form, *self._forms[: _MOST_FORMS - 1]]
+        self._skeleton = skeleton if skeleton is self._before else None
+        self._before = skeleton
+        if self._skeleton:
+            skeleton.see(pieces)
         return skeleton.joints, numbers[: skeleton.count]
 
     def _lay_out(self, markup: bytes, content: bytes, start: int) -> _Layout | None:
@@ -183,11 +186,9 @@ class _Scanner:
         words = [index for index, kind in enumerate(kinds) if kind not in _NUMBERS]
         if not (numbers and words):
             return None
-        layout = _Layout(
-            words=picker(words),
-            of_joints=tuple([index for index in numbers if _is_of_joint(attributes[index][0])]),
-            others=tuple([index for index in numbers if not _is_of_joint(attributes[index][0])]),
-        )
+        of_joints = tuple([index for index in numbers if _is_of_joint(attributes[index][0])])
+        others = tuple([index for index in numbers if not _is_of_joint(attributes[index][0])])
+        layout = _Layout(words=picker(words), numbers=picker(of_joints + others), of_joints=of_joints, others=others)
         self._layouts[markup] = layout
         self.size += 1
         return layout

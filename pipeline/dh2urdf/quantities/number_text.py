@@ -8,12 +8,16 @@ float and an ``xsd:double`` alike.
 
 from __future__ import annotations
 
+from itertools import repeat
 from typing import TYPE_CHECKING, Any
 
 import orjson
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
+
+_AT_ONCE = 64
+"""Rows of a table that are formatted in one call: so many that their texts stay in the processor's cache."""
 
 
 def format_number(number: float) -> str:
@@ -40,39 +44,58 @@ def format_numbers(numbers: Iterable[float]) -> list[str]:
     return _words(text[1:-1]) if doubles else []
 
 
-def format_columns(columns: Sequence[Any]) -> list[list[str] | str]:
-    """The texts of many columns of numbers: a list for each, or one text where all its numbers are the same.
+def format_columns(columns: Sequence[Any]) -> tuple[list[bytes | int], Iterator[list[bytes]]]:
+    """The texts of many columns of numbers.
 
-    Equal columns share a list: robots hold most of their numbers twice.
+    Equal columns share their texts: robots hold most of their numbers twice.
 
     Args:
         columns: arrays of shape (N,), N > 0.
+
+    Returns:
+        For each column the text of all its numbers where they are the same, else its place in a row of texts; and these
+        rows, one for each of the N.
 
     Raises:
         ValueError: one of the numbers is not finite.
     """
     if not columns:
-        return []
+        return [], iter(())
     import numpy as np
 
     table = np.array(columns, dtype=float) + 0.0  # without -0.0, as above
     if not np.isfinite(table).all():
         raise ValueError(f"{table[~np.isfinite(table)][0]} is not a finite number and cannot be written")
     is_constant = (table == table[:, :1]).all(axis=1).tolist()
-    # Only the texts of whole numbers end in .0 or have an exponent that is not negative.
-    has_whole = (table == np.rint(table)).any(axis=1).tolist()
-    texts: dict[bytes, list[str] | str] = {}
-    found = []
-    for row, constant, whole in zip(table, is_constant, has_whole, strict=True):
-        numbers = row.tobytes()
-        if numbers not in texts:
-            if constant:
-                texts[numbers] = format_number(row[0])
-            else:
-                text = orjson.dumps(row, option=orjson.OPT_SERIALIZE_NUMPY).decode("ascii")[1:-1]
-                texts[numbers] = _words(text) if whole else text.split(",")
-        found.append(texts[numbers])
-    return found
+    entries: dict[bytes, bytes | int] = {}
+    found: list[bytes | int] = []
+    varying: list[int] = []
+    for index, constant in enumerate(is_constant):
+        numbers = table[index].tobytes()
+        if numbers not in entries:
+            entries[numbers] = format_number(table[index, 0]).encode("ascii") if constant else len(varying)
+            if not constant:
+                varying.append(index)
+        found.append(entries[numbers])
+    return found, _rows(table[varying].T)
+
+
+def _rows(table: Any) -> Iterator[list[bytes]]:  # noqa: ANN401 - an array
+    """The texts of the numbers in each row of a table."""
+    import numpy as np
+
+    count, width = table.shape
+    if not width:
+        yield from repeat([], count)
+        return
+    for first in range(0, count, _AT_ONCE):
+        numbers = table[first : first + _AT_ONCE].ravel()
+        text = orjson.dumps(numbers, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]
+        if (numbers == np.rint(numbers)).any():  # Others have no .0 at their end, and no exponent that is positive.
+            text = (text + b",").replace(b"e+", b"e").replace(b".0,", b",")
+        texts = text.split(b",")
+        for start in range(0, len(numbers), width):
+            yield texts[start : start + width]
 
 
 def _words(numbers: str) -> list[str]:

@@ -7,8 +7,9 @@ is a column. Cut at its slots, it is a row of texts, most of them the same in ev
 from __future__ import annotations
 
 import re
-from itertools import repeat
-from typing import TYPE_CHECKING, Any
+from itertools import chain, repeat
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
@@ -17,7 +18,7 @@ from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.urdf_tree import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.columns import Mask, RobotColumns
 
@@ -95,34 +96,36 @@ def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
     content = serialise(urdf_tree(robots.robot, _slot(_NAME), notation), _COMMENT)
     check_lines(content)
     template = content.decode("utf-8").replace(_COMMENT, _slot(_COMMENT), 1)
-    texts: dict[str, list[str] | str] = {
-        _NAME: [robots.names[index] for index in written],
-        _COMMENT: [robots.comments[index] for index in written],
-    }
-    numbers = format_columns([column[written] for column in notation.columns])
-    texts.update((str(number), column) for number, column in enumerate(numbers))
-    parts: list[Iterable[str]] = []
-    gaps: list[tuple[slice, list[bool]]] = []
+    is_whole = len(written) == len(robots)
+    entries, rows = format_columns([column if is_whole else column[written] for column in notation.columns])
+    # The texts of a file are its name, its comment and its numbers, in that order.
+    slots = {str(number): entry if isinstance(entry, bytes) else entry + 2 for number, entry in enumerate(entries)}
+    slots |= {_NAME: 0, _COMMENT: 1}
+    parts: list[_Part] = []
+    masks: list[list[bool]] = []
     position = 0
     for (start, end), present in _optional(robots, template):
-        parts += _parts(template[position:start], texts)
-        first = len(parts)
-        parts += _parts(template[start:end], texts)
-        gaps.append((slice(first, len(parts)), present[written].tolist()))
+        parts += (_part(template[position:start], slots), _part(template[start:end], slots))
+        masks.append(present[written].tolist())
         position = end
-    parts += _parts(template[position:], texts)
-    return [_joined(row, gaps, place).encode() for place, row in enumerate(zip(*parts, strict=False))]
+    last = _part(template[position:], slots)
+    told = [[robots.names[index].encode(), robots.comments[index].encode()] for index in written]
+    forms: dict[tuple[bool, ...], tuple[bytes, Callable[[list[bytes]], tuple[bytes, ...]]]] = {}
+    contents = []
+    for texts, numbers, *present in zip(told, rows if entries else repeat([]), *masks, strict=False):
+        shapes = tuple(present)
+        if shapes not in forms:
+            own = [part for number, part in enumerate(parts) if number % 2 == 0 or shapes[number // 2]]
+            forms[shapes] = _joined([*own, last])
+        text, pick = forms[shapes]
+        contents.append(text % pick(texts + numbers))
+    return contents
 
 
-def _joined(row: tuple[str, ...], gaps: Sequence[tuple[slice, list[bool]]], place: int) -> str:
-    """The text of one file, without the parts that its robot lacks."""
-    absent = [part for part, present in gaps if not present[place]]
-    if not absent:
-        return "".join(row)
-    rest = list(row)
-    for part in reversed(absent):
-        del rest[part]
-    return "".join(rest)
+def _joined(parts: Sequence[_Part]) -> tuple[bytes, Callable[[list[bytes]], tuple[bytes, ...]]]:
+    """The text of files with `%b` in each place where they differ, and what picks the texts for these places."""
+    places = list(chain.from_iterable([part.places for part in parts]))
+    return b"".join([part.text for part in parts]), itemgetter(*places)  # two at least: the name and the comment
 
 
 def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, int], Mask]]:
@@ -142,18 +145,28 @@ def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, 
                 yield span, mask
 
 
-def _parts(text: str, texts: Mapping[str, list[str] | str]) -> Iterator[Iterable[str]]:
-    """What is in a piece of a template, for one robot after the other; what is the same for all in one part."""
-    same = ""
+class _Part(NamedTuple):
+    """A piece of a template.
+
+    Attributes:
+        text: it, with `%b` in place of each slot whose text is not the same in all files.
+        places: where the texts for these slots are among the texts of a file.
+    """
+
+    text: bytes
+    places: list[int]
+
+
+def _part(text: str, slots: Mapping[str, bytes | int]) -> _Part:
+    """A piece of a template, with what belongs into its slots."""
+    parts, places = [], []
     for index, piece in enumerate(_SLOT.split(text)):
-        column = texts[piece] if index % 2 else piece
-        if isinstance(column, str):
-            same += column
-        else:
-            yield repeat(same)
-            yield column
-            same = ""
-    yield repeat(same)
+        entry = slots[piece] if index % 2 else piece.encode().replace(b"%", b"%%")
+        if isinstance(entry, int):
+            places.append(entry)
+            entry = b"%b"
+        parts.append(entry)
+    return _Part(b"".join(parts), places)
 
 
 def _slot(key: str) -> str:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate
 from operator import itemgetter
 from typing import Any, TypeAlias
 
 import orjson
 
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Origin, Robot
 from dh2urdf.rotations import ZERO
@@ -118,7 +119,7 @@ class Form:
             pieces: what quotes cut the file into.
             traces: the places of the numbers that vary, with what those have in common that are always the same.
         """
-        first = {trace: place for place, trace in reversed(traces.items())}
+        first = {trace: place for place, trace in reversed([*traces.items()])}
         groups = {place: number for number, place in enumerate(sorted(first.values()), start=1)}
         parts = list(map(re.escape, pieces))
         for place, trace in traces.items():

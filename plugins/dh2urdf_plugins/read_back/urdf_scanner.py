@@ -20,13 +20,14 @@ What is read is what the slow reader would read, well-formedness included, since
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.errors import ProofError
+from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.robot import Link, Robot
 from dh2urdf_plugins.read_back.urdf_forms import (
     Attribute,

@@ -74,17 +74,28 @@ def test_what_is_not_finite_is_refused(number: float) -> None:
 @given(st.lists(st.lists(finite | st.sampled_from([0.0, -0.0, 1.0, 10.0, 1e16]), min_size=3, max_size=3), max_size=6))
 def test_columns_are_formatted_as_their_numbers_are(columns: list[list[float]]) -> None:
     """Many columns in one call give the same texts; one text stands for a column of equal numbers."""
-    for column, texts in zip(columns, format_columns([np.array(column) for column in columns]), strict=True):
-        expected = format_numbers(column)
-        assert ([texts] * 3 if isinstance(texts, str) else texts) == expected
-        assert isinstance(texts, str) is (len(set(column)) == 1)
+    entries, rows = format_columns([np.array(column) for column in columns])
+    texts = list(rows)
+    for column, entry in zip(columns, entries, strict=True):
+        found = [entry] * 3 if isinstance(entry, bytes) else [row[entry] for row in texts]
+        assert [text.decode() for text in found] == format_numbers(column)
+        assert isinstance(entry, bytes) is (len(set(column)) == 1)
 
 
 def test_equal_columns_share_their_texts() -> None:
     """A number that is in a file twice is formatted once."""
-    first, second, other = format_columns([np.array([0.5, 1.5]), np.array([0.5, 1.5]), np.array([0.5, 2.0])])
-    assert first is second
-    assert other == ["0.5", "2"]
+    entries, rows = format_columns([np.array([0.5, 1.5]), np.array([0.5, 1.5]), np.array([0.5, 2.0])])
+    assert entries == [0, 0, 1]
+    assert list(rows) == [[b"0.5", b"0.5"], [b"1.5", b"2"]]
+
+
+def test_many_rows_are_formatted_as_a_few_are() -> None:
+    """Rows beyond those of one call follow those before."""
+    numbers = np.arange(200.0) / 3.0
+    entries, rows = format_columns([numbers, -numbers])
+    assert entries == [0, 1]
+    texts = [tuple(text.decode() for text in row) for row in rows]
+    assert texts == [(format_number(number), format_number(-number)) for number in numbers]
 
 
 @pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf")])

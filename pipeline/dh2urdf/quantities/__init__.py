@@ -7,9 +7,9 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.quantities.number_text import (
-        format_columns as format_columns,
         format_number as format_number,
         format_numbers as format_numbers,
+        format_rows as format_rows,
     )
     from dh2urdf.quantities.quantity import (
         MAX_CHARACTERS as MAX_CHARACTERS,
@@ -28,7 +28,7 @@ else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "number_text": "format_columns format_number format_numbers",
+            "number_text": "format_rows format_number format_numbers",
             "quantity": "Dimension MAX_CHARACTERS Quantity QuantityError accepted_forms accepted_units "
             "evaluate find_unit is_unit is_zero",
             "units": "UNITS Unit unit_word",

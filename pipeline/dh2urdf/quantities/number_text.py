@@ -44,7 +44,7 @@ def format_numbers(numbers: Iterable[float]) -> list[str]:
     return _words(text[1:-1]) if doubles else []
 
 
-def format_columns(columns: Sequence[Any]) -> tuple[list[bytes | int], Iterator[list[bytes]]]:
+def format_rows(columns: Sequence[Any]) -> tuple[list[bytes | int], Iterator[list[bytes]]]:
     """The texts of many columns of numbers.
 
     Equal columns share their texts: robots hold most of their numbers twice.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
-from dh2urdf.quantities import format_columns, format_number
+from dh2urdf.quantities import format_number, format_rows
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.urdf_tree import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 
@@ -97,7 +97,7 @@ def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
     check_lines(content)
     template = content.decode("utf-8").replace(_COMMENT, _slot(_COMMENT), 1)
     is_whole = len(written) == len(robots)
-    entries, rows = format_columns([column if is_whole else column[written] for column in notation.columns])
+    entries, rows = format_rows([column if is_whole else column[written] for column in notation.columns])
     # The texts of a file are its name, its comment and its numbers, in that order.
     slots = {str(number): entry if isinstance(entry, bytes) else entry + 2 for number, entry in enumerate(entries)}
     slots |= {_NAME: 0, _COMMENT: 1}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.quantities import format_columns, format_number, format_numbers
+from dh2urdf.quantities import format_number, format_numbers, format_rows
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 XSD_DOUBLE = re.compile(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]+)?")
@@ -74,7 +74,7 @@ def test_what_is_not_finite_is_refused(number: float) -> None:
 @given(st.lists(st.lists(finite | st.sampled_from([0.0, -0.0, 1.0, 10.0, 1e16]), min_size=3, max_size=3), max_size=6))
 def test_columns_are_formatted_as_their_numbers_are(columns: list[list[float]]) -> None:
     """Many columns in one call give the same texts; one text stands for a column of equal numbers."""
-    entries, rows = format_columns([np.array(column) for column in columns])
+    entries, rows = format_rows([np.array(column) for column in columns])
     texts = list(rows)
     for column, entry in zip(columns, entries, strict=True):
         found = [entry] * 3 if isinstance(entry, bytes) else [row[entry] for row in texts]
@@ -84,7 +84,7 @@ def test_columns_are_formatted_as_their_numbers_are(columns: list[list[float]]) 
 
 def test_equal_columns_share_their_texts() -> None:
     """A number that is in a file twice is formatted once."""
-    entries, rows = format_columns([np.array([0.5, 1.5]), np.array([0.5, 1.5]), np.array([0.5, 2.0])])
+    entries, rows = format_rows([np.array([0.5, 1.5]), np.array([0.5, 1.5]), np.array([0.5, 2.0])])
     assert entries == [0, 0, 1]
     assert list(rows) == [[b"0.5", b"0.5"], [b"1.5", b"2"]]
 
@@ -92,7 +92,7 @@ def test_equal_columns_share_their_texts() -> None:
 def test_many_rows_are_formatted_as_a_few_are() -> None:
     """Rows beyond those of one call follow those before."""
     numbers = np.arange(200.0) / 3.0
-    entries, rows = format_columns([numbers, -numbers])
+    entries, rows = format_rows([numbers, -numbers])
     assert entries == [0, 1]
     texts = [tuple(text.decode() for text in row) for row in rows]
     assert texts == [(format_number(number), format_number(-number)) for number in numbers]
@@ -102,4 +102,4 @@ def test_many_rows_are_formatted_as_a_few_are() -> None:
 def test_a_column_that_is_not_finite_is_refused(number: float) -> None:
     """As a number is."""
     with pytest.raises(ValueError, match=f"{number} is not a finite number"):
-        format_columns([np.array([0.5, 1.0]), np.array([0.5, number])])
+        format_rows([np.array([0.5, 1.0]), np.array([0.5, number])])

@@ -109,7 +109,7 @@ class StudioPage:
             scene=lambda: self._view,
         )
         self._remark = ui.label().classes("studio-bar studio-remark")
-        self._view = ArmView(on_pick=self._picked_in_scene, on_aim=self._target.drag)
+        self._view = ArmView(on_pick=self._picked_in_scene, on_aim=self._target.drag, on_grip=self._drag)
         self._head.share(self._view)
         with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
             ui.html(
@@ -340,6 +340,10 @@ class StudioPage:
     def _show_cloud(self, points: Any) -> None:  # noqa: ANN401 - an array of shape (n, 3)
         self._view.show_cloud(points)
 
+    def _drag(self, node: str, by: float, *, begins: bool) -> None:
+        self.session.drag(node, by, begins=begins)
+        self._show_pose()
+
     def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
         self.session.move(poses(self.session.sliders))
         self._show_pose()
@@ -368,6 +372,7 @@ class StudioPage:
         """Shows the session for the first time."""
         kept = kept_table(await ui.run_javascript("return dhPage.kept()", timeout=10.0))
         self._view.set_layers(self.session.shown_layers)
+        self._view.fade(self.session.opacities)
         self.show()
         self._view.highlight(self.session.row)
         self._view.fit()

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing, words
+from dh2urdf.studio.drawing.fading import faded
 from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.robot_tree import RobotTree
-from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml, lay_views
+from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml, lay_grasp, lay_opacity, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -59,9 +59,12 @@ class ViewPage:
     def _shown(self) -> ShownScene:
         """What is on the screen now."""
         view = self.view
-        nodes = [replace(node, parts=()) if node.name in view.hidden else node for node in view.drawing.nodes]
-        drawing = replace(view.drawing, nodes=tuple(nodes))
-        return viewing.told(view.figures).replace(", ", "-"), drawing, view.q, view.layers
+        return (
+            viewing.told(view.figures).replace(", ", "-"),
+            faded(view.drawing, view.opacities, view.hidden),
+            view.q,
+            view.layers,
+        )
 
     def _lay_scene(self) -> None:
         with ui.element("div").classes("studio-bar"):
@@ -77,14 +80,20 @@ class ViewPage:
                 up = ui.toggle({True: "meshes as in ROS", False: "as their files say"}, value=self.view.as_in_ros)
                 up.props("dense unelevated no-caps").on_value_change(self._choose_up)
                 up.tooltip("COLLADA files name the axis that points up. RViz and MoveIt take z, whatever they name.")
-            button = ui.button(icon="center_focus_strong", on_click=self._see_all)
-            button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
-            lay_views(lambda: self._scene)
+            with ui.element("div").classes("studio-tools"):
+                button = ui.button(icon="center_focus_strong", on_click=self._see_all)
+                button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
+                lay_views(lambda: self._scene)
+                lay_grasp(lambda: self._scene)
+                titles = {figure.name: figure.title or figure.robot.name for figure in self.view.figures}
+                lay_opacity(titles, self.view.opacities, self._fade)
         if unseen := self.view.drawing.unseen:
             told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
             remark = ui.label(f"{told}: {words.some_of(unseen)}").classes("studio-bar studio-remark")
             remark.tooltip("\n".join(unseen[:50]))
-        self._scene = ArmView(on_pick=lambda _: None, on_undrawn=dialogs.warn, on_pick_node=self._picked_in_scene)
+        self._scene = ArmView(
+            on_pick=lambda _: None, on_undrawn=dialogs.warn, on_pick_node=self._picked_in_scene, on_grip=self._drag
+        )
 
     def _picked_in_scene(self, node: str | None) -> None:
         self._pick(node)
@@ -98,11 +107,20 @@ class ViewPage:
         self.view.hidden = nodes
         self._scene.hide(nodes)
 
+    def _drag(self, node: str, by: float, *, begins: bool) -> None:
+        self.view.drag(node, by, begins=begins)
+        self._show_pose()
+
+    def _fade(self, robot: str, opacity: float) -> None:
+        self.view.opacities[robot] = opacity
+        self._scene.fade(self.view.opacities)
+
     async def start(self) -> None:
         """Shows the view for the first time."""
         self._scene.set_layers(self.view.layers)
         self._tree.show(self.view.figures, self.view.hidden)
         self._scene.hide(self.view.hidden)
+        self._scene.fade(self.view.opacities)
         self._show()
         self._scene.fit()
 

@@ -17,13 +17,14 @@ from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.robot import Robot
-from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
+from dh2urdf.studio.drawing.grips import Grasp
 from dh2urdf.studio.drawing.scene import Drawing, Figure, extent, meshes_of
 from dh2urdf.tasks.batch import items
 from dh2urdf.tasks.expected import Expected
@@ -120,7 +121,7 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     with blaming(default_call(catalog, emitter), "read_foreign" if emitter.read_foreign else "read_back"):
         read = a_whole_record(reading(path, *given), ForeignRobot, Robot)
     found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
-    robot = found.robot
+    robot = _with_unit_axes(found.robot)
     packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))
     find = mesh_finder(found.folder or path.resolve().parent, packages)
     addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(robot))
@@ -128,6 +129,12 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     followers = following(found.followers, [joint.name for joint in robot.moving_joints])
     title = robot.name.strip() or path.stem
     return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose)
+
+
+def _with_unit_axes(robot: Robot) -> Robot:
+    """A robot whose axes have the length 1, as simulators make them of any length; 0 stays 0."""
+    joints = (replace(each, axis=scale(1.0 / (norm(each.axis) or 1.0), each.axis)) for each in robot.joints)
+    return replace(robot, joints=tuple(joints))
 
 
 def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
@@ -185,6 +192,7 @@ class View:
         drawing: the robots, as they are drawn.
         hidden: the links that are not shown, by the names of their nodes.
         picked: the link that stands out, by the name of its node.
+        opacities: how opaque robots are, by their names, where a person has changed it.
     """
 
     def __init__(self, figures: Sequence[Figure]) -> None:
@@ -203,6 +211,8 @@ class View:
         self.drawing = Drawing()
         self.hidden: frozenset[str] = frozenset()
         self.picked: str | None = None
+        self.opacities: dict[str, float] = {}
+        self._grasp = Grasp()
         self.place()
         if self.drawing.meshes:  # which joint axes would only lie on
             self.layers = frozenset(("links",))
@@ -242,6 +252,11 @@ class View:
     def move(self, values: Mapping[str, float]) -> None:
         """Joint values by name [rad or m]; they are kept inside the limits, and followers follow."""
         self.q = self._followed(joints.kept({**self.q, **values}, self.sliders))
+
+    def drag(self, node: str, by: float, *, begins: bool) -> None:
+        """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""
+        if (grip := self.drawing.grips.get(node)) is not None:
+            self.move({grip.joint: self._grasp.value(grip, self.q[grip.joint], by, begins=begins)})
 
     def tips(self) -> Iterator[tuple[str, RigidTransform]]:
         """The links at the ends, with their poses in the robots' roots."""

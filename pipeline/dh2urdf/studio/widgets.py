@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from html import escape
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nicegui import ui
@@ -35,6 +36,8 @@ _LEAST_STEPS = 50
 """From one limit of a joint to the other; of a joint that moves by a millimetre the steps are smaller."""
 
 
+LEAST_OPACITY = 0.1
+"""Of bodies: what is less could not be found again."""
 VIEWS = {
     "front": "front (1)",
     "back": "back",
@@ -47,7 +50,7 @@ VIEWS = {
 """The standard views, with the keys that choose them where the scene has the focus."""
 
 
-class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # Element is any type to mypy
+class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}):  # type: ignore[call-arg]  # Element is any type to mypy
     """The arm in 3D."""
 
     def __init__(
@@ -56,6 +59,7 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         on_undrawn: Callable[[str], None] | None = None,
         on_aim: Callable[..., None] | None = None,
         on_pick_node: Callable[[str | None], None] | None = None,
+        on_grip: Callable[..., None] | None = None,
     ) -> None:
         super().__init__()
         self.on("pick", lambda event: on_pick(event.args["row"]))
@@ -63,6 +67,8 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
             self.on("pick", lambda event: on_pick_node(event.args["node"]))
         if on_aim is not None:
             self.on("aim", lambda event: self._aimed(on_aim, event.args))
+        if on_grip is not None:
+            self.on("grip", lambda event: self._gripped(on_grip, event.args))
         if on_undrawn is not None:
             self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
 
@@ -118,7 +124,21 @@ class ArmView(Element, component="arm_view.js"):  # type: ignore[call-arg]  # El
         x, y, z = (float(number) for number in args["place"])
         if all(map(math.isfinite, (x, y, z))):
             on_aim((x, y, z), begins=bool(args["begins"]))
-        self.run_method("aimed")
+        self.run_method("answered")
+
+    def _gripped(self, on_grip: Callable[..., None], args: Mapping[str, Any]) -> None:
+        by = float(args["by"])
+        if math.isfinite(by):
+            on_grip(str(args["node"]), by, begins=bool(args["begins"]))
+        self.run_method("answered")
+
+    def grasp(self, *, on: bool) -> None:
+        """Whether links can be dragged without the Shift key."""
+        self.run_method("grasp", on)
+
+    def fade(self, opacities: Mapping[str, float]) -> None:
+        """How opaque the bodies of robots are, by the names of the robots: 1 as they are drawn without it."""
+        self.run_method("fade", dict(opacities))
 
     def look(self, view: str) -> None:
         """The camera where it sees all of the arm from one of the standard sides."""
@@ -141,6 +161,45 @@ def lay_views(scene: Callable[[], ArmView]) -> None:
         with ui.menu():
             for view, told in VIEWS.items():
                 lay_menu_item(told, partial(_look, scene, view))
+
+
+def lay_grasp(scene: Callable[[], ArmView]) -> None:
+    """Lay out the button with which links are dragged, where the page is being laid out."""
+    told = "drag links to move their joints; with Shift you always can"
+    button = ui.button(icon="pan_tool").props(f'flat dense round size=sm aria-pressed=false aria-label="{told}"')
+    button.tooltip(told)
+
+    def switch() -> None:
+        on = button.props["aria-pressed"] == "false"
+        button.props(f"aria-pressed={'true' if on else 'false'} {'unelevated' if on else ''}")
+        button.props(remove="flat" if on else "unelevated", add="" if on else "flat")
+        scene().grasp(on=on)
+
+    button.on_click(switch)
+
+
+def lay_opacity(
+    robots: Mapping[str, str], opacities: Mapping[str, float], on_fade: Callable[[str, float], None]
+) -> None:
+    """Lay out the menu with which bodies are looked through, where the page is being laid out.
+
+    Args:
+        robots: what robots are called, by their names in the scene.
+        opacities: how opaque they are, by the same names; 1 for those that are left out.
+        on_fade: takes a robot's name and how opaque it is to be.
+    """
+    with ui.button(icon="opacity").props('flat dense round size=sm aria-label="opacity"') as button:
+        button.tooltip("opacity")
+        with (
+            ui.menu().props('role=dialog aria-label="opacity of the robots"'),
+            ui.element("div").classes("studio-opacity"),
+        ):
+            for name, told in robots.items():
+                ui.label(told)
+                slider = ui.element("input").props(f"type=range min={LEAST_OPACITY} max=1 step=0.05")
+                slider.props(f'value={opacities.get(name, 1.0)} aria-label="opacity of {escape(told)}"')
+                taken = "(event) => emit(event.target.valueAsNumber)"
+                slider.on("input", lambda event, name=name: on_fade(name, float(event.args)), js_handler=taken)
 
 
 def _look(scene: Callable[[], ArmView], view: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
 from dh2urdf.studio.drawing.colours import GREY, Colour
+from dh2urdf.studio.drawing.grips import Grip
 from dh2urdf.studio.drawing.mesh_files import DrawnMesh
 
 
@@ -41,6 +42,8 @@ class SceneNode:
     Attributes:
         name: what it is called: a link's name, or ``frame 3``.
         row: number of the row of the table that it belongs to, counted from 0.
+        figure: the name of the robot that it belongs to.
+        grip: how it can be dragged; None where no joint moves it.
         parts: its bodies.
         label: a text that is at its origin.
         layer: with what the label is shown.
@@ -49,6 +52,8 @@ class SceneNode:
 
     name: str
     row: int | None = None
+    figure: str = ""
+    grip: Grip | None = None
     parts: tuple[ScenePart, ...] = ()
     label: str = ""
     layer: str = "frames"

@@ -19,6 +19,7 @@ from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.studio.drawing.colours import COLLISION, GREY, Colour, axis_colour
+from dh2urdf.studio.drawing.grips import Grip, grips
 from dh2urdf.studio.drawing.masses import mass_parts
 from dh2urdf.studio.drawing.mesh_files import DrawnMesh, drawn_mesh
 from dh2urdf.studio.drawing.normals import robot_normals, table_normals
@@ -121,6 +122,11 @@ class Drawing:
         return {part.mesh.key: part.mesh for part in parts if part.mesh is not None}
 
     @property
+    def grips(self) -> dict[str, Grip]:
+        """How links can be dragged, by the names of their nodes."""
+        return {node.name: node.grip for node in self.nodes if node.grip is not None}
+
+    @property
     def first_meshes(self) -> tuple[str, ...]:
         """The keys of the mesh files that links show, in the order of the links: collision shapes come on request."""
         parts = (part for node in self.nodes for part in node.parts if part.layer == "links")
@@ -161,6 +167,9 @@ class Drawing:
                 {
                     "name": node.name,
                     "row": node.row,
+                    "figure": node.figure,
+                    "grip": node.grip
+                    and {"carrier": node.grip.carrier, "axis": node.grip.axis, "slides": node.grip.slides},
                     "label": node.label,
                     "layer": node.layer,
                     "rooted": node.rooted,
@@ -224,6 +233,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     above = {joint.child: joint for joint in robot.joints}
     rooted = frozenset() if table else _held_by_the_root(robot)
     size = _frame_size(max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach, robot)
+    held = grips(robot, figure.followers, figure.name)
     bodies_of = {link.name: list(_bodies(link, figure)) for link in robot.links}
     for link in robot.links:
         joint = above.get(link.name)
@@ -243,6 +253,8 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
         yield SceneNode(
             name=figure.name + link.name,
             row=row,
+            figure=figure.name,
+            grip=held.get(link.name),
             parts=tuple(parts),
             label=label,
             layer=layer,
@@ -252,7 +264,8 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
         for number in range(len(table.rows) + 1):
             part = ScenePart(shape="frame", size=(size,), layer="frames")
             row = number - 1 if number else None
-            yield SceneNode(name=f"{figure.name}frame {number}", row=row, parts=(part,), label=f"{{{number}}}")
+            name = f"{figure.name}frame {number}"
+            yield SceneNode(name=name, row=row, figure=figure.name, parts=(part,), label=f"{{{number}}}")
 
 
 def _held_by_the_root(robot: Robot) -> frozenset[str]:

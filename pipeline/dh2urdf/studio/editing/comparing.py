@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, link_poses, position_error
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
 
+V = TypeVar("V")
 NAME = "description/"
 """What stands before the names of the description's nodes and joints in the scene."""
 POSES = 32
@@ -57,11 +58,11 @@ class Beside:
     chain: KinematicChain | None = None
     worst: tuple[Apart, ...] = ()
 
-    def named_values(self, q: Sequence[float]) -> dict[str, float]:
-        """The joint values of the description in the scene, where its joints are those of the table in order."""
+    def named(self, values: Sequence[V]) -> dict[str, V]:
+        """What belongs to the joints of the table in order, by the names of the description's joints in the scene."""
         if self.agreement is None or self.chain is None:
             return {}
-        return {NAME + name: value for name, value in zip(self.agreement.joints, q, strict=True)}
+        return {NAME + name: value for name, value in zip(self.agreement.joints, values, strict=True)}
 
 
 def beside(figure: Figure, table: Manipulator, robot: Robot, *, base_link: str = "", tip_link: str = "") -> Beside:

@@ -26,6 +26,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio import joints
 from dh2urdf.studio.drawing.colours import PAPER
+from dh2urdf.studio.drawing.grips import Grasp
 from dh2urdf.studio.drawing.motions import moving_frame
 from dh2urdf.studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf.studio.drawing.strokes import Stroke
@@ -89,6 +90,8 @@ class Session:
         lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
         poses: joint values that a person has stored, by name [rad or m].
         measured: the names of the two frames between which is measured; None where nothing is.
+        opacities: how opaque the bodies of robots are, by their names, where a person has changed it.
+        grasp: the link that a person drags.
         beside: the description that lies upon the arm, compared with it; None where there is none.
         problems_of_making: why no arm can be made of a table that can be read.
     """
@@ -108,6 +111,8 @@ class Session:
         self.lesson: float | None = None
         self.poses: list[dict[str, float]] = []
         self.measured: tuple[str, str] | None = None
+        self.opacities: dict[str, float] = {}
+        self.grasp = Grasp()
         self.beside: Beside | None = None
         self._described: tuple[Figure, str, str] | None = None
         self.reading = Reading(table=self.table)
@@ -120,6 +125,7 @@ class Session:
         other = Session.__new__(Session)
         other.__dict__.update(self.__dict__)  # All of it is immutable but q and poses.
         other.q = dict(self.q)
+        other.grasp = Grasp()
         other.poses = list(self.poses)
         return other
 
@@ -369,10 +375,20 @@ class Session:
         self.sliders = joints.sliders(arm.robot.moving_joints, table.length_unit, table.angle_unit)
         self.q = joints.kept(self.q, self.sliders)
 
+    def drag(self, node: str, by: float, *, begins: bool) -> None:
+        """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""
+        grip = self.drawing.grips.get(node)
+        names = [slider.name for slider in self.sliders]
+        own = {f"{self.variants[-1]}/{name}": name for name in names} | {name: name for name in names}
+        if self.beside is not None:
+            own |= self.beside.named(names)
+        if grip is not None and (name := own.get(grip.joint)) is not None:
+            self.move({**self.q, name: self.grasp.value(grip, self.q[name], by, begins=begins)})
+
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""
         variant = f"{self.variants[-1]}/"
         values = {**self.q, **{variant + name: value for name, value in self.q.items()}}
         if self.beside is None or self.arm is None:
             return values
-        return {**values, **self.beside.named_values(self._vector(self.arm.manipulator))}
+        return {**values, **self.beside.named(self._vector(self.arm.manipulator))}

@@ -8,7 +8,7 @@ from nicegui import ui
 
 from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.editing.session import BOTH
-from dh2urdf.studio.widgets import lay_views
+from dh2urdf.studio.widgets import lay_grasp, lay_opacity, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -62,12 +62,15 @@ class SceneBar:
             both = {BOTH: "side by side"} if len(names) > 1 else {}
             self._variant = ui.toggle({name: name for name in names} | both, on_change=self._choose_variant)
             self._variant.props('dense unelevated no-caps aria-label="variant"').set_visibility(bool(both))
-            fit = ui.button(icon="center_focus_strong", on_click=lambda: scene().fit())
-            fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
-            lay_views(scene)
-            for panel in panels:
-                switch = ui.button(icon=panel.ICON, on_click=panel.switch)
-                switch.props(f'flat dense round size=sm aria-label="{panel.TITLE}"').tooltip(panel.TITLE)
+            with ui.element("div").classes("studio-tools"):
+                fit = ui.button(icon="center_focus_strong", on_click=lambda: scene().fit())
+                fit.props('flat dense round size=sm aria-label="see all of the arm"').tooltip("see all of the arm")
+                lay_views(scene)
+                lay_grasp(scene)
+                lay_opacity({"": "the arm"}, session.opacities, lambda _, opacity: self._fade(scene(), opacity))
+                for panel in panels:
+                    switch = ui.button(icon=panel.ICON, on_click=panel.switch)
+                    switch.props(f'flat dense round size=sm aria-label="{panel.TITLE}"').tooltip(panel.TITLE)
 
     def show(self) -> None:
         """Show which layers and which variant the session has."""
@@ -76,6 +79,11 @@ class SceneBar:
             box.set_value(layer in self._session.layers)
         self._variant.set_value(self._session.variant)
         self._filling = False
+
+    def _fade(self, scene: ArmView, opacity: float) -> None:
+        """Both variants are the arm; a description that is compared with it is not."""
+        self._session.opacities = {"": opacity, f"{self._session.variants[-1]}/": opacity}
+        scene.fade(self._session.opacities)
 
     def _choose_layers(self) -> None:
         if not self._filling:

@@ -12,6 +12,7 @@ from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.studio import dialogs
 from dh2urdf.studio.drawing import turntable
+from dh2urdf.studio.drawing.fading import faded
 from dh2urdf.studio.drawing.scene_file import glb
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
 from dh2urdf.studio.editing.save import Saved
@@ -27,7 +28,10 @@ if TYPE_CHECKING:
 
 def lay_items(session: Session, view: ArmView) -> None:
     """Lay out the entries of the studio's menu."""
-    lay_scene_items(view, lambda: (session.table.name, session.drawing, session.joint_values(), session.layers))
+    lay_scene_items(
+        view,
+        lambda: (session.table.name, faded(session.drawing, session.opacities), session.joint_values(), session.layers),
+    )
     lay_menu_item("Link with this table", lambda: show_link(session.table))
 
 

@@ -1,0 +1,83 @@
+// Mesh files: their triangles and textures, each asked for once.
+import { THREE } from "nicegui-scene";
+import { matrixOf } from "dh2urdf-scene/shapes.js";
+
+const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
+const WHITE = [1, 1, 1]; // what a texture is multiplied by
+
+// What a mesh file holds, as `triangles` of drawing/mesh_files.py sends it: a geometry for each colour and texture.
+async function triangles(address, picture, report) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(await answer.text());
+  const bytes = await answer.arrayBuffer();
+  const length = new DataView(bytes).getUint32(0, true);
+  const { parts, unread } = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  if (unread.length) report(unread.join("\n"));
+  let at = 4 + length;
+  return Promise.all(parts.map(async ({ rgba, corners, texture }) => {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes, at, 3 * corners), 3));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(new Int8Array(bytes, at + 12 * corners, 4 * corners), 4, true));
+    geometry.computeBoundingBox();
+    at += 16 * corners;
+    if (!texture) return { rgba, geometry };
+    geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(bytes, at, 2 * corners), 2));
+    at += 8 * corners;
+    return { rgba, geometry, map: await picture(texture) };
+  }));
+}
+
+export const meshes = {
+  // A mesh file: its triangles come in their own time, once for all parts that show it, and when their layer is shown.
+  mesh(key, pose, layer, { colour, opacity, ownColours }, number) {
+    const group = new THREE.Group();
+    group.matrixAutoUpdate = false;
+    group.matrix.copy(matrixOf(pose));
+    const load = () => {
+      if (!this.meshes.has(key)) {
+        const report = (message) => this.$emit("undrawn", { message });
+        const refuse = (error) => (report(error.message), []);
+        this.meshes.set(key, triangles(`meshes/${key}`, (texture) => this.picture(texture, report), report).catch(refuse));
+      }
+      this.waiting += 1;
+      this.meshes.get(key).then((parts) => {
+        for (const { rgba, geometry, map } of parts) {
+          const painted = colour && !(ownColours && (rgba || map)); // else it has the colour of its file
+          const [own, clear] = [painted ? colour : (rgba?.slice(0, 3) ?? (map ? WHITE : GREY)), opacity * (painted ? 1 : (rgba?.[3] ?? 1))];
+          const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
+          if (!painted && layer === "links") mesh.material.map = map ?? null;
+          mesh.userData = { layer, shared: true };
+          mesh.visible = this.layers.has(layer);
+          mesh.castShadow = layer === "links";
+          group.add(mesh);
+        }
+        if (group.parent) this.veil(group.parent);
+        this.arrived();
+        this.shade();
+        this.draw();
+      });
+    };
+    if (this.layers.has(layer)) load();
+    else group.userData.waits = { layer, load };
+    return group;
+  },
+
+  // A texture, once for all meshes that have it; null where the browser cannot show it.
+  picture(key, report) {
+    if (!this.textures.has(key)) {
+      const shown = (texture) => Object.assign(texture, { colorSpace: THREE.SRGBColorSpace, wrapS: THREE.RepeatWrapping, wrapT: THREE.RepeatWrapping, anisotropy: 4 });
+      const refuse = () => (report("the browser cannot show a texture"), null);
+      this.textures.set(key, new THREE.TextureLoader().loadAsync(`textures/${key}`).then(shown, refuse));
+    }
+    return this.textures.get(key);
+  },
+
+  // A part of a mesh file is there; after the last one the camera sees all, if a person has not turned it meanwhile.
+  arrived() {
+    this.loaded += 1;
+    if (this.loaded < this.waiting) return;
+    this.waiting = this.loaded = 0;
+    this.settle();
+    if (!this.own && !this.seen()) this.fit(true);
+  },
+};

@@ -1,0 +1,190 @@
+"""Links dragged by the mouse, what is seen through, the axes of the world, and the camera that goes after an arm."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import trimesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+ROBOT = """<robot name="r">
+<link name="base"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>
+<link name="arm"><visual><origin xyz="0.3 0 0"/><geometry><box size="0.4 0.1 0.1"/></geometry></visual></link>
+<link name="slide"><visual><geometry><box size="0.2 0.2 0.2"/></geometry></visual></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.2"/>
+  <axis xyz="0 0 1"/><limit lower="-0.7" upper="0.7" effort="1" velocity="1"/></joint>
+<joint name="push" type="prismatic"><parent link="arm"/><child link="slide"/><origin xyz="0.6 0 0"/><axis xyz="1 0 0"/>
+  <limit lower="0" upper="6" effort="1" velocity="1"/></joint></robot>"""
+PIXEL = """([name, x, y, z]) => {
+    const { camera, scene } = document.querySelector('.arm-view');
+    const node = scene.getObjectByName(name), box = document.querySelector('.arm-view canvas').getBoundingClientRect();
+    scene.updateMatrixWorld(), camera.updateMatrixWorld();
+    const point = node.position.clone().set(x, y, z).applyMatrix4(node.matrixWorld).project(camera);
+    return [box.left + (point.x + 1) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
+}"""
+ALL_SEEN = """() => {
+    const { camera, scene } = document.querySelector('.arm-view');
+    scene.updateMatrixWorld(), camera.updateMatrixWorld();
+    return scene.children[0].children.every(node => {
+        const point = node.position.clone().setFromMatrixPosition(node.matrixWorld).project(camera);
+        return Math.abs(point.x) < 1 && Math.abs(point.y) < 1;
+    });
+}"""
+CAMERA = "document.querySelector('.arm-view').camera.matrixWorld.elements.map(x => Number(x.toFixed(6)))"
+
+
+class Hand:
+    """A hand on the mouse, above the scene."""
+
+    def __init__(self, tab: Any) -> None:
+        self.tab, self.page = tab, tab.page
+
+    def pixel(self, name: str, *place: float) -> Any:
+        return np.array(self.page.evaluate(PIXEL, [name, *place]))
+
+    def drag(self, start: Any, by: Any) -> list[float]:
+        """Drags from a place, and gives the joint values that are there then."""
+        self.page.mouse.move(*start)
+        self.page.mouse.down()
+        for step in range(1, 9):
+            self.page.mouse.move(*(start + np.array(by) * step / 8))
+        self.page.mouse.up()
+        self.page.wait_for_timeout(200)
+        return list(self.tab.sliders())
+
+    def look(self, key: str) -> None:
+        drawn = self.page.evaluate("document.querySelector('.arm-view').drawn")
+        self.page.get_by_role("application").focus()
+        self.page.keyboard.press(key)
+        self.page.wait_for_function("drawn => document.querySelector('.arm-view').drawn > drawn", arg=drawn)
+
+
+def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
+    """It turns and slides below the pointer, inside its limits; elsewhere and without the hand the camera turns."""
+    path = tmp_path / "r.urdf"
+    path.write_text(ROBOT)
+    with serving("view", path) as address:
+        tab = new_tab(address)
+        page, hand = tab.page, Hand(tab)
+        page.goto(address)
+        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 2")
+        page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
+
+        # The axes of the world are seen as the camera sees them: from above, y goes to the left.
+        hand.look("7")
+        script = """all => all.map(axis => ['x2', 'y2'].map(end => Number(axis.children[0].getAttribute(end))))"""
+        axes = page.locator(".arm-view-cross g")
+        names = axes.evaluate_all("all => all.map(axis => axis.dataset.axis)")
+        tips = dict(zip(names, axes.evaluate_all(script), strict=True))
+        assert np.abs(np.subtract([tips["x"], tips["y"], tips["z"]], [(0, -22), (-22, 0), (0, 0)])).max() < 0.1
+
+        # Without the hand the camera turns.
+        before = page.evaluate(CAMERA)
+        assert hand.drag(hand.pixel("arm", 0.3, 0, 0.05), (20, 10)) == [0, 0]
+        assert page.evaluate(CAMERA) != before
+        hand.look("7")
+
+        # With Shift the arm turns about its axis, and the point that is held stays below the pointer.
+        held, by = hand.pixel("arm", 0.45, 0, 0.05), np.array([-60.0, 4.0])
+        before = page.evaluate(CAMERA)
+        page.keyboard.down("Shift")
+        turned, pushed = hand.drag(held, by)
+        page.keyboard.up("Shift")
+        assert (turned > 5, pushed) == (True, 0)
+        axis = hand.pixel("arm", 0, 0, 0.05)
+        here, there = (np.arctan2(*(point - axis)) for point in (held + by, hand.pixel("arm", 0.45, 0, 0.05)))
+        assert here == pytest.approx(there, abs=0.01)
+        assert page.evaluate(CAMERA) == before
+
+        # With the hand it needs no Shift; the joint stops at its limit, 0.7 rad.
+        page.get_by_role("button", name="drag links").click()
+        page.locator("button[aria-pressed=true]").wait_for()
+        start = hand.pixel("arm", 0.45, 0, 0.05)
+        page.mouse.move(*(start + 1))
+        page.wait_for_function("document.querySelector('.arm-view canvas').style.cursor === 'grab'")
+        assert hand.drag(start, (-200, 150))[0] == pytest.approx(np.degrees(0.7), abs=0.01)
+        tab.set_sliders([0, 0])
+
+        # From the front the slide moves towards the camera: nobody can drag it from there.
+        hand.look("1")
+        assert hand.drag(hand.pixel("slide", 0.1, 0, 0), (30, 0)) == [0, 0]
+        hand.look("9")
+        start, end = hand.pixel("slide", 0.1, 0, 0), hand.pixel("slide", 0.4, 0, 0)
+        assert hand.drag(start, end - start)[1] == pytest.approx(0.3, abs=0.008)
+
+        # From the side the axis is upright in the picture: the arm turns back as its middle goes to the right.
+        tab.set_sliders([30, 0])
+        hand.look("3")
+        assert 10 < hand.drag(hand.pixel("arm", 0.3, -0.05, 0.0), (25, 0))[0] < 29
+        page.close()
+
+
+def test_bodies_are_looked_through(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
+    """Those of one robot of two, in the scene and in the file that is made of it."""
+    for name in "ab":
+        (tmp_path / f"{name}.urdf").write_text(ROBOT.replace('name="r"', f'name="{name}"'))
+    with serving("view", tmp_path / "a.urdf", tmp_path / "b.urdf") as address:
+        tab = new_tab(address)
+        page = tab.page
+        page.goto(address)
+        page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
+        page.get_by_role("button", name="opacity").click()
+        page.get_by_label("opacity of b").press("Home")
+        script = """() => {
+            const found = new Set();
+            for (const node of document.querySelector('.arm-view').scene.children[0].children)
+                node.traverse(({ isMesh, userData, material }) => isMesh && userData.layer === 'links' &&
+                    found.add([node.name[0], material.opacity, material.transparent, material.depthWrite].join()));
+            return [...found].sort().join(' ');
+        }"""
+        page.wait_for_function(f"({script})() === 'a,1,false,true b,0.1,true,false'")
+        assert tab.serious() == []
+        page.keyboard.press("Escape")
+        _, content = tab.save("Scene as glTF (GLB)")
+        scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
+        opacities = [int(mesh.visual.material.baseColorFactor[3]) for mesh in scene.geometry.values()]
+        assert set(opacities) == {26, 255}
+        page.close()
+
+
+def test_the_camera_goes_after_the_arm(
+    new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Where joints move the arm out of the picture it is seen again; not while a person holds the camera or has chosen."""
+    path = tmp_path / "r.urdf"
+    path.write_text(ROBOT)
+    with serving("view", path) as address:
+        tab = new_tab(address)
+        page = tab.page
+        page.goto(address)
+        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 2")
+        box = page.locator(".arm-view").bounding_box()
+        corner = box["x"] + 30, box["y"] + 30
+        page.mouse.move(*corner)
+        page.mouse.down()
+        tab.set_sliders([0, 6])
+        page.wait_for_timeout(400)
+        assert not page.evaluate(ALL_SEEN), "the camera is held"
+        page.mouse.up()
+        page.wait_for_timeout(300)
+        assert not page.evaluate(ALL_SEEN), "it was left there"
+        page.get_by_role("button", name="see all").click()
+        page.wait_for_function(ALL_SEEN)
+        tab.set_sliders([0, 0])
+        far = page.evaluate(CAMERA)
+        page.get_by_role("button", name="see all").click()
+        page.wait_for_function(f"far => Math.abs({CAMERA}[12] - far) > 1", arg=far[12])
+        before = page.evaluate(CAMERA)
+        tab.set_sliders([10, 0.01])
+        assert page.evaluate(CAMERA) == before, "all is seen: nothing moves"
+        tab.set_sliders([20, 5])
+        page.wait_for_function(ALL_SEEN)
+        after = page.evaluate(CAMERA)
+        assert np.abs(np.subtract(after[:12], before[:12])).max() < 1e-5, "it looks in the same direction"
+        page.close()

@@ -95,7 +95,7 @@ class StudioPage:
             PosesPanel(self.session, self._show_pose),
             MeasuringPanel(self.session, self._show_pose, self._show_cloud),
             LessonPanel(self.session, self._show_pose),
-            ComparingPanel(self.session, self._show_arm),
+            ComparingPanel(self.session, self._show_arm, lambda table: self._put(table, all_cells=True)),
         )
         self._problems = ProblemList(on_click=self._go_to)
         self._ends = EndFields(self.session, self._say)

@@ -39,6 +39,16 @@ def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[
     assert "measured.urdf: base_link to tool0, 6 moving joints" in told
     assert "With these entries the table is the same arm:\nbase: {xyz: [0, 0, 0.003], rpy: [0, 0, 0]}" in told
 
+    # Its numbers are taken into the table: one cell, and one step of undo.
+    page.get_by_role("button", name="Take its numbers over").click()
+    page.get_by_text("The description is the arm of the table.").wait_for()
+    assert tab.cells(0, "a", "alpha", "d") == ["0", "pi/2", "0.092159"]
+    page.locator(".q-notification", has_text="1 cell has the description's numbers").wait_for()
+    assert page.get_by_role("button", name="Take its numbers over").count() == 0
+    page.get_by_role("button", name="undo").click()
+    tab.wait_for_cell(0, "d", "0.089159")
+    page.get_by_text("With these entries the table is the same arm").wait_for()
+
     # They move together, and the panel takes the description along when it closes.
     tab.press("random pose")
     script = """() => {

@@ -10,7 +10,9 @@ from nicegui import run, ui
 
 from dh2urdf.kinematics.comparison import TOLERANCE, changes
 from dh2urdf.stages import Emitter
+from dh2urdf.studio import words
 from dh2urdf.studio.dialogs import LARGEST_FILE
+from dh2urdf.studio.editing.adopting import adopted, changed_cells, own_table
 from dh2urdf.studio.editing.comparing import Apart, Beside, differences
 from dh2urdf.studio.editing.opening import description_of
 
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.drawing.scene import Figure
     from dh2urdf.studio.editing.session import Session
+    from dh2urdf.table_text import TableText
 
 _LIKELIEST = "the likeliest"
 
@@ -30,14 +33,16 @@ class ComparingPanel:
 
     ICON, TITLE = "compare", "compare with a robot description"
 
-    def __init__(self, session: Session, on_arm: Callable[[], None]) -> None:
+    def __init__(self, session: Session, on_arm: Callable[[], None], on_table: Callable[[TableText], None]) -> None:
         """Lay the panel out, hidden.
 
         Args:
             session: what it is about.
             on_arm: draws the arm anew.
+            on_table: puts another table in place of the one that is there, as one step of undo.
         """
-        self._session, self._on_arm = session, on_arm
+        self._session, self._on_arm, self._on_table = session, on_arm, on_table
+        self._file = "", b""
         self._is_open = False
         self._figure: Figure | None = None
         suffixes = ",".join(_suffixes(session.catalog))
@@ -54,6 +59,9 @@ class ComparingPanel:
                     )
                     for end in ("base link", "tip link")
                 }
+                self._adopt = ui.button("Take its numbers over", on_click=self._take_over)
+                self._adopt.props("outline dense no-caps size=sm")
+                self._adopt.tooltip("puts the numbers that differ into the table; undo brings the old ones back")
                 self._away = ui.button("Take it away", on_click=lambda: self._lay(None))
                 self._away.props("flat dense no-caps size=sm")
             self._status = ui.label().classes("studio-compared").style("white-space: pre-line").props('role="status"')
@@ -71,6 +79,9 @@ class ComparingPanel:
         self._panel.set_visibility(self._is_open)
         for element in (*self._ends.values(), self._away):
             element.set_visibility(self._figure is not None)
+        agreement = found.agreement if found is not None else None
+        differs = agreement is not None and agreement.difference is not None and not agreement.holds
+        self._adopt.set_visibility(differs and session.reading.is_whole)
         if not self._is_open or self._figure is None:
             return
         if found is None or session.arm is None:
@@ -85,7 +96,7 @@ class ComparingPanel:
         self._numbers.set_content(_as_html(found, table, here) if here else "")
 
     async def _take(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        name, content = event.file.name, await event.file.read()
+        name, content = self._file = event.file.name, await event.file.read()
         event.sender.reset()
         found = await run.io_bound(description_of, name, content, self._session.catalog)
         if isinstance(found, str):
@@ -96,6 +107,27 @@ class ComparingPanel:
             for select in self._ends.values():
                 select.set_options(links, value=_LIKELIEST)
             self._lay(found)
+
+    async def _take_over(self) -> None:
+        session, found = self._session, self._session.beside
+        if session.arm is None or found is None or found.agreement is None:
+            return
+        table, arm, ends = session.table, session.arm.manipulator, (found.agreement.base_link, found.agreement.tip_link)
+        own = await run.io_bound(own_table, *self._file, session.catalog, arm, ends)
+        taken = adopted(table, arm, found, own, session.catalog)
+        if session.table is not table:  # it was edited meanwhile
+            return
+        if taken is None:
+            ui.notify(
+                "No numbers in these rows make the table this arm. Open has the description's own table.",
+                type="warning",
+            )
+            return
+        self._on_table(taken)
+        ui.notify(
+            f"{words.count(changed_cells(table, taken), 'cell has', 'cells have')} the description's numbers",
+            type="positive",
+        )
 
     def _answer(self, text: str) -> None:
         self._status.set_text(text)

@@ -83,6 +83,15 @@ def test_light_dark_and_projector(
     page.reload()
     page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
     assert page.evaluate("({ ...document.documentElement.dataset })") == {"look": "light", "size": "large"}
+    cut = """() => [...document.querySelectorAll('.dh-table .ag-cell:not(.dh-number), .dh-table .ag-header-cell-text')]
+        .filter(cell => cell.scrollWidth > cell.clientWidth).map(cell => cell.textContent)"""
+    for width, height, columns in ((1280, 720, 7), (1920, 1080, 10)):
+        page.set_viewport_size({"width": width, "height": height})
+        page.wait_for_function(f"!({cut})().length")
+        right = page.locator(".dh-table").bounding_box()
+        edges = [page.locator(".dh-table .ag-header-cell").nth(column).bounding_box() for column in range(columns)]
+        assert all(edge["x"] + edge["width"] <= right["x"] + right["width"] for edge in edges), "without scrolling"
+        assert page.locator(".arm-view").bounding_box()["width"] > 0.4 * width
     with serving("view", TABLES / "ur5.csv") as address:
         other = new_tab(address).page
         other.emulate_media(color_scheme="dark")

@@ -94,8 +94,34 @@
     if (size() !== sized && document.querySelector(".dh-table")) emitEvent("dh-text-size");
     sized = size();
   });
+  const WIDEST = 240; // of a column that holds long texts [px], for text of the usual size
+  const MEASURED = 200; // rows whose texts decide on the width of a column
+  const pen = document.createElement("canvas").getContext("2d");
+  // The width that the longest of some texts needs in a kind of cell.
+  const needed = (kind, texts) => {
+    const example = document.querySelector(`.dh-table ${kind}`);
+    if (!example) return 0;
+    const { fontStyle, fontWeight, fontSize, fontFamily, paddingLeft, paddingRight } = getComputedStyle(example);
+    pen.font = `${fontStyle} ${fontWeight} ${fontSize} ${fontFamily}`;
+    return Math.max(...texts.map((text) => pen.measureText(text).width)) + parseFloat(paddingLeft) + parseFloat(paddingRight) + 4;
+  };
 
   window.dhGrid = {
+    // No cell and no head is cut: a column is at least as wide as its longest text in the size that text has now.
+    widen(api) {
+      const most = this.wide(WIDEST);
+      const rows = Array.from({ length: Math.min(api.getDisplayedRowCount(), MEASURED) }, (_, row) => api.getDisplayedRowAtIndex(row).data);
+      let changed = false;
+      const columns = api.getColumnDefs().map((column) => {
+        if (column.colId === "number") return column;
+        const cells = needed(".ag-cell:not(.dh-number)", rows.map((data) => String(data[column.field] ?? "")));
+        const least = Math.ceil(Math.min(Math.max(cells, needed(".ag-header-cell", [column.headerName])), most));
+        changed ||= Math.abs(least - column.minWidth) > 1;
+        return { ...column, minWidth: least, flex: least };
+      });
+      if (changed) api.setGridOption("columnDefs", columns);
+    },
+
     TypeEditor,
     wide: (pixels) => Math.round(pixels * size()),
     stopEditing: () => grid?.stopEditing(),
@@ -226,6 +252,7 @@
       });
       api.refreshCells({ force: true });
       this.pick(api, picked);
+      if (!api.getEditingCells().length) this.widen(api);
     },
 
     pick(api, picked) {

@@ -135,8 +135,9 @@ class TableGrid:
         self.mark(session)
 
     def _lay_columns(self) -> None:
-        """The columns, as wide as the text of the page is large."""
+        """The columns, as wide as the text of the page is large, and as wide as the cells need."""
         self._grid.run_grid_method("setGridOption", "columnDefs", self._columns)
+        self._run("widen")
 
     def typed(self, session: Session, row: int, field: str) -> None:
         """Shows what is wrong after a cell was typed, and the cell as it was taken.

@@ -171,6 +171,9 @@ class Tab:
             box.press("Enter")
             box.blur()
         self.page.locator(".joint-sliders[aria-busy=false]").wait_for()
+        drawn = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+        self.page.evaluate(drawn)
+        self.page.wait_for_function("!document.querySelector('.arm-view').goes")
 
     def pose(self, name: str) -> list[list[float]]:
         """The matrix that three.js draws a node with, row by row."""

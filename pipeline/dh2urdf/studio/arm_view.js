@@ -289,6 +289,7 @@ export default {
         this.cube.turn(this.camera);
         this.place();
         this.cross();
+        this.$el.goes = Boolean(this.goal); // whether the camera is on its way
         this.$el.drawn = (this.$el.drawn ?? 0) + 1;
       });
     },

@@ -85,6 +85,15 @@ export const camera = {
     this.own = false;
   },
 
+  // The camera is at its goal at once: pictures are not taken on the way.
+  arrive() {
+    if (!this.goal) return;
+    this.camera.position.copy(this.goal.position);
+    this.controls.target.copy(this.goal.target);
+    this.goal = this.stepped = null;
+    this.range();
+  },
+
   // A step of the camera towards its goal.
   glide() {
     const now = performance.now(), passed = Math.min(now - (this.stepped || now), 100);
@@ -95,7 +104,7 @@ export const camera = {
     const share = still || near ? 1 : 1 - Math.exp(-passed / SOFTNESS);
     this.camera.position.lerp(position, share);
     this.controls.target.lerp(target, share);
-    if (share === 1) this.goal = this.stepped = null;
+    if (share === 1) return this.arrive();
     this.range();
     this.draw();
   },
@@ -151,7 +160,7 @@ export const camera = {
   // A frame of a turn of the camera about the arm, as a data address: from where it looks now, a share of the turn on,
   // with a longer side of at most so many pixels. After the last one null ends the turn, and the camera is back.
   turn(share, largest) {
-    this.goal = null;
+    this.arrive();
     const { camera, controls } = this, z = new THREE.Vector3(0, 0, 1);
     if (share === null) {
       if (this.turning) camera.position.copy(this.turning.position), controls.target.copy(this.turning.target), controls.update();

@@ -6,6 +6,7 @@ export const pictures = {
   // The scene as it is on the screen, twice as fine, as a file; without the ground, if that is to be transparent.
   savePicture(name, transparent) {
     const fine = 2;
+    this.arrive();
     this.renderer.setPixelRatio(fine);
     const sheet = this.pictured(fine, transparent);
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));

@@ -76,13 +76,13 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         page.wait_for_function("document.querySelectorAll('.joint-slider').length === 2")
         page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
 
-        # The axes of the world are seen as the camera sees them: from above, y goes to the left.
+        # The axes of the world are seen as the camera sees them: from above, x goes down and y to the right.
         hand.look("7")
         script = """all => all.map(axis => ['x2', 'y2'].map(end => Number(axis.children[0].getAttribute(end))))"""
         axes = page.locator(".arm-view-cross g")
         names = axes.evaluate_all("all => all.map(axis => axis.dataset.axis)")
         tips = dict(zip(names, axes.evaluate_all(script), strict=True))
-        assert np.abs(np.subtract([tips["x"], tips["y"], tips["z"]], [(0, -22), (-22, 0), (0, 0)])).max() < 0.1
+        assert np.abs(np.subtract([tips["x"], tips["y"], tips["z"]], [(0, 22), (22, 0), (0, 0)])).max() < 0.1
 
         # Without the hand the camera turns.
         before = page.evaluate(CAMERA)
@@ -91,7 +91,7 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         hand.look("7")
 
         # With Shift the arm turns about its axis, and the point that is held stays below the pointer.
-        held, by = hand.pixel("arm", 0.45, 0, 0.05), np.array([-60.0, 4.0])
+        held, by = hand.pixel("arm", 0.45, 0, 0.05), np.array([60.0, -4.0])
         before = page.evaluate(CAMERA)
         page.keyboard.down("Shift")
         turned, pushed = hand.drag(held, by)
@@ -108,7 +108,7 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         start = hand.pixel("arm", 0.45, 0, 0.05)
         page.mouse.move(*(start + 1))
         page.wait_for_function("document.querySelector('.arm-view canvas').style.cursor === 'grab'")
-        assert hand.drag(start, (-200, 150))[0] == pytest.approx(np.degrees(0.7), abs=0.01)
+        assert hand.drag(start, (200, -150))[0] == pytest.approx(np.degrees(0.7), abs=0.01)
         tab.set_sliders([0, 0])
 
         # From the front the slide moves towards the camera: nobody can drag it from there.

@@ -15,7 +15,8 @@ from lxml import etree
 import dh2urdf
 from dh2urdf.errors import ConfigError, CrashError, EmitterError
 from dh2urdf.meshes import conversion as mesh_conversion
-from dh2urdf.meshes.forms import MeshConversion, forms_of
+from dh2urdf.meshes.forms import forms_of
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.report.schema import manifest_schema
 
 if TYPE_CHECKING:

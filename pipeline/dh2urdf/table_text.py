@@ -6,7 +6,6 @@ texts mean is the readers' business; the numbers of a `Manipulator` as such text
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from bisect import bisect_right
@@ -357,4 +356,6 @@ def yaml_word(text: str) -> str:
     """A text as a scalar of YAML, bare where that is the same: ``pi/2``, ``-425 mm``, ``"a: b"``."""
     if _PLAIN_WORD.fullmatch(text) and not _OTHER_THAN_TEXT.fullmatch(text):
         return text
+    import json
+
     return json.dumps(text, ensure_ascii=False)

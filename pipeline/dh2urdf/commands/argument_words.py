@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,8 @@ def word_of(value: object) -> str:
     """A value as a word of the command line: JSON is YAML."""
     if isinstance(value, str):
         return value
+    import json
+
     return json.dumps(_with_units(value), default=_plain, ensure_ascii=False)
 
 

@@ -17,7 +17,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.conversion import conversion_of, unsettled
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
-from dh2urdf.meshes.forms import MeshConversion
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.stage_answers import a_record

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
-from dh2urdf.conversion.own_folders import refuse_one_folder
 from dh2urdf.conversion.robots import a_robot, keeps_kinematics
 from dh2urdf.errors import EmitterError, ProofError, TableError
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
@@ -20,10 +19,9 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.conversion import converted
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
-from dh2urdf.meshes.forms import MeshConversion
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
 from dh2urdf.plugin_system.calls import Call, blaming
-from dh2urdf.plugin_system.column_calls import checked_groups
 from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, emitted_files, items_of, whole_records
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Edit, EmittedFile, Emitter, Loader, Reader, Rejected, Transform
@@ -230,6 +228,8 @@ def emit_robot(
     for call in recipe.emitters:
         emitter = call.stage
         if not alone:
+            from dh2urdf.conversion.own_folders import refuse_one_folder
+
             refuse_one_folder(call, stem)
         with blaming(call):
             files = emitted_files(emitter.emit(robot, stem, call.options), in_folders=emitter.in_folders is not None)
@@ -351,6 +351,8 @@ def checked_items(
                 if not item.problems:
                     raise ValueError(f"it rejected {shown(item.name)} and did not say why")
             elif isinstance(item, ManipulatorGroups) and columns:
+                from dh2urdf.plugin_system.column_calls import checked_groups
+
                 checked_groups(item)
             else:
                 a_record(item, Manipulator, Rejected)

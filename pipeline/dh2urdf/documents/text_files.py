@@ -6,7 +6,6 @@ import os
 import re
 import stat
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
-from difflib import get_close_matches
 from pathlib import Path
 
 from dh2urdf.errors import ConfigError, InputError
@@ -80,6 +79,8 @@ def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
             )
         if not path.parent.is_dir():
             return Problem(message=f"there is no folder {shown(str(path.parent), LONG_PATH)}", mark=mark)
+        from difflib import get_close_matches
+
         names = sorted(entry.name for entry in path.parent.iterdir())
         near = get_close_matches(path.name, names, n=3, cutoff=0.7)
         suggestion = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else None

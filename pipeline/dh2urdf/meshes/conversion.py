@@ -14,8 +14,7 @@ from dh2urdf.errors import ConfigError, CrashError, EmitterError, MissingDepende
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.meshes.addresses import file_address
 from dh2urdf.meshes.files import REMEDY, mesh_files, read_mesh
-from dh2urdf.meshes.forms import MeshConversion, behind_fence
-from dh2urdf.meshes.triangles import FORMATS
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.robot import Material, Mesh
 from dh2urdf.source import Problem, did_you_mean, shown
 
@@ -144,6 +143,7 @@ def _converted_file(
         MissingDependencyError: a package that converts is not installed.
     """
     from dh2urdf.isolation.child_process import run_in_child
+    from dh2urdf.meshes.forms import behind_fence
 
     path = Path(file.path)
     name, suffix = shown(path.name), path.suffix.lower()
@@ -181,6 +181,8 @@ def _converted_file(
 
 
 def _content(file: MeshFile, name: str, suffix: str) -> bytes:
+    from dh2urdf.meshes.triangles import FORMATS
+
     if suffix not in FORMATS:
         raise EmitterError(Problem(message=f"the mesh {name} cannot be converted", accepted=", ".join(FORMATS)))
     content = read_mesh(file)

@@ -6,11 +6,11 @@ and has bounded time and memory. What is written is read again and compared with
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.isolation.fence import enter
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.meshes.triangles import Part, enclosed, read_parts
 
 if TYPE_CHECKING:
@@ -26,19 +26,6 @@ COVER = 0.05
 _ROUNDING = 1e-9  # of places over the longest edge, and of volumes
 _CLOSE = 1e-7  # of points to the planes of a hull, over the longest edge: Qhull's own precision
 _CHUNK = 1 << 22  # distances that are computed at a time
-
-
-class MeshConversion(StrEnum):
-    """What descriptions name for a mesh."""
-
-    NEVER = "never"
-    """The file as it is given."""
-    AUTO = "auto"
-    """An OBJ file, with the scale, and a COLLADA file's unit, axes and transforms, in its numbers."""
-    HULL = "hull"
-    """The same; what touches is the convex hull."""
-    DECOMPOSITION = "decomposition"
-    """The same; what touches are convex parts."""
 
 
 class Forms(NamedTuple):

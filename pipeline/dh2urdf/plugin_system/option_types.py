@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import MISSING, asdict, fields, is_dataclass
 from enum import Enum
 from pathlib import Path
@@ -89,6 +88,8 @@ def default_text(field: Field[Any]) -> str:
         return str(default)
     if isinstance(default, float) and default.is_integer():
         return str(int(default))
+    import json
+
     return json.dumps(
         asdict(default) if is_dataclass(default) and not isinstance(default, type) else default, default=str
     )

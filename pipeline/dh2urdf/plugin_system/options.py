@@ -7,7 +7,6 @@ finds everything that is wrong at once. The checks are strict: ``yes`` is not tr
 
 from __future__ import annotations
 
-import json
 import re
 import sys
 from dataclasses import MISSING, fields, is_dataclass
@@ -164,6 +163,8 @@ class _GivenOptions(Generic[O]):
         Raises:
             ConfigError: with everything that pydantic finds wrong.
         """
+        import json
+
         from pydantic import TypeAdapter, ValidationError
 
         adapter = TypeAdapter(self.type)

@@ -77,7 +77,9 @@ _ADVICE = (
 def misreading(text: str) -> tuple[str, str] | None:
     """What a text is that the grammar would take for another number, and what to write; None for any other text."""
     plain = text.translate(SIGNS)
-    if plain.strip()[:1].lower() in _FIRST_OF_DATES and any(date.fullmatch(plain) for date in _DATES):
+    # No date has a `*`; a table has many such cells.
+    may_be_date = "*" not in plain and plain.strip()[:1].lower() in _FIRST_OF_DATES
+    if may_be_date and any(date.fullmatch(plain) for date in _DATES):
         return "it is a date", _DATE_ADVICE
     number = _IN_BRACKETS.fullmatch(plain) if "(" in plain else None
     if number and not _NO_DIGIT_BUT_0.fullmatch(number[1]):

@@ -10,7 +10,7 @@ from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.meshes.files import RELATIVE, prefix_of
-from dh2urdf.meshes.forms import MeshConversion
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import Layout
 from dh2urdf.run_file.mesh_section import MeshCall
 from dh2urdf.source import Mark, Problem

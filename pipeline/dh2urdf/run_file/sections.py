@@ -9,7 +9,7 @@ from dh2urdf.documents.document import Node, expect_mapping
 from dh2urdf.errors import ConfigError
 from dh2urdf.meshes.conversion import ACCEPTED, conversion_of
 from dh2urdf.meshes.files import FILE, RELATIVE, prefix_of
-from dh2urdf.meshes.forms import MeshConversion
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import DEFAULT_SIZE, LARGEST, Form, Layout
 from dh2urdf.run_file.cell_section import CELLS
 from dh2urdf.run_file.mesh_section import MESHES

@@ -9,7 +9,6 @@ from dh2urdf.errors import TransformError
 from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems, with_inertia_floor
 from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
-from dh2urdf_plugins.transforms.paper import paper
 from dh2urdf_plugins.transforms.unused import unused_in_paper, unused_shapes
 
 if TYPE_CHECKING:
@@ -39,6 +38,8 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     if any(problem.severity == "error" for problem in problems):
         raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
     if options.variant == "paper":
+        from dh2urdf_plugins.transforms.paper import paper
+
         robot = paper(manipulator, options)
     else:
         robot = exact(manipulator, options)

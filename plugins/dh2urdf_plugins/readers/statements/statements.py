@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -336,6 +335,8 @@ class Statements:
 
 def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callable[[Problem], None]) -> Node | None:
     """The value of an option as YAML; None where it is none."""
+    import json
+
     text = value if isinstance(value, str) else json.dumps(value)
     try:
         return load_yaml(text if text.strip() else "~", OPTIONS, TableError)

@@ -12,6 +12,7 @@ import unicodedata
 from enum import StrEnum
 from fractions import Fraction
 from functools import lru_cache
+from itertools import accumulate
 from typing import NamedTuple
 
 from dh2urdf.late_dataclasses import dataclass
@@ -144,9 +145,13 @@ class _Words:
 
     def __init__(self) -> None:
         self.units: dict[str, Unit] = {}
+        self.joints: dict[str, set[int]] = {}
 
     def define(self, unit: Unit, *words: str) -> None:
-        self.units.update(dict.fromkeys(map(unit_word, (unit.symbol, *words)), unit))
+        for factors in map(_factors, (unit.symbol, *words)):
+            word = "".join(factors)
+            self.units[word] = unit
+            self.joints.setdefault(word, set()).update(accumulate(map(len, factors)))
 
     def lengths(self) -> None:
         """Lengths, and those that machines move by per second and per minute."""
@@ -211,14 +216,14 @@ class _Words:
         force, torque = Dimension.FORCE, Dimension.TORQUE
         for prefix in ("", "k", "m"):
             self.define(Unit(f"{prefix}N", force, _POWERS[prefix]), *(("newton", "newtons") if not prefix else ()))
-            self.define(Unit(f"{prefix}Nm", torque, _POWERS[prefix]))
+            self.define(Unit(f"{prefix}Nm", torque, _POWERS[prefix]), f"{prefix}N·m")
         self.define(Unit("N·cm", torque, -2))
         self.define(Unit("N·mm", torque, -3))
-        self.define(Unit("kgf", force, factor=_GRAVITY), "kp")
+        self.define(Unit("kgf", force, factor=_GRAVITY), "kp", "kg·f")
         self.define(Unit("kgf·m", torque, factor=_GRAVITY))
         self.define(Unit("kgf·cm", torque, factor=_GRAVITY / 100), "kg·cm")
-        self.define(Unit("lbf", force, factor=_POUND * _GRAVITY))
-        self.define(Unit("ozf", force, factor=_OUNCE * _GRAVITY))
+        self.define(Unit("lbf", force, factor=_POUND * _GRAVITY), "lb·f")
+        self.define(Unit("ozf", force, factor=_OUNCE * _GRAVITY), "oz·f")
         for symbol, mass, length in (("lbf·in", _POUND, "in"), ("lbf·ft", _POUND, "ft"), ("ozf·in", _OUNCE, "in")):
             short = symbol.replace("f", "", 1)
             words = (short, *("·".join(reversed(word.split("·"))) for word in (symbol, short)))
@@ -229,29 +234,43 @@ class _Words:
         self.define(Unit("N·s/mm", Dimension.LINEAR_DAMPING, 3))
 
 
-@lru_cache(maxsize=1024)
-def unit_word(text: str) -> str:
-    """The word of a unit without case, spaces and signs of multiplication: ``kg m^2`` is ``kgm2``."""
+def _factors(text: str) -> list[str]:
+    """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
     word = unicodedata.normalize("NFKC", text.replace("º", "°").replace("˚", "°")).casefold().strip()
-    if "per" in word:
-        word = re.sub(r"\s*\bper\s+", "/", word)
-    if "sec" in word:
-        word = re.sub(r"sec(?:onds?)?", "s", word)
+    word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word))
     word = word.replace("minute", "min")
     if word.endswith("1"):
         word = re.sub(r"(s|min)\s*\^?\s*[-\N{MINUS SIGN}]1$", r"/\1", word)
-    word = re.sub(r"(?<=\w)-(?=\w)|[\s·⋅∙•*^.]", "", word)
-    return f"1{word}" if word.startswith("/") else word
+    word = _NO_FACTOR.sub("", f"1{word}" if word.startswith("/") else word)
+    return [factor for factor in _TIMES.split(word) if factor]
 
 
-def _units() -> dict[str, Unit]:
+_TIMES = late_pattern(r"(?<=\w)-(?=\w)|[\s·⋅∙•*^.]+")
+_NO_FACTOR = late_pattern(r"[\s·⋅∙•*^.]+(?=[\d/])|(?<=/)\s+")
+"""What is between a unit and its power, or beside a sign of division."""
+
+
+@lru_cache(maxsize=1024)
+def unit_word(text: str) -> str:
+    """The word of a unit without case, spaces and signs of multiplication: ``kg m^2`` is ``kgm2``.
+
+    Where these are in the middle of a factor they remain, and it is the word of no unit: ``m·m`` is not ``mm``.
+    """
+    factors = _factors(text)
+    word = "".join(factors)
+    if len(factors) > 1 and word in _JOINTS and not _JOINTS[word].issuperset(accumulate(map(len, factors))):
+        return "·".join(factors)
+    return word
+
+
+def _units() -> tuple[dict[str, Unit], dict[str, set[int]]]:
     words = _Words()
     for define in (words.lengths, words.angles, words.masses, words.efforts):
         define()
-    return words.units
+    return words.units, words.joints
 
 
-UNITS = _units()
+UNITS, _JOINTS = _units()
 """The units by their words, as `unit_word` has these."""
 _MEANT_THERE = {
     ("nm", Dimension.LENGTH): Unit("nm", Dimension.LENGTH, -9),

@@ -269,6 +269,16 @@ def test_letters_with_spaces_between_them_are_no_unit(text: str) -> None:
             evaluate(text, dimension)
 
 
+@pytest.mark.parametrize("word", ["m·m", "m*m", "c.m", "k g", "de*g", "N·m·m", "lb*s", "ra·d/s", "g m·m²", "gm·m^2"])
+def test_a_sign_of_multiplication_within_a_factor_makes_no_unit(word: str) -> None:
+    """`m·m` is an area, and not mm; where it is between the factors, it does not matter."""
+    for dimension in (Dimension.LENGTH, Dimension.ANGLE, Dimension.MASS, Dimension.TORQUE, Dimension.INERTIA):
+        with pytest.raises(QuantityError):
+            find_unit(word, dimension)
+        with pytest.raises(QuantityError):
+            evaluate(f"1 {word}", dimension)
+
+
 @pytest.mark.parametrize("text", ["1e308 t", "-1e308 slug", "1e999999999999999999 in"])
 def test_a_number_beyond_all_doubles_is_refused(text: str) -> None:
     """At once, however large its exponent is."""

@@ -3,6 +3,7 @@ from __future__ import annotations
 import gc
 import io
 import os
+import re
 import warnings
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -46,6 +47,27 @@ def test_a_manipulator_may_be_longer_than_a_block(read_one: Callable[..., Manipu
     assert len(arm.rows) == 5_000
     assert [row.mark.line for row in arm.rows if row.mark] == list(range(2, 5_002))
     assert arm.rows[-1].joint == "joint_5000"
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ('a,alpha,d,theta [deg]"', r"'theta \[deg\]\"' seems to be theta"),
+        ('a,alpha,d,the"ta', "no column is called 'the\"ta'"),
+        ('a,alpha,d,"theta', r"arm.csv:1: error: a column of the header opens with a quote that is not closed"),
+    ],
+)
+def test_a_quote_in_a_header_takes_no_row_away(
+    header: str, said: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """It goes on in the next line only where a cell begins with it, and has to end there."""
+    try:
+        (arm,) = read(f"{header}\n0,0,1,30\n0,0,2,40\n", convention="standard")
+    except TableError as error:
+        assert re.search(said, str(error))
+    else:
+        assert isinstance(arm, Rejected)
+        assert re.search(said, "\n".join(map(str, arm.problems)))
 
 
 def test_a_bad_manipulator_fails_alone(read: Callable[..., list[Manipulator | Rejected]]) -> None:

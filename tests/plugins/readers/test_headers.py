@@ -224,6 +224,7 @@ REFUSED = [
     *((header, "3", "a torque that may not be the largest") for header in ("rated torque", "nominal torque")),
     *((header, "3", "convention") for header in ("μ_j", "mu")),
     *((header, "3", "a limit of acceleration") for header in ("qdd_max", "q̈max")),
+    *((header, "3", "theta") for header in ("theta [deg]!", "theta_i [rad]]", "theta (deg) x")),
     ("Tc", "3", "a friction of the motor or of the joint"),
     ("roll", "3", "a turn of a frame beside the DH parameters"),
     ("x", "3", "a coordinate that may be of a frame or of a centre of mass"),

@@ -58,6 +58,8 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
         header = _header_in(line) if comment else line
         found = delimiter or delimiter_of(header)
         if found and is_header(row := _cells(header, number, file, found)):
+            if not comment and _is_cut(line):
+                raise TableError(_open_header(first, number, file))
             yield from ((above, None) for above in _above(held, file, found))
             yield row, found
             return
@@ -97,7 +99,7 @@ class _Line(NamedTuple):
 
 def _whole(line: str, lines: Iterator[tuple[int, str]]) -> str:
     """A line with those that follow, as far as a cell in quotes runs on into them."""
-    is_cut = is_open if is_comment(line, top=True) else _is_odd
+    is_cut = is_open if is_comment(line, top=True) else _is_cut
     for _, more in islice(lines, _COMMENT_LINES) if is_cut(line) else ():
         line += f"\n{more}"
         if not is_cut(line) or len(line) > MAX_HEADER:
@@ -105,8 +107,15 @@ def _whole(line: str, lines: Iterator[tuple[int, str]]) -> str:
     return line
 
 
-def _is_odd(line: str) -> bool:
-    return line.count('"') % 2 == 1 and any(f'{before}"' in f",{line}" for before in DELIMITERS)
+def _is_cut(line: str) -> bool:
+    """Whether a line ends in a cell that begins with a quote: one in the middle of a cell, as of 5", opens none."""
+    quoted, begins = False, True
+    for character in line:
+        if character == '"' and (quoted or begins):
+            quoted, begins = not quoted, quoted  # of two in quotes, the second one opens them again
+        elif not quoted:
+            begins = character in DELIMITERS or (begins and character in SPACES)
+    return quoted
 
 
 def _known(line: str) -> int:
@@ -137,6 +146,15 @@ def _long_header(line: str, number: int, file: str) -> Problem:
         message=f"this line should be the header, and has {len(line)} characters",
         mark=Mark(file=file, line=number),
         accepted=f"at most {MAX_HEADER} characters",
+    )
+
+
+def _open_header(line: str, number: int, file: str) -> Problem:
+    return Problem(
+        message=f"a column of the header opens with a quote that is not closed: {shown(line.strip())}",
+        mark=Mark(file=file, line=number),
+        found=line,
+        accepted='a quote at both ends, "like this", or none',
     )
 
 

@@ -25,6 +25,7 @@ _NOUNS = {
 }
 """What has no field, as the end of a sentence."""
 _NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
+_STRAY = late_pattern(r"[^\w\\$]*(.*?[\])}]|.*?\w)(?:[\W_]+\w?[\W_]*|(?<=[\])}])\w)?")
 _FEW = 5
 _FEW_WORDS = 4
 
@@ -62,7 +63,7 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
         return Refusal(
             f"is {meaning.reason}, which no {what} holds", meaning.accepted, zero=True, counts=meaning.counts
         )
-    name = suspected(text)
+    name = suspected(text) or _with_stray_signs(text)
     if name == "limits" and header.unit and not _measures(header.unit, FIELDS["limits"].dimension):
         name = None  # `Max. [°/s]` is a limit of something else, as its unit says
     if name in FIELDS:
@@ -70,6 +71,14 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
     if name:
         return Refusal(f"seems to be {_NOUNS[name]}, which no {what} holds", "a table without it")
     return _without_words(header)
+
+
+def _with_stray_signs(text: str) -> str | None:
+    """The field of a quantity whose header has a sign or a letter too many around it: ``theta [deg]"``, ``(d``."""
+    match = _STRAY.fullmatch(text)
+    core = match[1] if match else text
+    field = read_header(core).field if core and core != text else None
+    return field.name if field and field.dimension else None
 
 
 def _without_words(header: Header) -> Refusal | None:

@@ -8,7 +8,7 @@ from functools import cache, lru_cache
 from typing import NamedTuple
 
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import is_unit
+from dh2urdf.quantities import UNITS, is_unit, unit_word
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
@@ -17,6 +17,7 @@ _INDEXED = ("a", "r", "alpha", "α", "d", "theta", "θ", "b", "beta", "β", "gam
 _BEFORE = r"\s*(-\s*1|m1)?\s*[\]})*]*"
 _INDEX = late_pattern(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}")
 _INDEX_BEHIND = late_pattern(rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}")  # `effort [N]` has a unit
+_OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
 _PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
 _LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
 _FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
@@ -78,7 +79,9 @@ def _as_written(text: str) -> Header:
     header = _read(plain)
     if not header.unit or len(plain) != len(written):
         return header
-    start = plain.rindex(header.unit)
+    start = plain.rfind(header.unit)
+    if start < 0:
+        return header
     return header._replace(unit=written[start : start + len(header.unit)])
 
 
@@ -112,7 +115,7 @@ def _with_brackets(front_text: str, inner: str) -> Header:
     if is_unit(inner) and name and not name.dimension:
         return Header(None, front.key, unit=inner)  # `I [kg·m²]` is no index
     if is_unit(inner) or (name and name.dimension and not inner):
-        return front._replace(unit=inner)
+        return front._replace(unit=_last_unit(front.unit, inner))
     whole = _named(f"{front_text} {inner}")
     if whole.field:
         return whole
@@ -121,6 +124,15 @@ def _with_brackets(front_text: str, inner: str) -> Header:
         return front
     # `link length (a)`; anything else in the brackets of a quantity should be its unit.
     return front if _named(inner).field is name else front._replace(unit=inner)
+
+
+def _last_unit(said: str | None, unit: str) -> str:
+    """The unit in the last brackets; with what was said before, which makes it none, where that is no remark."""
+    if not said or not unit:
+        return unit
+    if is_unit(said):
+        return unit if UNITS[unit_word(said)] == UNITS[unit_word(unit)] else f"{said} and {unit}"
+    return said if _OTHER_LINK.fullmatch(said) else unit  # `d (along z) [mm]`
 
 
 def _twice(plain: str) -> Header | None:

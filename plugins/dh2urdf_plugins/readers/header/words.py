@@ -126,13 +126,13 @@ def _with_brackets(front_text: str, inner: str) -> Header:
     return front if _named(inner).field is name else front._replace(unit=inner)
 
 
-def _last_unit(said: str | None, unit: str) -> str:
-    """The unit in the last brackets; with what was said before, which makes it none, where that is no remark."""
-    if not said or not unit:
+def _last_unit(before: str | None, unit: str) -> str:
+    """The unit in the last brackets; with the words before it, which make it none, where these are no remark."""
+    if not before or not unit:
         return unit
-    if is_unit(said):
-        return unit if UNITS[unit_word(said)] == UNITS[unit_word(unit)] else f"{said} and {unit}"
-    return said if _OTHER_LINK.fullmatch(said) else unit  # `d (along z) [mm]`
+    if is_unit(before):
+        return unit if UNITS[unit_word(before)] == UNITS[unit_word(unit)] else f"{before} and {unit}"
+    return before if _OTHER_LINK.fullmatch(before) else unit  # `d (along z) [mm]`
 
 
 def _twice(plain: str) -> Header | None:

@@ -429,6 +429,19 @@ def test_a_face_gives_what_type_checkers_see(path: Path) -> None:
         assert getattr(module, name) is (source if place == f"{package}.{name}" else getattr(source, name))
 
 
+def test_every_constant_is_defined_once() -> None:
+    """No module of the host defines a constant of the name and the value that one of another module has."""
+    where: dict[tuple[str, str], list[str]] = {}
+    for path in modules(HOST):
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+                name, value = node.targets[0].id.lstrip("_"), ast.unparse(node.value)
+                if name.isupper() and name != "TYPE_CHECKING" and not value.startswith("TypeVar("):
+                    where.setdefault((name, value), []).append(relative(path))
+    assert len(where) > 100
+    assert {constant: paths for constant, paths in where.items() if len(paths) > 1} == {}
+
+
 BY_TEXT = {
     "pipeline/dh2urdf/_faces.py": "public names, and the functions that methods of records call",
     "pipeline/dh2urdf/cli/__init__.py": "the commands, by their names",

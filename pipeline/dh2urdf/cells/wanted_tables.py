@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 REMEMBERED = 1000
 """Names of manipulators that a message may suggest; a run may have a million."""
-SHOWN = 20
+SHOWN_NAMES = 20
 """Names that a message lists."""
 
 
@@ -61,7 +61,7 @@ class WantedTables:
                     mark=mark,
                     field="of",
                     found=name,
-                    accepted=", ".join([*names[:SHOWN], *(["…"] if len(names) > SHOWN else [])]) or None,
+                    accepted=", ".join([*names[:SHOWN_NAMES], *(["…"] if len(names) > SHOWN_NAMES else [])]) or None,
                     suggestion=did_you_mean(name, names),
                 )
             case [Rejected(problems=problems)]:

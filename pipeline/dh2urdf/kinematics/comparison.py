@@ -31,7 +31,8 @@ POSES = 32
 USUAL_TIPS = (TOOL, "tcp", "flange", "ee_link")
 """Links that are the tip of an arm where a description has them, the likeliest first."""
 
-_DECIMALS = 12
+DECIMALS = 12
+"""Decimals of numbers that are computed of a description [m or rad]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -240,7 +241,7 @@ def _number(value: float, *, is_angle: bool = False) -> float:
     if is_angle and abs(value - (turns := round(value / HALF_PI)) * HALF_PI) <= TOLERANCE / 10:
         value = turns * HALF_PI
         return value + 0.0 if value != -math.pi else math.pi
-    return round(value, _DECIMALS) + 0.0
+    return round(value, DECIMALS) + 0.0
 
 
 def changes(manipulator: Manipulator, corrected: Manipulator) -> tuple[str, ...]:

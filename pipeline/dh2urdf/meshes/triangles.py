@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FORMATS = (".stl", ".obj", ".dae")
 """How the names of mesh files end that can be read."""
 
-_ROUNDING = 1e-12  # over the size of a body or the trace of its inertia
+_NEGLIGIBLE = 1e-12  # over the size of a body or the trace of its inertia
 _TO_Z_UP = {"X_UP": ((0, -1, 0), (0, 0, -1), (1, 0, 0)), "Y_UP": ((1, 0, 0), (0, 0, -1), (0, 1, 0))}
 _ZIP = b"PK\x03\x04"
 
@@ -301,8 +301,8 @@ def _without_rounding(body: Inertial) -> Inertial:
     """A body with 0 for what is nothing but the rounding of sums: the centre of a symmetric mesh is in its plane."""
     i, trace = body.inertia, body.inertia.ixx + body.inertia.iyy + body.inertia.izz
     gyration = math.sqrt(max(trace, 0.0) / body.mass)
-    x, y, z = (0.0 if abs(number) <= _ROUNDING * gyration else number for number in body.com)
-    xy, xz, yz = (0.0 if abs(number) <= _ROUNDING * trace else number for number in (i.ixy, i.ixz, i.iyz))
+    x, y, z = (0.0 if abs(number) <= _NEGLIGIBLE * gyration else number for number in body.com)
+    xy, xz, yz = (0.0 if abs(number) <= _NEGLIGIBLE * trace else number for number in (i.ixy, i.ixz, i.iyz))
     return replace(body, com=(x, y, z), inertia=replace(i, ixy=xy, ixz=xz, iyz=yz))
 
 

@@ -21,13 +21,12 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.seen_names import SeenNames
 from dh2urdf.output.store import checked
+from dh2urdf.output.whole_files import READ_AT_ONCE
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
     from dh2urdf.output.store import Store
-
-_BLOCK = 1 << 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,7 +127,7 @@ def _is_same(store: Store, rows: BinaryIO) -> bool:
     """Whether the manifest in a store is the new one."""
     rows.seek(0)
     with store.open(MANIFEST) as stream:
-        while block := stream.read(_BLOCK):
+        while block := stream.read(READ_AT_ONCE):
             if rows.read(len(block)) != block:
                 return False
     return not rows.read(1)

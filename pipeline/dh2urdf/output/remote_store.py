@@ -35,7 +35,7 @@ _PATIENCE = 60
 not count while a server gives no leave to send (100 Continue), or takes nothing of what is sent."""
 _BLOCK = 1 << 23
 """How much a stream takes from a remote file at once [byte]."""
-_LONGEST_REASON = 300
+_LONGEST_ANSWER = 300
 """Of what a remote place says, so much is repeated."""
 
 
@@ -206,7 +206,7 @@ class RemoteStore(Store):
                 reason = os.strerror(ETIMEDOUT)
             if isinstance(error, NOT_THERE) and name in reason:  # It is the path alone.
                 reason = os.strerror(ENOENT)
-            reason = printable(_without_password(" ".join(reason.split())))[:_LONGEST_REASON]
+            reason = printable(_without_password(" ".join(reason.split())))[:_LONGEST_ANSWER]
             raise OutputError(Problem(message=f"cannot {doing} {shown(place, 200)}: {reason}")) from error
 
 

@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from dh2urdf.errors import OutputError
-from dh2urdf.output.whole_files import NO_NAMES
+from dh2urdf.output.whole_files import NO_NAMES, READ_AT_ONCE
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
@@ -25,8 +25,6 @@ WORKING = ".dh2urdf"
 """The folder of a store for what only the run itself needs: its journal, its lock, temporary files."""
 NOT_THERE = (FileNotFoundError, NotADirectoryError)
 """What says that a file is missing; the second, where another file stands for a folder above it."""
-_READ_AHEAD = 1 << 20
-"""How much a stream takes from a store at once [byte]."""
 
 
 class Store(ABC):
@@ -106,7 +104,7 @@ class ReportingStream(io.RawIOBase):
     @classmethod
     def buffered(cls, stream: Any, reporting: Callable[[], AbstractContextManager[None]]) -> BinaryIO:  # noqa: ANN401
         """Such a stream that reads ahead."""
-        return cast("BinaryIO", io.BufferedReader(cls(stream, reporting), _READ_AHEAD))
+        return cast("BinaryIO", io.BufferedReader(cls(stream, reporting), READ_AT_ONCE))
 
     def readable(self) -> bool:
         """It is."""

@@ -23,6 +23,8 @@ LONGEST_STEM = 120
 """Bytes of a file name's stem: file systems take 255 for the whole name, and suffixes need their share."""
 NO_NAMES = frozenset(("", ".", ".."))
 """What no part of a relative name may be."""
+READ_AT_ONCE = 1 << 20
+"""How much of a file is read at once [byte]."""
 _STAGING = ".dh2urdf-"
 _SAFE = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}

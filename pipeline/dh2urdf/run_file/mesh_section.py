@@ -9,6 +9,7 @@ from dataclasses import field, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
+from dh2urdf.cells.wanted_tables import SHOWN_NAMES
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator, MeshFile, MeshShape
 from dh2urdf.meshes.files import find_mesh
@@ -28,8 +29,6 @@ NO_FILE = (
     "this mesh has no file",
     "the path of a file, or {file: PATH, xyz: [0, 0, 0], rpy: [0, 0, 0], scale: 1}",
 )
-SHOWN = 20
-"""Names that a message lists."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,7 +76,7 @@ class MeshCall:
                 robot=manipulator.name,
                 field="meshes",
                 found=joint,
-                accepted=", ".join(names[:SHOWN]),
+                accepted=", ".join(names[:SHOWN_NAMES]),
                 suggestion=did_you_mean(joint, names),
             )
             for joint, shapes in self.joints
@@ -115,7 +114,7 @@ class MeshGiver:
                 self._waiting.pop(number, None)
                 if isinstance(item, Manipulator):
                     item = call.given_to(item)
-        if self._waiting and len(self._names) < SHOWN:
+        if self._waiting and len(self._names) < SHOWN_NAMES:
             self._names.append(item.name)
         return item
 

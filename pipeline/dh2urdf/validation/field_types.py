@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 NEARLY_ORTHONORMAL = 1e-6
 """Deviation from a rotation that single precision and printing leave; the nearest rotation is kept then."""
-_ROUNDING = 1e-12
+EXACTLY_ORTHONORMAL = 1e-12
+"""Deviation from a rotation that is rounding; the matrix is kept as it is then."""
 _NUMBER = "one finite number in SI units (m, rad, kg, s)"
 
 
@@ -270,7 +271,7 @@ def _transform(value: Any) -> RigidTransform:  # noqa: ANN401 - whatever is give
     if not deviation <= NEARLY_ORTHONORMAL:
         message = f"the matrix is no rotation: |RᵀR − 1| is {deviation:.3g}, so that it stretches, skews or mirrors"
         raise RefusedError(message, value, "axes of length 1, square to each other and right-handed", is_type=False)
-    taken = RigidTransform(elements if deviation <= _ROUNDING else rotation, translation)
+    taken = RigidTransform(elements if deviation <= EXACTLY_ORTHONORMAL else rotation, translation)
     kept: RigidTransform = (
         value if all(map(operator.is_, taken, value)) and isinstance(value, RigidTransform) else taken
     )

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 24
 """Joint vectors from which a solution is looked for: the one that is given, and random ones, always the same."""
-TOLERANCE = 1e-9
+REACHED = 1e-9
 """How far tool0 may be from the pose [m for an arm that reaches 1 m, and rad]."""
 STEPS = 200
 _LONGEST = 0.5  # of a step [rad, or part of the reach]: nothing jumps at a singularity
@@ -160,7 +160,7 @@ class _PoseSearch:
         damping, error = 1e-3, self._error(q)
         for _ in range(STEPS):
             cost = float(error @ error)
-            if cost <= (1e-3 * TOLERANCE) ** 2 or not len(q):
+            if cost <= (1e-3 * REACHED) ** 2 or not len(q):
                 break
             jacobian = np.asarray(table_jacobian(self._arm, q, full=False)) * self._scale
             jacobian[:3] /= self._length
@@ -199,7 +199,7 @@ class _PoseSearch:
     def _solution(self, q: Vector) -> InverseSolution:
         found = forward_kinematics(self._arm, q.tolist())
         position, angle = position_error(self._target, found), angle_error(self._target, found)
-        is_there = position <= TOLERANCE * max(self._length, 1e-3) and angle <= TOLERANCE
+        is_there = position <= REACHED * max(self._length, 1e-3) and angle <= REACHED
         return InverseSolution(tuple(q.tolist()), position, angle, is_there)
 
 

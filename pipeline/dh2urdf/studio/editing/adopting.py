@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
-from dh2urdf.kinematics.comparison import TOLERANCE, compare
+from dh2urdf.kinematics.comparison import DECIMALS, TOLERANCE, compare
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.quantities.units import UNITS
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 _SAME = TOLERANCE / 10
 """Numbers that differ less [m] and [rad] are left as they are."""
-_DECIMALS = 12
 _NUMBERS = ("a", "alpha", "d", "theta", "offset", "sign")
 
 
@@ -117,8 +116,8 @@ def _in_these_rows(own: Manipulator, arm: Manipulator, zero: RigidTransform) -> 
             rows.append(replace(row, **{field: getattr(moving, field) for field in _NUMBERS}))
     bare = replace(arm, base=own.base, rows=tuple(rows), tool=IDENTITY)
     tool = forward_kinematics(bare, (0.0,) * len(arm.moving_rows)).inverse @ zero
-    x, y, z = (round(number, _DECIMALS) for number in tool.translation)
-    roll, pitch, yaw = (round(number, _DECIMALS) for number in tool.rpy)
+    x, y, z = (round(number, DECIMALS) for number in tool.translation)
+    roll, pitch, yaw = (round(number, DECIMALS) for number in tool.rpy)
     return replace(bare, tool=RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw)))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, link_poses, position_error
-from dh2urdf.kinematics.comparison import Agreement, compare
+from dh2urdf.kinematics.comparison import POSES, Agreement, compare
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 V = TypeVar("V")
 NAME = "description/"
 """What stands before the names of the description's nodes and joints in the scene."""
-POSES = 32
-"""Joint vectors inside the limits at which the two are compared, besides zero and both ends."""
 
 
 class Apart(NamedTuple):

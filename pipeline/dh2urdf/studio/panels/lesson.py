@@ -8,13 +8,13 @@ from nicegui import ui
 
 from dh2urdf.studio.drawing.motions import NAMES, order
 from dh2urdf.studio.panels.lesson_words import explained
+from dh2urdf.studio.panels.poses import TICK
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.studio.editing.session import Session
 
-_TICK = 0.05  # [s]
 _STEP = 0.04  # of a motion in a tick: a motion takes 1.25 s
 _ALL = 4.0
 
@@ -45,7 +45,7 @@ class LessonPanel:
                     for number in range(int(_ALL))
                 ]
             self._text = ui.html(sanitize=False).classes("studio-lesson-text")
-        self._timer = ui.timer(_TICK, self._go_on, active=False)
+        self._timer = ui.timer(TICK, self._go_on, active=False)
         self.show()
 
     def switch(self) -> None:

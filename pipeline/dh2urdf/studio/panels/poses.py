@@ -11,7 +11,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.studio.editing.session import OpenArm, Session
 
-_TICK = 0.05  # [s]
+TICK = 0.05
+"""Time from one step of a motion to the next [s]."""
 _STRETCH = 1.5  # from one pose to the next [s]
 
 
@@ -38,7 +39,7 @@ class PosesPanel:
                 self._play = ui.button("play", icon="play_arrow", on_click=self._play_or_stop)
                 self._play.props("outline dense no-caps size=sm")
             self._list = ui.element("div").classes("studio-row")
-        self._timer = ui.timer(_TICK, self._go_on, active=False)
+        self._timer = ui.timer(TICK, self._go_on, active=False)
         self.show()
 
     def switch(self) -> None:
@@ -91,7 +92,7 @@ class PosesPanel:
 
     def _go_on(self) -> None:
         last = len(self._way) - 1
-        self._progress = min(self._progress + _TICK / _STRETCH, float(last))
+        self._progress = min(self._progress + TICK / _STRETCH, float(last))
         if self._progress >= last or self._session.arm is not self._arm:
             self._timer.deactivate()
         if self._session.arm is self._arm:

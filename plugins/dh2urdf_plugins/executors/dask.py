@@ -12,7 +12,6 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from contextlib import ExitStack, contextmanager, suppress
@@ -129,6 +128,8 @@ def _client(address: str) -> Iterator[Any]:
 @contextmanager
 def _own_cluster(workers: int) -> Iterator[str]:
     """The address of a cluster on this machine that lives as long."""
+    import tempfile
+
     with tempfile.TemporaryFile() as printed:
         try:
             process = subprocess.Popen(  # noqa: S603 - our own script

@@ -66,7 +66,7 @@ def read_header(text: str) -> Header:
     if len(text) > _LONGEST:  # no name of a field, and too long for patterns that look for one
         return Header(None, key_of(text))
     header = _as_written(text)
-    if header.field or header.key in UNHELD or not _FOOTNOTE.search(text):
+    if header.field or header.key in UNHELD or (text.isascii() and "*" not in text) or not _FOOTNOTE.search(text):
         return header
     without = _as_written(_FOOTNOTE.sub("", text))  # `d¹`, which is no d1
     return without if without.field or without.key in UNHELD else header
@@ -86,8 +86,9 @@ def _as_written(text: str) -> Header:
 
 
 def _written(text: str) -> str:
-    written = unicodedata.normalize("NFKC", re.sub("[º˚]", "°", text))
-    return _LATEX.sub("", written).replace("−", "-").strip()
+    written = unicodedata.normalize("NFKC", text.replace("º", "°").replace("˚", "°"))
+    plain = _LATEX.sub("", written) if "\\" in written or "$" in written else written
+    return plain.replace("−", "-").strip()
 
 
 def _read(plain: str) -> Header:

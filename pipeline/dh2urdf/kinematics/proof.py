@@ -27,7 +27,7 @@ from dh2urdf.kinematics.walk.vectors import STACKS
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
-from dh2urdf.validation.coercion import replace_unchecked
+from dh2urdf.validation.coercion import many_unchecked, replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -298,17 +298,16 @@ def _proofs(
         )
     shape = (3 + count, len(places))
     largest = _largest_of_arms(said, found, values_of(q), shape)
-    return [
-        Proof(
-            position_error=position,
-            angle_error=angle,
-            q=vector,
-            tolerance=tolerance,
-            poses=3 + count,
-            tips={TOOL: position},
-        )
-        for (position, angle, vector), tolerance in zip(largest, _tolerances(table, q, len(places)), strict=True)
-    ]
+    positions, angles, vectors = zip(*largest, strict=True)
+    return many_unchecked(
+        Proof(position_error=0.0, angle_error=0.0, q=(), tolerance=0.0, poses=3 + count),
+        len(places),
+        position_error=positions,
+        angle_error=angles,
+        q=vectors,
+        tolerance=_tolerances(table, q, len(places)),
+        tips=[{TOOL: position} for position in positions],
+    )
 
 
 def _row(row: DHRow, pick: Pick) -> DHRow:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import defaultdict
 from contextlib import nullcontext
 from dataclasses import replace
@@ -27,6 +28,7 @@ from dh2urdf.running.batch_content import BatchContent, Depth, timed
 from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.tasks.batch import Doomed
 from dh2urdf.tasks.batch_report import BatchReport, Tally
+from dh2urdf.validation.coercion import many_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,16 +81,17 @@ class Work(BatchContent):
         """Put the files of a manipulator in their place; its key and where they are."""
         facts: list[FileEntry] = []
         index = self.batch.first + place
-        with timed(self.seconds, "write"):
-            if target is not None:
-                self.copies.put(outcome.meshes)
-                for written in outcome.written:
-                    for file in written.files:
-                        where = target.put(index, file.name, file.content)
-                        digest = sha256(file.content).hexdigest()
-                        facts.append({**where, "stage": written.stage, "bytes": len(file.content), "sha256": digest})
-                for name, picture in outcome.pictures.items():
-                    target.put(index, name, picture)
+        started = time.perf_counter()
+        if target is not None:
+            self.copies.put(outcome.meshes)
+            for written in outcome.written:
+                for file in written.files:
+                    where = target.put(index, file.name, file.content)
+                    digest = sha256(file.content).hexdigest()
+                    facts.append({**where, "stage": written.stage, "bytes": len(file.content), "sha256": digest})
+            for name, picture in outcome.pictures.items():
+                target.put(index, name, picture)
+        self.seconds["write"] += time.perf_counter() - started
         told = bool(outcome.notices or outcome.errors)
         return self.key(place, noticed=told, mark=self.mark(place) if told else None), facts
 
@@ -168,21 +171,24 @@ class Work(BatchContent):
                 made[member].append(Written(stage=call.stage.name, files=files[member], proof=proof))
         meshes = self.copies.of(robots.robot)
         notices = with_notices(robots.pick(0), self.recipe.emitters).notices
-        keeps_kinematics = self.recipe.keeps_kinematics
-        return {
-            place: Outcome(
-                name=name,
-                status="ok",
-                source=self.batch.sources[place],
-                drawn=self.drawn.get(place, {}),
-                keeps_kinematics=keeps_kinematics,
-                notices=(*self.batch.of_readers.get(place, ()), *(replace(notice, robot=name) for notice in notices)),
-                written=tuple(own),
-                meshes=meshes,
-            )
-            for place, name, own in zip(places, columns.names, made, strict=True)
-            if len(own) == len(self.recipe.emitters)
-        }
+        whole = [member for member, own in enumerate(made) if len(own) == len(self.recipe.emitters)]
+        done = [places[member] for member in whole]
+        names = [columns.names[member] for member in whole]
+        of_readers, drawn = self.batch.of_readers, self.drawn
+        alike = Outcome(name="", status="ok", source="", keeps_kinematics=self.recipe.keeps_kinematics, meshes=meshes)
+        outcomes = many_unchecked(
+            alike,
+            len(whole),
+            name=names,
+            source=[self.batch.sources[place] for place in done],
+            drawn=[drawn.get(place, {}) for place in done],
+            notices=[
+                (*of_readers.get(place, ()), *[replace(notice, robot=name) for notice in notices])
+                for place, name in zip(done, names, strict=True)
+            ],
+            written=[tuple(made[member]) for member in whole],
+        )
+        return dict(zip(done, outcomes, strict=True))
 
     def _proofs(
         self,

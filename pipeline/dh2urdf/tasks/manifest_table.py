@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    import numpy as np
     import pyarrow as pa
+    from numpy.typing import NDArray
     from pyarrow.parquet import ParquetWriter
 
     from dh2urdf.conversion.outcome import ManifestRow
@@ -238,10 +240,31 @@ def _where_there(names: Sequence[str], columns: Sequence[pa.Array], count: int) 
 
     there = np.zeros((count, len(names)), dtype=bool)
     for index, column in enumerate(columns):
-        there[:, index] = column.is_valid()
-    ends = np.cumsum(there.sum(axis=1))
-    which = pa.array(there.nonzero()[1], pa.int64())
-    return pa.ListArray.from_arrays(pa.array([0, *ends], pa.int32()), pa.array(names, pa.string()).take(which))
+        there[:, index] = _numbers(column.is_valid().cast(pa.int8()), "int8")
+    ends = np.cumsum([0, *there.sum(axis=1)], dtype="int32")
+    texts = [name.encode() for name in names]
+    starts = np.cumsum([0, *map(len, texts)], dtype="int32")
+    words = pa.StringArray.from_buffers(len(texts), pa.py_buffer(starts), pa.py_buffer(b"".join(texts)))
+    return pa.ListArray.from_arrays(_array(ends), words.take(_array(there.nonzero()[1].astype("int32"))))
+
+
+# `pyarrow.array`, `pyarrow.scalar` and `to_numpy` import pandas where it is installed, which takes 0.2 s.
+
+
+def _numbers(array: pa.Array, dtype: str) -> NDArray[Any]:
+    """The numbers of an array without nulls."""
+    import numpy as np
+
+    return np.frombuffer(array.buffers()[1], dtype=dtype)[array.offset : array.offset + len(array)]
+
+
+def _array(numbers: NDArray[np.int32], present: NDArray[np.bool_] | None = None) -> pa.Array:
+    """Whole numbers as an array, null where they are not present."""
+    import numpy as np
+    import pyarrow as pa
+
+    bits = None if present is None else pa.py_buffer(np.packbits(present, bitorder="little"))
+    return pa.Array.from_buffers(pa.int32(), len(numbers), [bits, pa.py_buffer(numbers)])
 
 
 def _messages_of(problems: pa.Array) -> pa.Array:
@@ -253,11 +276,8 @@ def _messages_of(problems: pa.Array) -> pa.Array:
 
 def _first_of(lists: pa.Array) -> pa.Array:
     """The first entry of each list; null where it is empty."""
-    import pyarrow as pa
-    from pyarrow import compute
-
-    is_filled = compute.greater(lists.value_lengths(), 0)
-    return lists.values.take(compute.if_else(is_filled, lists.offsets[:-1], pa.scalar(None, pa.int32())))
+    offsets = _numbers(lists.offsets, "int32")
+    return lists.values.take(_array(offsets[:-1], offsets[1:] > offsets[:-1]))
 
 
 class _Kinds:

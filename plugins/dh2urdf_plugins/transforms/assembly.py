@@ -12,7 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from dh2urdf import unchecked_records as own
-from dh2urdf.elementwise import greater_of, mapped
+from dh2urdf.elementwise import greater_of, is_column
 from dh2urdf.errors import TransformError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, JointType, Limits
@@ -27,6 +27,7 @@ from dh2urdf_plugins.transforms.meshes import is_weighed, mesh_solid
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.elementwise import Number
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
@@ -38,6 +39,7 @@ SAFETY = 2.0
 
 LEAST_EFFORT = 10.0
 """Smallest default effort [N·m or N]."""
+_DOUBT = 1e-9  # of a logarithm: so near to a power of ten, rounding may make another one
 
 WEIGHTLESS = own.inertial(mass=0.0, inertia=own.inertia(ixx=0.0, iyy=0.0, izz=0.0))
 """What a frame weighs; said explicitly, because PyBullet takes silence for 1 kg."""
@@ -320,13 +322,32 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
         slide = travel(part.row.type, part.limits)
         moment += weight * part.reach + body.mass * (norm(from_foot) + slide)
         weight += body.mass
-        efforts.append(mapped(_default_effort, SAFETY * GRAVITY * load))
+        efforts.append(_default_efforts(SAFETY * GRAVITY * load))
     return efforts[::-1]
 
 
 def _cross(left: Vec3, right: Vec3) -> Vec3:
     (a, b, c), (x, y, z) = left, right
     return (b * z - c * y, c * x - a * z, a * y - b * x)
+
+
+def _default_efforts(needed: Number) -> Number:
+    """`_default_effort`, of columns too."""
+    if not is_column(needed):
+        return _default_effort(needed)
+    import numpy as np
+
+    efforts = np.empty(len(needed))
+    is_common = (needed > LEAST_EFFORT) & (needed < math.inf)
+    logarithms = np.log10(np.where(is_common, needed, 1.0))
+    is_common &= abs(logarithms - np.rint(logarithms)) > _DOUBT
+    exponents = np.floor(logarithms) - 1.0
+    for exponent in map(int, set(exponents[is_common].tolist())):
+        chosen = is_common & (exponents == exponent)
+        digits, which = np.unique(np.ceil(needed[chosen] * 10.0**-exponent - 1e-9), return_inverse=True)
+        efforts[chosen] = np.array([_decimal(int(digit), exponent) for digit in digits.tolist()])[which]
+    efforts[~is_common] = list(map(_default_effort, needed[~is_common].tolist()))
+    return efforts
 
 
 def _default_effort(needed: float) -> float:

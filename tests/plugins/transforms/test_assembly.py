@@ -11,6 +11,7 @@ from hypothesis import given, strategies as st
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.transforms import assembly
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
@@ -270,3 +271,12 @@ def test_frames_weigh_nothing_and_say_so(ur5: Manipulator, robot_of: RobotOf) ->
     for name in ("flange", "tool0"):
         assert (body(robot, name).mass, body(robot, name).inertia) == (0.0, Inertia(ixx=0.0, iyy=0.0, izz=0.0))
     assert body(robot, "base_link_inertia").mass == 4.0
+
+
+@given(
+    st.lists(st.floats(0.0, 1e6) | st.sampled_from([10.0, 100.0, 1000.0, 99.9999999999, 57.0, 5.7, math.inf, 1e300]))
+)
+def test_default_efforts_of_columns_are_those_of_numbers(needed: list[float]) -> None:
+    """To the last bit, at powers of ten as well."""
+    expected = [assembly._default_effort(number) for number in needed]
+    assert assembly._default_efforts(np.array(needed, dtype=float)).tolist() == expected

@@ -413,7 +413,10 @@ def test_brackets_marks_and_prefixes_change_nothing(text: str, field: str | None
     assert (header.field and header.field.name, header.unit) == (field, unit)
 
 
-@pytest.mark.parametrize("words_", ["velocty", "torqe", "lenght", "limts", "intertia", "geschwindigkiet"])
+@pytest.mark.parametrize(
+    "words_",
+    ["jointsgn", "jointvelocty", "linkmas", "velocty", "torqe", "lenght", "limts", "intertia", "geschwindigkiet"],
+)
 def test_long_words_may_be_one_slip_away(words_: str) -> None:
     """They are surely meant, in any language."""
     assert misspelt(words_) is not None

@@ -190,8 +190,7 @@ def _has_core(key: str, name: str) -> bool:
         return WORDS[key].name == name
     if not (key.startswith(_AROUND[name]) or key.endswith(_AROUND[name])):
         return False
-    rests = (rest for word in _AROUND[name] for rest in (key.removeprefix(word), key.removesuffix(word)))
-    return any(SHORTEST_CORE <= len(rest) < len(key) and _has_core(rest, name) for rest in rests)
+    return any(_has_core(rest, name) for rest in _cores(key, name))
 
 
 # --- What is probably meant -------------------------------------------------------------------------------------------
@@ -199,15 +198,27 @@ def _has_core(key: str, name: str) -> bool:
 
 @lru_cache(maxsize=1024)
 def misspelt(key: str) -> Field | None:
-    """The field that a word of four letters or more misses by one slip, or with all its letters, as `tetha` does."""
-    keys = (key, key.removesuffix("i"))  # `tehta_i`
+    """The field that a word of four letters or more misses by one slip, or with all its letters, as `tetha` does.
+
+    Also with words around it that say nothing new: ``joint sgn``.
+    """
     if key in _OTHER_WORDS:
         return None
+    written = (key, key.removesuffix("i"))  # `tehta_i`
+    all_keys = {name: (*written, *_cores(key, name)) for name in FIELDS}
     for word, field in WORDS.items():
+        keys = all_keys.get(field.name, written)
         sure = _SURE if word == field.name else _LONG
         if len(word) >= sure and any(one_slip(key, word) or _is_shuffled(key, word) for key in keys):
             return field
     return None
+
+
+def _cores(key: str, name: str) -> list[str]:
+    """What is left of a key without one of the words around a field."""
+    around = _AROUND.get(name, ()) if len(key) <= _LONGEST else ()
+    rests = {rest for word in around for rest in (key.removeprefix(word), key.removesuffix(word))}
+    return [rest for rest in rests if SHORTEST_CORE <= len(rest) < len(key) and rest not in _OTHER_WORDS]
 
 
 def _is_shuffled(key: str, word: str) -> bool:

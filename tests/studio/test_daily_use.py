@@ -89,6 +89,22 @@ def test_a_field_that_is_being_typed_has_its_own_undo(tab: Any) -> None:
     tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5'")
 
 
+def test_undo_in_a_cell_is_that_of_its_text(tab: Any) -> None:
+    """More Ctrl+Z than there are letters: no edit of the table goes behind the back of the cell that is being typed."""
+    tab.open_exhibit("ur5")
+    tab.type_into(1, "a", "-0.5")
+    tab.wait_for_cell(1, "a", "-0.5")
+    tab.cell(3, "d").click()
+    tab.page.keyboard.type("12")
+    for _ in range(4):
+        tab.page.keyboard.press("Control+z")
+    assert tab.page.evaluate("Boolean(document.activeElement.closest('.ag-cell-inline-editing'))")
+    tab.page.keyboard.press("Escape")
+    tab.type_into(0, "a", "0.1")
+    tab.wait_for_cell(0, "a", "0.1")
+    assert tab.cells(1, "a") == ["-0.5"]
+
+
 def test_every_field_of_the_table_is_in_the_past(tab: Any) -> None:
     """Base, tool and the number of axes are typed; Ctrl+Z takes them back one by one, whole, from whatever field."""
     tab.open_exhibit("ur5")
@@ -327,6 +343,11 @@ def test_the_table_is_one_stop(tab: Any) -> None:
     assert tab.page.evaluate(inside)
     tab.page.keyboard.press("Tab")
     assert not tab.page.evaluate(inside)
+    tab.page.get_by_role("button", name="show all columns, or those in use").focus()
+    tab.page.keyboard.press("Tab")  # to a cell, and to no header before
+    assert tab.page.evaluate("Boolean(document.activeElement.closest('.dh-table .ag-cell'))")
+    tab.page.keyboard.press("Tab")
+    assert not tab.page.evaluate(inside)
     tab.page.keyboard.press("Shift+Tab")
     assert tab.page.evaluate(inside)
     tab.page.keyboard.press("Shift+Tab")
@@ -504,48 +525,3 @@ def test_what_the_reader_noticed_is_shown(tab: Any, tmp_path: Path) -> None:
     tab.page.get_by_role("button", name="Open", exact=True).click()
     tab.page.locator("[role=dialog] input[type=file]").set_input_files(path)
     tab.page.locator(".q-notification", has_text="cable").wait_for()
-
-
-@pytest.mark.parametrize("state", ["empty", "ur5", "wrong", "open"])
-def test_axe_finds_nothing_serious(tab: Any, state: str) -> None:
-    """axe-core on the page, empty, with an arm, with a wrong cell, and on a dialog; light, and dark with large text."""
-    page, where = tab.page, "document"
-    if state in ("ur5", "wrong"):
-        tab.open_exhibit("ur5")
-    if state == "wrong":
-        tab.type_into(1, "alpha", "pi/x")
-        tab.wait_for_status("1 problem")
-    if state == "open":
-        page.get_by_role("button", name="Open", exact=True).click()
-        page.wait_for_function("document.querySelector('.studio-card h2') !== null")
-        page.wait_for_timeout(500)  # it has come in
-        # axe takes the veil behind the card for what its texts are on.
-        page.evaluate("document.querySelector('.q-dialog__backdrop').remove()")
-        where = "document.querySelector('.q-dialog')"
-    for look, size in (("light", "usual"), ("dark", "large")):  # of this page alone, and not kept
-        page.evaluate(f"Object.assign(document.documentElement.dataset, {{ look: '{look}', size: '{size}' }})")
-        page.evaluate(f"Quasar.Dark.set({'true' if look == 'dark' else 'false'})")
-        page.wait_for_function("document.getAnimations().every(one => one.playState !== 'running')")
-        assert (look, tab.serious(where)) == (look, [])
-
-
-def test_axe_finds_nothing_serious_in_panels_and_menus(tab: Any) -> None:
-    """Each panel beside an arm with a picked row, one after the other, and each menu."""
-    page = tab.page
-    tab.open_exhibit("ur5")
-    for name in ("set the pose of tool0", "stored poses", "measure between frames", "explain the picked row"):
-        button = page.get_by_role("button", name=name)
-        button.click()
-        tab.cell(1, "a").click()  # the pointer is away from the button, whose tooltip is not a part of the page
-        page.locator(".studio-panel:visible").wait_for()
-        page.wait_for_function("!document.querySelector('.q-tooltip')")
-        assert tab.serious() == [], name
-        button.click()
-        page.locator(".studio-panel:visible").wait_for(state="hidden")
-    for name in ("Save", "look from a side"):
-        page.get_by_role("button", name=name).click()
-        page.get_by_role("menuitem").first.wait_for()
-        page.wait_for_function("document.getAnimations().length === 0")
-        assert tab.serious("document.querySelector('.q-menu')") == [], name
-        page.keyboard.press("Escape")
-        page.locator(".q-menu").wait_for(state="detached")

@@ -30,6 +30,10 @@ WHOLE_HEADERS = """[...document.querySelectorAll('.dh-table .ag-header-cell-text
     text => text.scrollWidth <= text.clientWidth)"""
 
 
+GAP = """[...document.querySelectorAll('.studio-panel')].find(panel => panel.offsetParent).getBoundingClientRect().top
+    - document.querySelector('.studio-scene').getBoundingClientRect().bottom"""
+
+
 @pytest.fixture(name="usual_look")
 def _usual_look(new_tab: Callable[..., Any], studio_address: str) -> Iterator[None]:
     """Tabs share what the browser keeps; in the end it is kept no longer."""
@@ -108,7 +112,7 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
     page = tab.open()
     tab.open_exhibit("ur5")
     scene = page.locator(".arm-view")
-    for width, height in ((390, 844), (820, 1180), (1280, 720), (2560, 1440)):
+    for width, height in ((390, 844), (640, 360), (820, 1180), (1280, 720), (2560, 1440)):
         page.set_viewport_size({"width": width, "height": height})
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         page.wait_for_function(f"document.querySelector('.arm-view canvas').clientWidth <= {width}")
@@ -118,11 +122,11 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
         box = scene.bounding_box()
         if width <= 820:  # a panel is where it is seen: below the scene
             page.get_by_role("button", name="explain the picked row").click()
-            panel = page.locator(".studio-panel:visible").bounding_box()
-            assert 0 <= panel["y"] - box["y"] - box["height"] < 30
+            page.locator(".studio-panel:visible").wait_for()
+            assert 0 <= page.evaluate(GAP) < 30
             page.get_by_role("button", name="explain the picked row").click()
         assert box["width"] > 300
-        assert box["height"] > (0.9 if width == 2560 else 0.3) * height
+        assert box["height"] > max((0.9 if width == 2560 else 0.3) * height, 200)  # 640 px: a browser that zooms by 2
     joints = page.locator(".studio-motion").bounding_box()
     assert joints["x"] >= box["x"] + box["width"] - 1
 

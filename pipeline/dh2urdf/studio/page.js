@@ -27,6 +27,7 @@
       const { target } = event;
       if (typed.has(target) && taken.get(target) !== target.value) return;
       event.preventDefault();
+      if (target.closest?.(".ag-cell-inline-editing")) return; // Esc leaves the cell as it was
       if (document.querySelector(".studio-table") && !document.querySelector(".q-dialog")) emitEvent("dh-undo", event.shiftKey || key === "y");
     },
     true,

@@ -93,6 +93,7 @@ class TableGrid:
                     ":tooltipValueGetter": "params => dhGrid.tooltip(params)",
                 },
                 "enableBrowserTooltips": True,
+                "suppressHeaderFocus": True,
                 ":onCellEditingStarted": "e => dhGrid.started(e)",
                 ":onCellEditingStopped": "() => dhGrid.stopped()",
                 "stopEditingWhenCellsLoseFocus": True,

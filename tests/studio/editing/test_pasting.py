@@ -48,6 +48,8 @@ def test_more_rows_than_a_table_may_have() -> None:
         ("| 1 | 2 |\n|---|:--:|\n| 3 | 4 |", [["1", "2"], ["3", "4"]]),
         ("atan2(1, 2)\n0", [["atan2(1, 2)"], ["0"]]),
         ("-0.4", [["-0.4"]]),
+        ('"-425 mm"\t"90°"\r\n"a\nb"\t"5"""', [["-425 mm", "90°"], ["a b", '5"']]),  # as spreadsheets quote
+        ('5"\t3', [['5"', "3"]]),
     ],
 )
 def test_separators(text: str, cells: list[list[str]]) -> None:

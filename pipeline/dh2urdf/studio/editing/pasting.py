@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 from typing import TYPE_CHECKING
 
@@ -46,15 +48,15 @@ def cells_of(text: str) -> list[list[str]]:
     """
     lines = [line for line in text.replace("\r\n", "\n").rstrip("\n").split("\n") if not _RULE.fullmatch(line.strip())]
     if any("\t" in line for line in lines):
-        rows = [line.split("\t") for line in lines]
+        rows = _split(lines, "\t")
     elif any(line.strip().startswith("|") for line in lines):
         rows = [line.strip().removeprefix("|").removesuffix("|").split("|") for line in lines]
     elif any(";" in line for line in lines):
-        rows = [line.split(";") for line in lines]
+        rows = _split(lines, ";")
     elif (commas := {line.count(",") for line in lines}) != {0} and len(commas) == 1 and not _decimal(lines):
-        rows = [line.split(",") for line in lines]
+        rows = _split(lines, ",")
     else:
-        rows = [[line] for line in lines]
+        rows = _split(lines, "\t")
     stripped = [[cell.strip() for cell in row] for row in rows]
     every = [cell for row in stripped for cell in row]
     if any(map(_DECIMAL_COMMA.fullmatch, every)) and not any(map(_DECIMAL_POINT.search, every)):
@@ -62,6 +64,17 @@ def cells_of(text: str) -> list[list[str]]:
             [_DECIMAL_COMMA.sub(lambda found: found[0].replace(",", "."), cell) for cell in row] for row in stripped
         ]
     return stripped
+
+
+def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
+    """The cells of some lines; spreadsheets put quotes around a cell that holds a quote, a separator or two lines."""
+    text = "\n".join(lines)
+    if text.count('"') % 2:  # not a quoted cell, but a length in inches
+        return [line.split(separator) for line in lines]
+    return [
+        [" ".join(cell.split("\n")) for cell in row] or [""]
+        for row in csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    ]
 
 
 def _point(number: re.Match[str]) -> str:

@@ -69,10 +69,8 @@ def parts(tab: Any, folder: Path) -> Iterator[tuple[str, str]]:
 def _dialog(page: Any, name: str, closes: str = "Cancel") -> Iterator[tuple[str, str]]:
     page.locator(".studio-card h2").wait_for()
     page.wait_for_function("!document.querySelector('[class*=-enter-]')")  # it has come in
-    # axe takes the veil and the page behind the card for what its texts are on.
-    page.add_style_tag(
-        content=".q-dialog__backdrop { display: none } body:has(.q-dialog) .studio { visibility: hidden }"
-    )
+    # axe takes the veil behind the card for what its texts are on.
+    page.add_style_tag(content=".q-dialog__backdrop { display: none }")
     yield name, "document.querySelector('.q-dialog')"
     page.locator(".q-dialog").get_by_role("button", name=closes, exact=True).click()
     page.locator(".q-dialog").wait_for(state="detached")

@@ -305,11 +305,14 @@ def test_the_server_goes_and_another_comes(
         tab.type_into(1, "a", "-0.77")
         tab.wait_for_cell(1, "a", "-0.77")
         tab.wait_for_status("the arm is the table's")
+        tab.cell(2, "a").click()
+        page.keyboard.type("-0.3")  # and not finished
     page.get_by_text("The studio does not answer").wait_for()
     assert page.evaluate("document.querySelector('.studio').inert")
     with serving("studio", port=free_port):
         page.get_by_role("button", name="Bring it back").click()
         tab.wait_for_cell(1, "a", "-0.77")
+        assert tab.cells(2, "a") == ["-0.3"]
         tab.wait_for_status("6 axes; the arm is the table's")
         assert not page.evaluate("document.querySelector('.studio').inert")
 
@@ -354,6 +357,12 @@ def test_the_table_is_one_stop(tab: Any) -> None:
     assert not tab.page.evaluate(inside)
     tab.page.keyboard.press("Tab")
     assert tab.page.evaluate(inside)
+    convention = tab.page.get_by_role("button", name="modified")
+    convention.focus()
+    tab.page.keyboard.press("Enter")
+    tab.page.locator(".studio-card h2").wait_for()
+    tab.page.keyboard.press("Escape")
+    tab.page.wait_for_function("document.activeElement.innerText === 'modified'")  # it is where it was before
 
 
 def test_row_numbers_are_whole(tab: Any) -> None:

@@ -50,6 +50,7 @@ async def answer_of(dialog: ui.dialog) -> Any:  # noqa: ANN401 - what was submit
     answer = await dialog
     if not dialog.is_deleted:  # as everything of a tab is that was closed
         dialog.delete()
+        dialog.client.run_javascript("dhPage.back()")
     return answer
 
 

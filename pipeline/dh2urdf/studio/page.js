@@ -36,9 +36,17 @@
   // While the server is away nothing can be done to the table: it would be lost. The browser keeps the table of this tab,
   // and a server that does not know it is given it back, if a person wants that.
   const KEPT = "dh2urdf-table";
+  // A cell that is being typed is not in the table of the server yet, but it is in the table that is kept.
+  const keepUnfinished = () => {
+    const cell = window.dhGrid?.unfinished(), kept = JSON.parse(sessionStorage.getItem(KEPT) || "null");
+    if (!cell || !kept?.rows?.[cell.row]) return;
+    kept.rows[cell.row][cell.field] = cell.text;
+    sessionStorage.setItem(KEPT, JSON.stringify(kept));
+  };
   const away = (lost) => {
     const page = document.querySelector(".studio");
     if (!page) return;
+    if (lost) keepUnfinished();
     page.inert = lost;
     page.classList.toggle("studio-lost", lost);
     document.querySelector(".studio-away")?.remove();
@@ -89,7 +97,12 @@
   };
   window.addEventListener("hashchange", () => location.hash.startsWith(LINK) && location.reload());
 
+  // Where the cursor was before a dialog.
+  let before = null;
+  document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || (before = target), true);
+
   window.dhPage = {
+    back: () => document.activeElement === document.body && before?.focus(),
     link,
     linked,
     keep: (table) => sessionStorage.setItem(KEPT, table),

@@ -124,6 +124,11 @@
 
     TypeEditor,
     wide: (pixels) => Math.round(pixels * size()),
+    // The cell that is being typed, as far as it is typed.
+    unfinished() {
+      const input = document.querySelector(".dh-table .ag-cell-inline-editing input"), cell = input?.closest(".ag-cell");
+      return cell && { row: Number(cell.closest(".ag-row").getAttribute("row-id")), field: cell.getAttribute("col-id"), text: input.value };
+    },
     stopEditing: () => grid?.stopEditing(),
     inRange: ({ colDef, node }) =>
       Boolean(shown) && shown.first <= node.rowIndex && node.rowIndex <= shown.last && shown.fields.includes(colDef.field),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from typing import TYPE_CHECKING
 
@@ -71,10 +69,15 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
     text = "\n".join(lines)
     if text.count('"') % 2:  # not a quoted cell, but a length in inches
         return [line.split(separator) for line in lines]
-    return [
-        [" ".join(cell.split("\n")) for cell in row] or [""]
-        for row in csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-    ]
+    rows: list[list[str]] = [[]]
+    for found in re.finditer(rf'(?: *"((?:[^"]|"")*)" *|([^{separator}\n]*))({separator}|\n|$)', text):
+        quoted, plain, end = found.groups()
+        rows[-1].append(plain if quoted is None else quoted.replace('""', '"').replace("\n", " "))
+        if end == "\n":
+            rows.append([])
+        elif not end:
+            break
+    return rows
 
 
 def _point(number: re.Match[str]) -> str:

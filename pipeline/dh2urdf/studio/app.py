@@ -81,12 +81,14 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
         table: what a new tab begins with; None for an empty table.
     """
     sessions = Sessions(lambda: Session(catalog, table))
+    meshes = MeshStore({})
+    _serve(meshes)
     app.on_startup(lambda: threading.Thread(target=rehearse, args=[catalog], daemon=True).start())
 
     @ui.page("/")
     async def studio() -> None:
         dress()
-        await StudioPage(await sessions.of_this_tab()).start()
+        await StudioPage(await sessions.of_this_tab(), meshes).start()
 
 
 def rehearse(catalog: Catalog) -> None:
@@ -94,12 +96,8 @@ def rehearse(catalog: Catalog) -> None:
     Session(catalog, TableText(name="arm", convention="standard", rows=({"a": "1", "alpha": "0", "d": "0"},)))
 
 
-def build_view(figures: Sequence[Figure]) -> None:
-    """Declares the page that shows some robots."""
-    views = Sessions(lambda: View(figures))
-    first = View(figures)
-    meshes = MeshStore(first.meshes())
-    meshes.begin(first.drawing.first_meshes)
+def _serve(meshes: MeshStore) -> None:
+    """Declares the routes of the mesh files that are open, and of the pictures that they name."""
     app.on_shutdown(meshes.close)
 
     @app.get("/meshes/{key}")
@@ -120,6 +118,15 @@ def build_view(figures: Sequence[Figure]) -> None:
         if picture is None:
             return Response("there is no such texture", status_code=404)
         return Response(picture.content, media_type=picture.media_type)
+
+
+def build_view(figures: Sequence[Figure]) -> None:
+    """Declares the page that shows some robots."""
+    views = Sessions(lambda: View(figures))
+    first = View(figures)
+    meshes = MeshStore(first.meshes())
+    meshes.begin(first.drawing.first_meshes)
+    _serve(meshes)
 
     @ui.page("/")
     async def view() -> None:

@@ -101,8 +101,40 @@
   let before = null;
   document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || (before = target), true);
 
+  // Files that a person chooses or drops go to an address of the studio, with the folders that they are in; those whose
+  // names end otherwise than is wanted stay here.
+  const send = async (address, wanted, files) => {
+    const form = new FormData();
+    for (const [path, file] of files) if (wanted.some((end) => path.toLowerCase().endsWith(end))) form.append(path, file, encodeURIComponent(path)); // else the folders are cut off
+    if (![...form.keys()].length) return emitEvent("dh-no-files");
+    const answer = await fetch(address, { method: "POST", body: form });
+    if (!answer.ok) emitEvent("dh-no-files");
+  };
+  const choose = (address, wanted, folder) => {
+    const input = document.createElement("input");
+    Object.assign(input, { type: "file", multiple: true, webkitdirectory: folder, accept: folder ? "" : wanted.join() });
+    input.onchange = () => send(address, wanted, Array.from(input.files, (file) => [file.webkitRelativePath || file.name, file]));
+    input.click();
+  };
+  const within = async (entry) => {
+    if (entry.isFile) return [[entry.fullPath.slice(1), await new Promise((done, fail) => entry.file(done, fail))]];
+    const reader = entry.createReader(), found = [];
+    for (;;) {
+      const some = await new Promise((done, fail) => reader.readEntries(done, fail));
+      if (!some.length) return found;
+      for (const each of some) found.push(...(await within(each)));
+    }
+  };
+  const drop = async (event, address, wanted) => {
+    event.preventDefault();
+    const entries = Array.from(event.dataTransfer.items, (item) => item.webkitGetAsEntry()).filter(Boolean);
+    await send(address, wanted, (await Promise.all(entries.map(within))).flat());
+  };
+
   window.dhPage = {
     back: () => document.activeElement === document.body && before?.focus(),
+    choose,
+    drop,
     link,
     linked,
     keep: (table) => sessionStorage.setItem(KEPT, table),

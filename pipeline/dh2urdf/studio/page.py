@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from dh2urdf.manipulator import Convention
+    from dh2urdf.studio.drawing.mesh_store import MeshStore
     from dh2urdf.studio.editing.reading import CellProblem
     from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
@@ -39,9 +40,9 @@ class StudioPage:
         session: the session.
     """
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, meshes: MeshStore) -> None:
         """Lays the page out; `show` fills it."""
-        self.session = session
+        self.session, self._meshes = session, meshes
         ui.on_exception(dialogs.show_fault)
         ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
         ui.on("dh-generate", self._generate)
@@ -95,7 +96,7 @@ class StudioPage:
             PosesPanel(self.session, self._show_pose),
             MeasuringPanel(self.session, self._show_pose, self._show_cloud),
             LessonPanel(self.session, self._show_pose),
-            ComparingPanel(self.session, self._show_arm, lambda table: self._put(table, all_cells=True)),
+            ComparingPanel(self.session, self._meshes, self._show_arm, lambda table: self._put(table, all_cells=True)),
         )
         self._problems = ProblemList(on_click=self._go_to)
         self._ends = EndFields(self.session, self._say)
@@ -109,7 +110,9 @@ class StudioPage:
             scene=lambda: self._view,
         )
         self._remark = ui.label().classes("studio-bar studio-remark")
-        self._view = ArmView(on_pick=self._picked_in_scene, on_aim=self._target.drag, on_grip=self._drag)
+        self._view = ArmView(
+            on_pick=self._picked_in_scene, on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.warn
+        )
         self._head.share(self._view)
         with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
             ui.html(

@@ -11,7 +11,7 @@ import dh2urdf
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.adopting import adopted, changed_cells, own_table
 from dh2urdf.studio.editing.edits import with_cells
-from dh2urdf.studio.editing.opening import description_of
+from dh2urdf.studio.editing.given_files import GivenFiles
 from dh2urdf.studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -37,7 +37,8 @@ def test_the_table_becomes_the_description(catalog: Catalog, file: str, cells: d
     assert described
     text = dh2urdf.convert(described.manipulator).text
     session = Session(catalog, table)
-    figure = description_of("other.urdf", text.encode(), catalog)
+    files = GivenFiles([("other.urdf", text.encode())], catalog)
+    figure = files.figure("other.urdf")
     assert not isinstance(figure, str)
     session.lay_beside(figure)
     found, arm = session.beside, session.arm
@@ -46,7 +47,7 @@ def test_the_table_becomes_the_description(catalog: Catalog, file: str, cells: d
     assert found.agreement
     assert not found.agreement.holds
     ends = found.agreement.base_link, found.agreement.tip_link
-    own = own_table("other.urdf", text.encode(), catalog, arm.manipulator, ends)
+    own = own_table(files.path("other.urdf"), catalog, arm.manipulator, ends)
     taken = adopted(table, arm.manipulator, found, own, catalog)
     assert taken
     assert 0 < changed_cells(table, taken) <= most
@@ -56,3 +57,4 @@ def test_the_table_becomes_the_description(catalog: Catalog, file: str, cells: d
     assert session.beside.agreement.holds
     session.undo()
     assert session.table == table
+    files.close()

@@ -11,7 +11,8 @@ import pytest
 import dh2urdf
 import dh2urdf.studio
 from dh2urdf.studio.editing.comparing import NAME
-from dh2urdf.studio.editing.opening import description_of, open_tables
+from dh2urdf.studio.editing.given_files import GivenFiles
+from dh2urdf.studio.editing.opening import open_tables
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
 
@@ -34,7 +35,7 @@ TABLE = TableText(
 
 def described(catalog: Catalog, **numbers: float) -> Figure:
     text = ARM.format(**{"dy": 0.0, "roll": 0.0, "reach": 0.2, **numbers})
-    found = description_of("other.urdf", text.encode(), catalog)
+    found = GivenFiles([("other.urdf", text.encode())], catalog).figure("other.urdf")
     assert not isinstance(found, str)
     return found
 
@@ -62,7 +63,7 @@ def test_the_file_of_a_table_is_its_arm(catalog: Catalog, name: str) -> None:
     content = dh2urdf.convert(path).text.encode()
     (opened, *_) = open_tables(path, catalog)
     session = Session(catalog, opened.table)
-    figure = description_of("arm.urdf", content, catalog)
+    figure = GivenFiles([("arm.urdf", content)], catalog).figure("arm.urdf")
     assert not isinstance(figure, str)
     session.lay_beside(figure)
     assert session.beside
@@ -121,9 +122,11 @@ def test_an_edit_is_compared_anew_and_taking_it_away(catalog: Catalog) -> None:
     assert not any(node.name.startswith(NAME) for node in session.drawing.nodes)
 
 
-@pytest.mark.parametrize(("name", "content", "message"), [("a.urdf", b"<robot", "not XML"), ("a.step", b"", "a.step")])
-def test_what_is_no_description(catalog: Catalog, name: str, content: bytes, message: str) -> None:
-    found = description_of(name, content, catalog)
+def test_what_is_no_description(catalog: Catalog) -> None:
+    """A message names the file without its folder; a file that no emitter reads is no description."""
+    files = GivenFiles([("in/a.urdf", b"<robot"), ("a.step", b"")], catalog)
+    assert files.descriptions == ["in/a.urdf"]
+    found = files.figure("in/a.urdf")
     assert isinstance(found, str)
-    assert message in found
+    assert "not XML" in found
     assert "dh2urdf-" not in found

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import trimesh
+
 import dh2urdf
 import dh2urdf.studio
 
@@ -13,6 +15,20 @@ if TYPE_CHECKING:
 
 UR5 = Path(dh2urdf.studio.__file__).parent / "arms" / "ur5.csv"
 COUNT = "document.querySelector('.arm-view').scene.children[0].children.filter(node => node.name.startsWith('description/')).length"
+
+
+def with_meshes(folder: Path, text: str) -> Path:
+    """A package with a URDF whose tool0 names a mesh that is there, and one that is not."""
+    (folder / "meshes").mkdir(parents=True)
+    (folder / "urdf").mkdir()
+    trimesh.creation.icosphere(subdivisions=3, radius=0.07).export(folder / "meshes" / "ball.stl")
+    meshes = "".join(
+        f'<visual><geometry><mesh filename="package://arm_description/meshes/{name}"/></geometry></visual>'
+        for name in ("ball.stl", "gone.stl")
+    )
+    assert text.count('<link name="tool0">') == 1
+    (folder / "urdf" / "arm.urdf").write_text(text.replace('<link name="tool0">', f'<link name="tool0">{meshes}'))
+    return folder
 
 
 def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
@@ -58,6 +74,22 @@ def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[
         return one.every((x, i) => Math.abs(other[i] - x - (i === 14 ? 0.003 : 0)) < 1e-6);
     }"""
     page.wait_for_function(script)
+
+    # With the folder of its meshes it is drawn as it is; a mesh that is not there is named.
+    folder = with_meshes(tmp_path / "arm_description", text)
+    with page.expect_file_chooser() as choosing:
+        page.get_by_role("button", name="Open a folder").click()
+    choosing.value.set_files(folder)
+    page.get_by_text(
+        "1 mesh file was not found, and the links are drawn as sticks: package://arm_description/meshes/gone.stl"
+    ).wait_for()
+    drawn = """() => {
+        const node = document.querySelector('.arm-view').scene.getObjectByName('description/tool0');
+        let count = 0;
+        node?.traverse(part => count += part.isMesh && part.geometry.attributes.normal?.itemSize === 4 ? part.geometry.attributes.position.count / 3 : 0);
+        return count;
+    }"""
+    page.wait_for_function(f"({drawn})() === 1280")
     page.get_by_label("tip link of the description").click()
     page.get_by_role("option", name="link_3", exact=True).click()
     page.get_by_text("the description has 3 moving joints on this chain, the table 6").wait_for()

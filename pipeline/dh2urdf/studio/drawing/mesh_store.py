@@ -30,7 +30,7 @@ class _Read(NamedTuple):
 
 
 class MeshStore:
-    """What `dh2urdf view` serves of mesh files.
+    """What the pages serve of mesh files.
 
     Args:
         meshes: the files, by the keys that pages ask for them by.
@@ -41,6 +41,17 @@ class MeshStore:
         self._pool = ThreadPoolExecutor(_THREADS, thread_name_prefix="dh2urdf-mesh")
         self._read: dict[str, _Read] = {}
         self._pictures: dict[str, Picture] = {}
+
+    def add(self, meshes: Mapping[str, DrawnMesh]) -> None:
+        """More files, by their keys; pages will ask for them."""
+        self._meshes.update(meshes)
+        self.begin(meshes)
+
+    def forget(self, keys: Iterable[str]) -> None:
+        """Serve these files no longer."""
+        for key in keys:
+            self._meshes.pop(key, None)
+            self._read.pop(key, None)
 
     def __contains__(self, key: str) -> bool:
         """Whether there is a file with this key."""

@@ -15,12 +15,12 @@ from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio.editing import edits
-from dh2urdf.studio.editing.opening import given_file
 from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import dimension_of, number_in, table_text, unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf.plugin_system.catalog import Catalog
@@ -32,25 +32,21 @@ _SAME = TOLERANCE / 10
 _NUMBERS = ("a", "alpha", "d", "theta", "offset", "sign")
 
 
-def own_table(
-    name: str, content: bytes, catalog: Catalog, like: Manipulator, ends: tuple[str, str]
-) -> Manipulator | None:
+def own_table(path: Path, catalog: Catalog, like: Manipulator, ends: tuple[str, str]) -> Manipulator | None:
     """The table of a chain of a description; None where it has none.
 
     Args:
-        name: name of the description's file.
-        content: its bytes.
+        path: the description.
         catalog: the installed stages.
         like: the table whose convention it is to have.
         ends: the base link and the tip link of the chain.
     """
-    with given_file(name, content) as path:
-        try:
-            call = default_call(catalog, catalog.reader_for(path))
-            chain = {"convention": str(like.convention), "base_link": ends[0], "tip_link": ends[1]}
-            found = list(read_items(replace(call, options=replace(call.options, **chain)), path))
-        except (Dh2UrdfError, TypeError):  # a reader without these options reads no chains
-            return None
+    try:
+        call = default_call(catalog, catalog.reader_for(path))
+        chain = {"convention": str(like.convention), "base_link": ends[0], "tip_link": ends[1]}
+        found = list(read_items(replace(call, options=replace(call.options, **chain)), path))
+    except (Dh2UrdfError, TypeError):  # a reader without these options reads no chains
+        return None
     return found[0] if len(found) == 1 and isinstance(found[0], Manipulator) else None
 
 

@@ -19,7 +19,6 @@ from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.studio.editing.reading import read_whole
-from dh2urdf.studio.viewing import description
 from dh2urdf.table_text import FIELDS, TableText, table_text
 
 if TYPE_CHECKING:
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
-    from dh2urdf.studio.drawing.scene import Figure
 
 
 class Opened(NamedTuple):
@@ -102,18 +100,6 @@ def tables_of(name: str, content: bytes, catalog: Catalog, most: int | None = No
         return tuple(
             each._replace(notices=tuple(_without_folder(notice, path) for notice in each.notices)) for each in opened
         )
-
-
-def description_of(name: str, content: bytes, catalog: Catalog) -> Figure | str:
-    """The robot of a description by its name and bytes, or what is wrong with it.
-
-    Its meshes are not at hand: a link that has nothing else is drawn as sticks.
-    """
-    with given_file(name, content) as path:
-        try:
-            return replace(description(path, catalog), title=Path(name).name, files={})
-        except Dh2UrdfError as error:
-            return _without_folder(str(error), path)
 
 
 @contextmanager

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+import json
 import math
 from html import escape
 from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
 
 from nicegui import run, ui
 
+from dh2urdf.errors import InputError
 from dh2urdf.kinematics.comparison import TOLERANCE, changes
-from dh2urdf.stages import Emitter
+from dh2urdf.meshes import named_files
 from dh2urdf.studio import words
-from dh2urdf.studio.dialogs import LARGEST_FILE
+from dh2urdf.studio.drawing import mesh_files
+from dh2urdf.studio.drawing.scene import Drawing
 from dh2urdf.studio.editing.adopting import adopted, changed_cells, own_table
 from dh2urdf.studio.editing.comparing import Apart, Beside, differences
-from dh2urdf.studio.editing.opening import description_of
+from dh2urdf.studio.editing.given_files import GivenFiles, description_suffixes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.studio.drawing.mesh_store import MeshStore
     from dh2urdf.studio.drawing.scene import Figure
     from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
@@ -33,26 +37,47 @@ class ComparingPanel:
 
     ICON, TITLE = "compare", "compare with a robot description"
 
-    def __init__(self, session: Session, on_arm: Callable[[], None], on_table: Callable[[TableText], None]) -> None:
+    def __init__(
+        self,
+        session: Session,
+        meshes: MeshStore,
+        on_arm: Callable[[], None],
+        on_table: Callable[[TableText], None],
+    ) -> None:
         """Lay the panel out, hidden.
 
         Args:
             session: what it is about.
+            meshes: serves the mesh files of the description.
             on_arm: draws the arm anew.
             on_table: puts another table in place of the one that is there, as one step of undo.
         """
-        self._session, self._on_arm, self._on_table = session, on_arm, on_table
-        self._file = "", b""
+        self._session, self._meshes, self._on_arm, self._on_table = session, meshes, on_arm, on_table
         self._is_open = False
+        self._files: GivenFiles | None = None
         self._figure: Figure | None = None
-        suffixes = ",".join(_suffixes(session.catalog))
+        self._served: tuple[str, ...] = ()
+        suffixes = description_suffixes(session.catalog)
+        wanted = json.dumps([*suffixes, ".zip", *mesh_files.SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml"])
+        nothing = f"No description was found. Accepted: {', '.join(suffixes)}, with mesh files, or a ZIP of them."
+        ui.on("dh-no-files", lambda: self._answer(nothing))
+        ui.context.client.on_delete(self._forget)
+        if session.beside is not None:  # of a page that was loaded anew, whose files are gone
+            session.lay_beside(None)
         with ui.element("aside").classes("studio-panel").props('aria-label="comparing"') as self._panel:
+            upload = ui.upload(multiple=True, on_multi_upload=self._take).style("display: none")
+            address = json.dumps(upload.props["url"])
+            self._panel.on("dragover", js_handler="event => event.preventDefault()")
+            self._panel.on("drop", js_handler=f"event => dhPage.drop(event, {address}, {wanted})")
             with ui.element("div").classes("studio-row"):
-                upload = ui.upload(auto_upload=True, max_file_size=LARGEST_FILE, on_upload=self._take)
-                upload.props(f'accept="{suffixes}"').style("display: none")
-                upload.on_rejected(lambda: self._answer(f"accepted: {suffixes}, up to {LARGEST_FILE >> 20} MB"))
-                choose = ui.button("Open a description", icon="folder_open")
-                choose.on_click(lambda: upload.run_method("pickFiles")).props("outline dense no-caps size=sm")
+                for told, icon, folder in (
+                    ("Open a description", "folder_open", "false"),
+                    ("Open a folder", "drive_folder_upload", "true"),
+                ):
+                    choose = ui.button(told, icon=icon).props("outline dense no-caps size=sm")
+                    choose.on("click", js_handler=f"() => dhPage.choose({address}, {wanted}, {folder})")
+                self._which = ui.select([], on_change=self._choose_description)
+                self._which.props('dense outlined prefix="file" aria-label="description"').set_visibility(False)
                 self._ends = {
                     end: ui.select([_LIKELIEST], value=_LIKELIEST, on_change=self._choose).props(
                         f'dense outlined prefix="{end}" aria-label="{end} of the description"'
@@ -62,7 +87,7 @@ class ComparingPanel:
                 self._adopt = ui.button("Take its numbers over", on_click=self._take_over)
                 self._adopt.props("outline dense no-caps size=sm")
                 self._adopt.tooltip("puts the numbers that differ into the table; undo brings the old ones back")
-                self._away = ui.button("Take it away", on_click=lambda: self._lay(None))
+                self._away = ui.button("Take it away", on_click=self._close)
                 self._away.props("flat dense no-caps size=sm")
             self._status = ui.label().classes("studio-compared").style("white-space: pre-line").props('role="status"')
             self._numbers = ui.html(sanitize=False)
@@ -96,9 +121,25 @@ class ComparingPanel:
         self._numbers.set_content(_as_html(found, table, here) if here else "")
 
     async def _take(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        name, content = self._file = event.file.name, await event.file.read()
-        event.sender.reset()
-        found = await run.io_bound(description_of, name, content, self._session.catalog)
+        files = [(unquote(file.name), await file.read()) for file in event.files]
+        self._close()
+        try:
+            self._files = await run.io_bound(GivenFiles, files, self._session.catalog)
+        except InputError as error:
+            self._answer(str(error))
+            return
+        names = list(self._files.descriptions) if self._files is not None else []
+        if not names:
+            self._answer("There is no robot description among these files.")
+            return
+        self._which.set_options(names, value=names[0])  # which opens it
+        self._which.set_visibility(len(names) > 1)
+
+    async def _choose_description(self) -> None:
+        files, name = self._files, self._which.value
+        if files is None or name not in files.descriptions:
+            return
+        found = await run.io_bound(files.figure, name)
         if isinstance(found, str):
             self._lay(None)
             self._answer(found)
@@ -108,12 +149,26 @@ class ComparingPanel:
                 select.set_options(links, value=_LIKELIEST)
             self._lay(found)
 
+    def _close(self) -> None:
+        """Takes the description away, and removes its files."""
+        self._lay(None)
+        self._which.set_options([], value=None)
+        self._which.set_visibility(False)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Serves the mesh files no longer, and removes them."""
+        self._meshes.forget(self._served)
+        if self._files is not None:
+            self._files.close()
+            self._files = None
+
     async def _take_over(self) -> None:
         session, found = self._session, self._session.beside
-        if session.arm is None or found is None or found.agreement is None:
+        if session.arm is None or found is None or found.agreement is None or self._files is None:
             return
         table, arm, ends = session.table, session.arm.manipulator, (found.agreement.base_link, found.agreement.tip_link)
-        own = await run.io_bound(own_table, *self._file, session.catalog, arm, ends)
+        own = await run.io_bound(own_table, self._files.path(str(self._which.value)), session.catalog, arm, ends)
         taken = adopted(table, arm, found, own, session.catalog)
         if session.table is not table:  # it was edited meanwhile
             return
@@ -145,15 +200,12 @@ class ComparingPanel:
     def _compare(self) -> None:
         ends = ("" if each.value == _LIKELIEST else str(each.value) for each in self._ends.values())
         self._session.lay_beside(self._figure if self._is_open else None, *ends)
+        self._meshes.forget(self._served)
+        drawn = Drawing.of([self._session.beside.figure]) if self._session.beside is not None else Drawing()
+        self._meshes.add(drawn.meshes)
+        self._served = tuple(drawn.meshes)
         self._on_arm()
         self.show()
-
-
-def _suffixes(catalog: Catalog) -> Iterator[str]:
-    for item in catalog.provided("emitter"):
-        stage = item.stage
-        if isinstance(stage, Emitter) and stage.read_foreign:
-            yield from stage.suffixes
 
 
 def _words(found: Beside, table: Manipulator) -> Iterator[str]:
@@ -162,6 +214,9 @@ def _words(found: Beside, table: Manipulator) -> Iterator[str]:
     if agreement is None:
         yield found.refusal
         return
+    if unseen := Drawing.of([found.figure]).unseen:
+        told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
+        yield f"{told}, and the links are drawn as sticks: {words.some_of(unseen)}. Open them together, or the folder."
     yield f"{found.figure.title}: {agreement.base_link} to {agreement.tip_link}, {len(agreement.joints)} moving joints"
     if agreement.holds:
         yield "The description is the arm of the table."

@@ -13,7 +13,7 @@ from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.meshes import named_files
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import PACKAGE_FILE, Emitter
-from dh2urdf.studio.drawing import mesh_files
+from dh2urdf.studio.drawing.mesh_files import LARGEST, SUFFIXES
 from dh2urdf.studio.drawing.scene import meshes_of
 from dh2urdf.studio.viewing import description
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.drawing.scene import Figure
 
-LARGEST = 512 * 2**20
-"""Size of all files together, unpacked [B]."""
 MOST_FILES = 1000
 """Files that are kept of those that were sent."""
 
@@ -45,13 +43,13 @@ class GivenFiles:
         catalog: the installed stages.
 
     Raises:
-        InputError: they are too many or too large, or a ZIP cannot be read.
+        InputError: they are more than `MOST_FILES`, larger than `LARGEST` together and unpacked, or a ZIP cannot be read.
     """
 
     def __init__(self, files: Iterable[tuple[str, bytes]], catalog: Catalog) -> None:
         self._catalog = catalog
         self._described = description_suffixes(catalog)
-        self._wanted = (*self._described, *mesh_files.SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml")
+        self._wanted = (*self._described, *SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml")
         self._folder = tempfile.TemporaryDirectory(prefix="dh2urdf-")
         self._root = Path(self._folder.name).resolve()
         self._paths: list[Path] = []

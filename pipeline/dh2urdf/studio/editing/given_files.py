@@ -43,7 +43,7 @@ class GivenFiles:
         catalog: the installed stages.
 
     Raises:
-        InputError: they are more than `MOST_FILES`, larger than `LARGEST` together and unpacked, or a ZIP cannot be read.
+        InputError: they are more than `MOST_FILES`, or larger than `LARGEST` unpacked, or a ZIP cannot be read.
     """
 
     def __init__(self, files: Iterable[tuple[str, bytes]], catalog: Catalog) -> None:

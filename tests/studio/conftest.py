@@ -71,7 +71,7 @@ def serving(*words: str | Path, port: int = 0, errors: Path | None = None) -> It
             yield found[0]
         finally:
             server.send_signal(signal.SIGINT)
-            assert server.wait(20) == 0, "a server ends well when it is interrupted"
+            assert server.wait(60) == 0, "a server ends well when it is interrupted"
 
 
 @pytest.fixture
@@ -82,10 +82,17 @@ def free_port() -> int:
 
 
 @pytest.fixture(scope="session")
-def studio_address() -> Iterator[str]:
+def parked() -> dict[str, list[Page]]:
+    """Pages that wait for the next test, by the address of the server that outlives tests."""
+    return {}
+
+
+@pytest.fixture(scope="session")
+def studio_address(parked: dict[str, list[Page]]) -> Iterator[str]:
     """A studio with an empty table."""
     pytest.importorskip("nicegui")
     with serving("studio") as address:
+        parked[address] = []
         yield address
 
 
@@ -109,10 +116,28 @@ class Tab:
         self.address = address
         self.asked: list[str] = []
         self.faults: list[str] = []
-        page.on("request", lambda request: self.asked.append(request.url))
-        page.on("websocket", lambda socket: self.asked.append(socket.url))
-        page.on("pageerror", lambda error: self.faults.append(str(error)))
-        page.on("console", lambda message: self.faults.append(message.text) if message.type == "error" else None)
+        self._listeners: dict[str, Callable[[Any], None]] = {
+            "request": lambda request: self.asked.append(request.url),
+            "websocket": lambda socket: self.asked.append(socket.url),
+            "pageerror": lambda error: self.faults.append(str(error)),
+            "console": lambda message: self.faults.append(message.text) if message.type == "error" else None,
+        }
+        for event, listener in self._listeners.items():
+            page.on(event, listener)  # type: ignore[call-overload]
+
+    def leave(self) -> None:
+        """Leaves the page ready for another test.
+
+        The next test loads the whole page and has a session of its own. The process keeps the compiled scripts and
+        shaders, which are half of what a new page costs.
+        """
+        page = self.page
+        page.mouse.move(0, 0)
+        page.goto(f"{self.address}favicon.ico")
+        page.evaluate("sessionStorage.clear()")
+        page.emulate_media(color_scheme="light")
+        for event, listener in self._listeners.items():
+            page.remove_listener(event, listener)
 
     def open(self) -> Page:
         self.page.goto(self.address)
@@ -262,19 +287,19 @@ class Tab:
 def profile(chromium: Browser) -> Iterator[BrowserContext]:
     """The profile of the browser that all tabs share: what they show is told apart by the tab alone."""
     context = chromium.new_context(accept_downloads=True)
-    context.set_default_timeout(30_000)
+    context.set_default_timeout(120_000)  # Only a fault waits so long, on a busy machine too.
     yield context
     context.close()
 
 
 @pytest.fixture
-def new_tab(profile: BrowserContext) -> Iterator[Callable[..., Tab]]:
+def new_tab(profile: BrowserContext, parked: dict[str, list[Page]]) -> Iterator[Callable[..., Tab]]:
     """Opens tabs; none may ask for anything from elsewhere, or have a fault."""
     tabs: list[Tab] = []
     excused: list[Tab] = []
 
     def open_tab(address: str, *, width: int = 1280, height: int = 720, faults: bool = True) -> Tab:
-        page = profile.new_page()
+        page = parked[address].pop() if parked.get(address) else profile.new_page()
         page.set_viewport_size({"width": width, "height": height})
         tabs.append(Tab(page, address))
         if not faults:  # its server goes away on purpose, and the browser complains
@@ -283,7 +308,11 @@ def new_tab(profile: BrowserContext) -> Iterator[Callable[..., Tab]]:
 
     yield open_tab
     for tab in tabs:
-        tab.page.close()
+        if tab.address in parked and tab not in excused and not tab.page.is_closed():
+            tab.leave()
+            parked[tab.address].append(tab.page)
+        else:
+            tab.page.close()
     for tab in tabs:
         assert tab.foreign() == []
         assert tab in excused or tab.faults == []

@@ -149,9 +149,9 @@ class StudioPage:
         self._show_words()
         self._show_arm()
 
-    def _keep(self) -> None:
-        """The browser keeps the table, for when the studio is away."""
-        ui.run_javascript(f"dhPage.keep({json.dumps(kept_text(self.session.table))})")
+    def _keep(self, table: TableText | None = None) -> None:
+        """The browser keeps a table, or else the session's, for when the studio is away."""
+        ui.run_javascript(f"dhPage.keep({json.dumps(kept_text(table or self.session.table))})")
 
     def _show_words(self) -> None:
         """Everything but cells and arm."""
@@ -383,5 +383,9 @@ class StudioPage:
             await self._show_opened(linked)
             return
         is_new = not self.session.history.can_undo
-        if is_new and kept is not None and kept != self.session.table and await dialogs.ask_back(kept):
-            await self._show_opened(kept)
+        if is_new and kept is not None and kept != self.session.table:
+            self._keep(kept)  # The page may be loaded again before the question is answered.
+            if await dialogs.ask_back(kept):
+                await self._show_opened(kept)
+            else:
+                self._keep()

@@ -230,6 +230,12 @@ def reports() -> frozenset[str]:
     return frozenset(["manifest.jsonl", "index.json", "report.json", "timing.json", *table, *page])
 
 
+@pytest.fixture(scope="session")
+def undrawn() -> str:
+    """How a script begins whose runs write no drawings into report.html."""
+    return "import dh2urdf.report.html; dh2urdf.report.html._figures = lambda _exhibit: None\n"
+
+
 class Answer(NamedTuple):
     """What the command line printed."""
 

@@ -439,14 +439,14 @@ def test_a_run_makes_proves_and_reports_variants(
 
 
 @pytest.mark.scale
-def test_any_hash_seed_and_any_number_of_workers_give_the_same_bytes(run_file: Path) -> None:
-    """All files of the run, the report included."""
+def test_any_hash_seed_and_any_number_of_workers_give_the_same_bytes(run_file: Path, undrawn: str) -> None:
+    """All files of the run, the report included; `test_determinism` has one with drawings."""
     written = []
     for seed, workers in (("1", 1), ("77", 3)):
         out = run_file.parent / f"out{seed}"
         subprocess.run(
             [
-                *(sys.executable, "-c", "from dh2urdf.cli import main; main()"),
+                *(sys.executable, "-c", f"{undrawn}from dh2urdf.cli import main; main()"),
                 *("run", "run.yaml", "-o", str(out), "--workers", str(workers)),
             ],
             cwd=run_file.parent,

@@ -89,8 +89,11 @@ def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any
     tab.open_exhibit("ur5")
     page.get_by_role("button", name="measure between frames, and show the workspace").click()
     words = page.locator(".studio-measured")
+    changed = "before => document.querySelector('.studio-measured').innerText !== before"
+    before = words.inner_text()
     tab.press("random pose")
     tab.wait_for_tool0(arm)
+    page.wait_for_function(changed, arg=before)
     q = tab.sliders()
 
     def measured() -> tuple[float, Any, Any]:
@@ -113,7 +116,7 @@ def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any
     before = words.inner_text()
     page.get_by_label("from", exact=True).click()
     page.get_by_role("option", name="{2}").click()
-    page.wait_for_function("before => document.querySelector('.studio-measured').innerText !== before", arg=before)
+    page.wait_for_function(changed, arg=before)
     expect(frames[2], forward_kinematics(arm, q))
 
 
@@ -129,6 +132,7 @@ def test_the_workspace_is_where_tool0_can_be(
     button.click()
     page.get_by_text("workspace", exact=True).click()
     page.get_by_text("in 4000 random poses").wait_for()
+    page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('workspace')")
     points = page.evaluate(
         "Array.from(document.querySelector('.arm-view').scene.getObjectByName('workspace').geometry.attributes.position.array)"
     )

@@ -94,10 +94,12 @@ def serve(
     listening = listen(host, port)
     import uvicorn
     from fastapi import FastAPI
-    from nicegui import ui
+    from nicegui import app as pages, ui
 
     name, port = listening.getsockname()[:2]
     app = FastAPI(openapi_url=None)
+    # Quasar's bar at the top of a page has no name for people who hear it, and the page has progress of its own.
+    pages.config.quasar_config["loadingBar"]["skipHijack"] = True
     build()
     ui.run_with(app, title=title, favicon="🦾", show_welcome_message=False, reconnect_timeout=10.0, tailwind=False)
     guarded = Guard(app, port, [host, socket.gethostname()])

@@ -100,6 +100,7 @@ def inverse_kinematics(
     else:
         values, _ = joint_values(start, search.names)
         first = np.clip(np.array([float(value) for value in values]), search.lower, search.upper)
+    search.start = first
     random = np.random.default_rng(0)
     best = search.descend(first)
     for _ in range(attempts - 1):
@@ -142,6 +143,8 @@ class _PoseSearch:
         self._length = max(reach(manipulator) + sum(travel), norm(target.translation), 1e-6)
         # A prismatic joint counts in reaches, as a revolute one in radians.
         self._scale = np.array([self._length if row.type is JointType.PRISMATIC else 1.0 for row in rows])
+        self._turns = np.array([row.type is not JointType.PRISMATIC for row in rows], dtype=bool)
+        self.start = self.middle
 
     def drawn(self, part: Vector) -> Vector:
         """A joint vector inside the limits, of parts from 0 to 1; a joint without limits is within ±π."""
@@ -186,7 +189,15 @@ class _PoseSearch:
             q, error, damping = moved, left, max(damping / 8.0, 1e-15)
             if gained <= 1e-14 * cost:
                 break
-        return self._solution(q)
+        return self._solution(self._unwound(q))
+
+    def _unwound(self, q: Vector) -> Vector:
+        """The same pose without whole turns away from the start, where the limits allow it."""
+        import numpy as np
+
+        near = q - 2.0 * np.pi * np.round((q - self.start) / (2.0 * np.pi))
+        unwound: Vector = np.where(self._turns & (near >= self.lower) & (near <= self.upper), near, q)
+        return unwound
 
     def _error(self, q: Vector) -> Vector:
         """What leads from tool0 to the target: a shift as a part of the reach, and a turn [rad], of shape (6,)."""

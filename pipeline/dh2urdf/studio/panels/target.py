@@ -186,11 +186,16 @@ class TargetPanel:
         self._answer.set_text(_report(found))
 
 
+def _three_digits(number: float) -> str:
+    """Three digits that count, and no power of ten: 1080."""
+    return f"{float(f'{number:.3g}'):g}"
+
+
 def _report(found: InverseSolution) -> str:
     if found.reached:
         return "tool0 is there"
     return (
-        f"The arm cannot reach this pose: tool0 is {found.position_error * 1000.0:.3g} mm and "
+        f"The arm cannot reach this pose: tool0 is {_three_digits(found.position_error * 1000.0)} mm and "
         f"{math.degrees(found.angle_error):.3g}° from it."
     )
 

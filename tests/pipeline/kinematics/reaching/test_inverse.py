@@ -145,3 +145,17 @@ def test_what_is_no_pose_or_start_is_refused(pose: Any, start: Any, attempts: in
     with pytest.raises(RecordError, match=message):
         dh2urdf.inverse_kinematics(arm, pose, start, attempts=attempts)
     assert ATTEMPTS > 1
+
+
+@pytest.mark.parametrize("x", [2.0, -2.0, -0.1])
+def test_no_joint_turns_round_for_nothing(x: float) -> None:
+    """Limits of ±2π allow a whole turn, which leads to the same pose as none."""
+    arm = dh2urdf.read(TABLES / "ur5.csv")
+    pose = arm.fk([0.0] * 6).copy()
+    pose[0, 3] = x
+    found = dh2urdf.inverse_kinematics(arm, pose, [0.0] * 6)
+    lower, upper = bounds(arm)
+    for joint, value in enumerate(found.q):
+        nearer = value - np.sign(value) * 2.0 * np.pi
+        assert abs(value) <= abs(nearer) or not lower[joint] <= nearer <= upper[joint]
+    check(arm, found, pose)

@@ -6,6 +6,7 @@ from dh2urdf._faces import face
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from dh2urdf.documents.archives import BROKEN_ARCHIVE as BROKEN_ARCHIVE
     from dh2urdf.documents.document import load_yaml as load_yaml, stream_yaml as stream_yaml
     from dh2urdf.documents.nodes import Item as Item, Node as Node
     from dh2urdf.documents.text_files import check_file as check_file, decoded as decoded, read_bytes as read_bytes
@@ -13,6 +14,7 @@ else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
+            "archives": "BROKEN_ARCHIVE",
             "document": "load_yaml stream_yaml",
             "nodes": "Item Node",
             "text_files": "check_file decoded read_bytes",

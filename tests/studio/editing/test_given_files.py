@@ -95,3 +95,21 @@ def test_what_is_too_much(monkeypatch: pytest.MonkeyPatch, catalog: Catalog) -> 
     ):
         with pytest.raises(InputError, match=message):
             GivenFiles(sent, catalog)
+
+
+@pytest.mark.parametrize("way", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_broken_archive_is_refused_with_its_name(catalog: Catalog, way: int) -> None:
+    """However it is packed, and wherever a byte of it was lost or changed: nothing else is raised."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", way) as archive:
+        archive.writestr("arm.urdf", urdf("a.obj") * 20)
+    whole = target.getvalue()
+    refused = 0
+    for place in range(len(whole)):
+        for content in (whole[:place], whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :]):
+            try:
+                GivenFiles([("arm.zip", content)], catalog).close()
+            except InputError as error:
+                assert "'arm.zip' cannot be unpacked" in str(error)
+                refused += 1
+    assert refused > len(whole)

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents import BROKEN_ARCHIVE
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.meshes import named_files
 from dh2urdf.source import Problem, shown
@@ -116,7 +117,7 @@ class GivenFiles:
                         if not entry.is_dir() and self._place(entry.filename) is not None:
                             with archive.open(entry) as file:
                                 self._write(entry.filename, file.read(self._left + 1))
-            except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError) as error:
+            except BROKEN_ARCHIVE as error:
                 raise InputError(Problem(message=f"{shown(name)} cannot be unpacked: {error}")) from error
 
     def _place(self, name: str) -> Path | None:

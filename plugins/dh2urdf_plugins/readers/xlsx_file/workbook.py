@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import posixpath
 import zipfile
-import zlib
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NoReturn
 from xml.parsers import expat
 
 from lxml import etree
 
-from dh2urdf.documents import check_file
+from dh2urdf.documents import BROKEN_ARCHIVE, check_file
 from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem
@@ -30,8 +29,6 @@ MAX_PARTS = 10_000
 
 _PROLOG = 2**16
 _ACCEPTED = "a workbook in the format of Excel 2007 and later (.xlsx)"
-_BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, OSError, RuntimeError)
-"""What Python's zipfile raises for an archive that is broken, encrypted, or packed in a way it does not know."""
 
 
 @dataclass(slots=True)
@@ -71,7 +68,7 @@ def check_workbook(path: Path) -> None:
     try:
         with zipfile.ZipFile(path) as archive:
             _check_parts(path, archive)
-    except _BROKEN as error:
+    except BROKEN_ARCHIVE as error:
         _refuse(path, f"the workbook is broken: {error or type(error).__name__}", "save it again")
 
 

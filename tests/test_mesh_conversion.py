@@ -14,7 +14,7 @@ from lxml import etree
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, CrashError, EmitterError
-from dh2urdf.meshes import conversion as mesh_conversion
+from dh2urdf.meshes import conversion as mesh_conversion, read_parts
 from dh2urdf.meshes.forms import forms_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.report.schema import manifest_schema
@@ -233,6 +233,20 @@ def test_a_body_in_several_colours_is_closed(folder: Path) -> None:
     assert not any("not closed" in str(notice) for notice in made.notices)
     mass = next(link.inertial.mass for link in made.robot.links if link.visuals and link.name == "link_1")
     assert mass == pytest.approx(DENSITY * 0.007, rel=1e-6)  # 0.4 × 0.1 × 0.1 and 0.1 × 0.3 × 0.1
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".dae"])
+def test_vertices_that_are_close_stay_apart(suffix: str) -> None:
+    """A triangle of two nanometres in the unit of its file is a triangle in every format."""
+    tiny = trimesh.Trimesh(2e-9 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]], process=False)
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in tiny.vertices.tolist()]
+    content = {
+        ".stl": lambda: tiny.export(file_type="stl"),
+        ".obj": lambda: "\n".join([*lines, "f 1 2 3\n"]).encode(),
+        ".dae": lambda: collada(tiny).encode(),
+    }[suffix]()
+    (part,) = read_parts(content, suffix, (1.0, 1.0, 1.0))
+    assert part.vertices[part.faces[0]] == pytest.approx(tiny.vertices, rel=1e-6)
 
 
 def test_the_colours_of_a_collada_file_stay(folder: Path) -> None:

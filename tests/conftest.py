@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -36,6 +37,10 @@ R = TypeVar("R", pytest.TestReport, pytest.CollectReport)
 REFERENCE = Path(__file__).with_name("reference")
 collect_ignore = ["example_plugin"]
 """It has tests of its own, for which it has to be installed: test_example_plugin.py does that."""
+
+# A shell starts jobs in the background with Ctrl-C ignored, and so would be the commands that the tests interrupt.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # The same examples on every machine and in every run; a failure prints how to repeat it.
 hypothesis.settings.register_profile(

@@ -145,13 +145,13 @@ class _Words:
 
     def __init__(self) -> None:
         self.units: dict[str, Unit] = {}
-        self.joints: dict[str, set[int]] = {}
+        self.ends: dict[str, set[int]] = {}
 
     def define(self, unit: Unit, *words: str) -> None:
         for factors in map(_factors, (unit.symbol, *words)):
             word = "".join(factors)
             self.units[word] = unit
-            self.joints.setdefault(word, set()).update(accumulate(map(len, factors)))
+            self.ends.setdefault(word, set()).update(accumulate(map(len, factors)))
 
     def lengths(self) -> None:
         """Lengths, and those that machines move by per second and per minute."""
@@ -258,7 +258,7 @@ def unit_word(text: str) -> str:
     """
     factors = _factors(text)
     word = "".join(factors)
-    if len(factors) > 1 and word in _JOINTS and not _JOINTS[word].issuperset(accumulate(map(len, factors))):
+    if len(factors) > 1 and word in _FACTOR_ENDS and not _FACTOR_ENDS[word].issuperset(accumulate(map(len, factors))):
         return "·".join(factors)
     return word
 
@@ -267,11 +267,11 @@ def _units() -> tuple[dict[str, Unit], dict[str, set[int]]]:
     words = _Words()
     for define in (words.lengths, words.angles, words.masses, words.efforts):
         define()
-    return words.units, words.joints
+    return words.units, words.ends
 
 
-UNITS, _JOINTS = _units()
-"""The units by their words, as `unit_word` has these."""
+UNITS, _FACTOR_ENDS = _units()
+"""The units by their words, as `unit_word` has these; and where in a word a factor may end."""
 _MEANT_THERE = {
     ("nm", Dimension.LENGTH): Unit("nm", Dimension.LENGTH, -9),
     **{(word, Dimension.FORCE): UNITS["lbf"] for word in ("lb", "lbs", "pound", "pounds")},

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 MAX_DEPTH = 64
 """Mappings and lists that may stand inside each other."""
+_TOO_DEEP = "exceeded maximum nesting depth"
+"""How newer versions of libyaml refuse a thousand, which they look for before they report the first of them."""
 MAX_ALIASED = 1_000_000
 """Values that all aliases of a document (``*name``) may stand for together."""
 MAX_ALIASED_PER_CHARACTER = 10
@@ -91,7 +93,10 @@ class Composer:
         try:
             yield from self._items()
         except yaml.YAMLError as reason:
-            self._stop(syntax_problem(reason, self.text, self.file))
+            problem = syntax_problem(reason, self.text, self.file)
+            if _TOO_DEEP in str(reason) and problem.mark:
+                self._too_deep(problem.mark)
+            self._stop(problem)
         except (ValueError, OverflowError):  # PyYAML's own parser does not check what \U stands for; libyaml does.
             place = Mark(file=self.file, line=self.parser.line + 1, column=self.parser.column + 1)
             self._stop(
@@ -153,7 +158,7 @@ class Composer:
         if event.anchor:
             self._begin_anchor(event, event.anchor)
         if len(self.stack) >= MAX_DEPTH:
-            self._too_deep(event)
+            self._too_deep(self._mark(event))
         is_list = isinstance(event, yaml.SequenceStartEvent)
         frame = _OpenNode([] if is_list else {}, _place(event), event.anchor)
         if self.items_of and is_list and len(self.stack) == 1 and self.stack[0].key == self.items_of:
@@ -260,7 +265,7 @@ class Composer:
                 )
             )
         if len(self.stack) + depth > MAX_DEPTH:
-            self._too_deep(event)
+            self._too_deep(self._mark(event))
         return anchored
 
     def _joined_halves(self, event: yaml.ScalarEvent) -> str:
@@ -301,9 +306,9 @@ class Composer:
             )
         )
 
-    def _too_deep(self, event: yaml.Event) -> NoReturn:
+    def _too_deep(self, mark: Mark) -> NoReturn:
         message = f"more than {MAX_DEPTH} mappings and lists stand inside each other"
-        self._stop(Problem(message=message, mark=self._mark(event), accepted=f"at most {MAX_DEPTH}"))
+        self._stop(Problem(message=message, mark=mark, accepted=f"at most {MAX_DEPTH}"))
 
     def _too_long(self, frame: _OpenNode) -> NoReturn:
         line, column = frame.place

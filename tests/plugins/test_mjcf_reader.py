@@ -101,7 +101,7 @@ def test_a_mesh_is_its_file() -> None:
     """With its scale."""
     text = (
         '<mujoco><asset><mesh name="m" file="a.stl" scale="1 2 3"/></asset>'
-        '<worldbody><body name="a"><geom type="mesh" mesh="m"/></body></worldbody></mujoco>'
+        '<worldbody><body name="a"><geom type="mesh" mesh="m" mass="0"/></body></worldbody></mujoco>'
     )
     assert parse_mjcf(text.encode(), "x").links[1].collisions[0].geometry == Mesh(
         filename="a.stl", scale=(1.0, 2.0, 3.0)
@@ -118,16 +118,21 @@ BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
         ("<robot/>", "outermost element is 'robot'"),
         ("<mujoco/>", "no worldbody"),
         ('<mujoco><include file="other.xml"/><worldbody/></mujoco>', "include is not read"),
-        (BODY.format('<freejoint name="f"/>'), "freejoint is not read"),
+        (BODY.format('<freejoint name="f"/>'), "'floating' is not one of a manipulator"),
         (BODY.format('<joint type="ball"/>'), "'ball' is not one of a manipulator"),
+        (BODY.format('<joint type="screw"/>'), "no joint type 'screw'"),
         (BODY.format('<joint axis="0 0 0"/>'), "has no length"),
         (BODY.format('<joint axis="0 nan 0"/>'), "axis of joint is '0 nan 0'"),
         (BODY.format('<joint axis="0 1"/>'), "axis of joint is '0 1'"),
         (BODY.format('<joint axis="0 1_0 0"/>'), "axis of joint is"),
         (BODY.format('<geom class="x"/>'), "no class 'x'"),
-        (BODY.format('<geom type="capsule" size="1 1"/>'), "'capsule' is not read"),
+        (BODY.format('<geom type="plane" size="1 1 1" mass="0"/>'), "a shape 'plane' is not read"),
+        (BODY.format('<geom type="ellipsoid" size="1 2 1" mass="0"/>'), "a shape 'ellipsoid' is not read"),
+        (BODY.format('<geom size="1" shellinertia="true"/>'), "a mass that follows from a mesh or a shell is not read"),
+        (BODY.format('<geom type="capsule" fromto="1 2 3 1 2 3" size="1"/>'), "the same point twice"),
         (BODY.format('<geom type="mesh" mesh="m"/>'), "no mesh 'm'"),
-        (BODY.format('<site name="s" axisangle="0 0 1 1"/>'), "given by axisangle is not read"),
+        (BODY.format('<site name="s" zaxis="0 0 0"/>'), "zaxis of site gives no direction"),
+        (BODY.format('<replicate count="2"><geom size="1"/></replicate>'), "replicate is not read"),
     ],
 )
 def test_what_cannot_be_read_is_refused(text: str, message: str) -> None:

@@ -8,6 +8,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
+from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.leaving_out import catalog, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import package_paths_option
@@ -50,6 +51,7 @@ def command(
     words = [word for word in files if ":=" in word and not Path(word).exists()]
     expansion = Expansion(arguments=given_arguments(words, COMMAND_LINE), package_paths=package_paths)
     figures = load_figures([Path(word) for word in files if word not in words], catalog(), expansion)
+    print_notices([notice for figure in figures for notice in figure.notices])
     from dh2urdf.studio.app import build_view
 
     serve(

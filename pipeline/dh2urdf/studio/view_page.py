@@ -17,7 +17,7 @@ from dh2urdf.studio.robot_tree import RobotTree
 from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml, lay_grasp, lay_opacity, lay_views
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf.studio.viewing import View
     from dh2urdf.studio.widgets import ShownScene
@@ -89,8 +89,9 @@ class ViewPage:
                 lay_opacity(titles, self.view.opacities, self._fade)
         if unseen := self.view.drawing.unseen:
             told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
-            remark = ui.label(f"{told}: {words.some_of(unseen)}").classes("studio-bar studio-remark")
-            remark.tooltip("\n".join(unseen[:50]))
+            _remark(f"{told}: {words.some_of(unseen)}", unseen)
+        if left_out := [notice.message for figure in self.view.figures for notice in figure.notices]:
+            _remark(words.some_of(left_out), left_out)
         self._scene = ArmView(
             on_pick=lambda _: None, on_undrawn=dialogs.warn, on_pick_node=self._picked_in_scene, on_grip=self._drag
         )
@@ -179,3 +180,8 @@ def _fold(told: str) -> ui.element:
     with ui.element("details").classes("studio-fold").props("open") as fold, ui.element("summary"):
         ui.label(told)
     return fold
+
+
+def _remark(text: str, lines: Sequence[str]) -> None:
+    """A text below the bar, and the lines that it is the short form of."""
+    ui.label(text).classes("studio-bar studio-remark").tooltip("\n".join(lines[:50]))

@@ -128,7 +128,7 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     files = {address: file for address in addresses if (file := find(address))}
     followers = following(found.followers, [joint.name for joint in robot.moving_joints])
     title = robot.name.strip() or path.stem
-    return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose)
+    return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose, notices=found.notices)
 
 
 def _with_unit_axes(robot: Robot) -> Robot:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import field
 from functools import partial
-from math import nan
+from math import comb, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,15 +18,18 @@ from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
-from dh2urdf_plugins.read_back.xml_files import tree_of
+from dh2urdf_plugins.read_back.xml_files import mark_of, tree_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from lxml import etree
 
     from dh2urdf.stages import Expansion
 
 LARGEST = 2**26
 """Size of a description [B]."""
+_FEW = 5
 _LOOSE = ("floating", "planar")
 """Joints of URDF that no table has."""
 
@@ -108,9 +111,12 @@ def mjcf_description(path: Path) -> Description:
         TableError: it cannot be read, or is not the MJCF of an arm.
     """
     content = read_bytes(path, TableError, limit=LARGEST)
-    return _described(
-        content, path, str(path), _Format(partial(tree_of, is_deep=True), mjcf_reader.robot_of, _mjcf_extras)
+    form = _Format(
+        lambda content, _: mjcf_reader.whole_tree_of(content, path),
+        lambda root, file: mjcf_reader.model_of(root, file).robot,
+        _mjcf_extras,
     )
+    return _described(content, path, str(path), form)
 
 
 def _of_urdf(content: bytes, path: Path, file: str, *, colours: bool) -> Description:
@@ -127,6 +133,7 @@ class _Extras:
     followers: dict[str, Follower] = field(default_factory=dict)
     loose: dict[str, str] = field(default_factory=dict)
     rounded: list[Rounded] = field(default_factory=list)
+    notices: list[Problem] = field(default_factory=list)
 
 
 class _Format(NamedTuple):
@@ -151,6 +158,7 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
             loose=extras.loose,
             rounded=tuple(extras.rounded),
             repaired=form.robot_of(meant, file) if extras.rounded else None,
+            notices=tuple(extras.notices),
         )
     except ProofError as error:
         raise TableError(error.problems) from error
@@ -217,14 +225,20 @@ def _sdf_follower(mimic: etree._Element) -> Follower:
 
 
 def _mjcf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
-    places = mjcf_reader.references(root, extras.file) if root.find("equality/joint") is not None else {}
+    model = mjcf_reader.model_of(root, extras.file)
+    extras.loose.update(model.loose)
     for joint in root.iterfind("equality/joint"):
         if joint.get("active") != "false":
-            extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, places)
-    compiler = root.find("compiler")
-    if compiler is None:
-        return root
-    extras.folder /= compiler.get("meshdir") or compiler.get("assetdir") or ""
+            extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
+    extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
+    compiler = {name: value for each in root.iterchildren("compiler") for name, value in each.attrib.items()}
+    meshes = str(compiler.get("meshdir") or compiler.get("assetdir") or "")
+    extras.folder /= meshes
+    for mesh in root.iterfind("asset/mesh"):  # One that is not there may be beside the included file that names it.
+        file = (mesh.get("file") or "").replace("\\", "/")
+        beside = Path(mark_of(mesh, extras.file).file).absolute().parent / file
+        if file and not (extras.folder / file).is_file() and beside.is_file():
+            mesh.set("file", str(beside))
     if compiler.get("angle") != "radian":
         return root
     meant = deepcopy(root)
@@ -236,13 +250,26 @@ def _mjcf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
     return meant
 
 
+def _left_out(what: str, marks: Sequence[Mark]) -> Problem:
+    """A notice of something that could not be read."""
+    lines = [f"{mark.line}" for mark in marks[:_FEW]]
+    more = f" and {len(marks) - _FEW} more" if len(marks) > _FEW else ""
+    places = f", in {len(marks)} places (lines {', '.join(lines)}{more})" if len(marks) > 1 else ""
+    return Problem(message=f"{what} is left out{places}", severity="notice", mark=marks[0])
+
+
 def _mjcf_follower(joint: etree._Element, places: Mapping[str, float]) -> Follower:
     """How a joint of an MJCF follows another: a polynomial of the distance from the reference values of both.
 
     https://mujoco.readthedocs.io/en/stable/XMLreference.html#equality-joint
     """
     leader = joint.get("joint2", "")
-    constant, factor, *higher = [*map(_number, joint.get("polycoef", "0 1 0 0 0").split()), 0.0, 0.0][:5]
-    multiplier = nan if any(higher) else factor
-    own = places.get(joint.get("joint1", ""), 0.0)
-    return Follower(leader, multiplier, own + constant - multiplier * places.get(leader, 0.0))
+    factors = [*map(_number, joint.get("polycoef", "0 1 0 0 0").split()), *[0.0] * 5][:5]
+    own, reference = places.get(joint.get("joint1", ""), 0.0), places.get(leader, 0.0)
+    # The same polynomial of the leader's value, by the binomial theorem: Σ c_k (x - r)^k.
+    constant, multiplier, *higher = (
+        sum(factors[k] * comb(k, n) * (-reference) ** (k - n) for k in range(n, 5) if factors[k]) for n in range(5)
+    )
+    if not leader:  # It keeps the value that it has where every joint has its reference value.
+        constant, multiplier, higher = factors[0], 0.0, []
+    return Follower(leader, multiplier, own + constant, tuple(higher) if any(higher) else ())

@@ -75,4 +75,5 @@ def _foreign(description: Description) -> ForeignRobot:
         followers=description.followers,
         loose=description.loose,
         folder=description.folder,
+        notices=description.notices,
     )

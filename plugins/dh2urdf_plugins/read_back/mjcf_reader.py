@@ -1,10 +1,9 @@
 """Reads an MJCF model back into a robot: the other half of the proof of the emitter `mjcf`.
 
 Nothing here comes from the emitter. It is written from MuJoCo's documentation
-(https://mujoco.readthedocs.io/en/stable/XMLreference.html and, for orientations, defaults and reference positions,
-modeling.html): bodies are nested, angles are in degrees unless the file says radians, Euler angles follow ``eulerseq``
-(capital letters: about fixed axes), attributes may come from default classes. What would need MuJoCo's compiler to be
-known, such as ``<include>`` or ``<frame>``, is refused rather than passed over.
+(https://mujoco.readthedocs.io/en/stable/XMLreference.html and modeling.html): bodies are nested, a frame moves what is
+in it, attributes may come from default classes, joints have reference values. What would need MuJoCo's compiler to be
+known, such as ``<replicate>``, is refused rather than passed over.
 
 The robot's root is ``world``. A site becomes a link, unless a body has its name. A joint that is not in its body's
 origin, and each of several joints of a body, gets a link of its own.
@@ -12,15 +11,12 @@ origin, and each of several joints of a body, gets a link of its own.
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING
-
-from lxml import etree
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.manipulator import Inertia, JointType, Limits
-from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
+from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
@@ -30,24 +26,48 @@ from dh2urdf.rotations import (
     Vec3,
     multiply,
     norm,
-    rotation_from_quaternion,
+    rotate,
     scale,
     transpose,
 )
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
+from dh2urdf_plugins.read_back.mjcf_elements import Elements
+from dh2urdf_plugins.read_back.mjcf_includes import include_files
+from dh2urdf_plugins.read_back.mjcf_masses import mass_of_shapes
+from dh2urdf_plugins.read_back.mjcf_shapes import Shapes
+from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.robot import Geometry
+    from lxml import etree
 
 WORLD = "world"
 
-_AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_NOT_READ = ("include", "frame", "replicate", "composite", "flexcomp", "attach", "freejoint")
-_ORIENTATIONS_NOT_READ = ("axisangle", "xyaxes", "zaxis")
+_NOT_READ = ("include", "replicate", "composite", "flexcomp", "attach")
+_MASSES = frozenset(("balanceinertia", "boundinertia", "boundmass", "settotalmass"))
+"""Options by which MuJoCo changes masses."""
+_CLOSING = ("connect", "weld")
+"""Constraints that hold bodies together besides the joints."""
+_LOOSE = {"ball": "ball", "free": "floating"}
+"""Joints that no table has, by their names in MJCF: as other formats call them."""
+
+
+class Model(NamedTuple):
+    """What is in an MJCF.
+
+    Attributes:
+        robot: its links and joints; joints that no table has are fixed in it.
+        loose: their types, by name.
+        references: the reference values of the joints that move, by name [rad or m].
+        unread: what could not be read, by the words for it: the places.
+    """
+
+    robot: Robot
+    loose: Mapping[str, str]
+    references: Mapping[str, float]
+    unread: Mapping[str, Sequence[Mark]]
 
 
 def read_mjcf(path: Path) -> Robot:
@@ -67,142 +87,171 @@ def parse_mjcf(content: bytes, file: str) -> Robot:
         file: what messages call it.
 
     Raises:
-        ProofError: the text is not the MJCF of a manipulator.
+        ProofError: the text is not the MJCF of a manipulator, or something in it cannot be read.
     """
-    return robot_of(tree_of(content, file, is_deep=True), file)
+    model = model_of(tree_of(content, file, is_deep=True), file)
+    if model.loose:
+        name, kind = next(iter(model.loose.items()))
+        mark = next(joint.mark for joint in model.robot.joints if joint.name == name)
+        message = f"joint type {shown(kind)} is not one of a manipulator"
+        raise ProofError(Problem(message=message, accepted="hinge, slide", mark=mark))
+    if model.unread:
+        what, (mark, *_) = next(iter(model.unread.items()))
+        raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
+    return model.robot
 
 
-def robot_of(root: etree._Element, file: str) -> Robot:
-    """The robot of a tree of elements.
+def read_model(path: Path) -> Model:
+    """The model of an MJCF file of any origin, and of the files that it includes.
 
     Raises:
-        ProofError: the elements are not the MJCF of a manipulator.
+        ProofError: one of them cannot be read, or they are not the MJCF of a robot.
+    """
+    return model_of(whole_tree_of(content_of(path), path), str(path))
+
+
+def whole_tree_of(content: bytes, path: Path) -> etree._Element:
+    """The elements of an MJCF and of the files that it includes.
+
+    Raises:
+        ProofError: one of them is not XML, or is not there.
+    """
+    root = tree_of(content, str(path), is_deep=True)
+    missing = include_files(root, path)
+    if missing:
+        raise ProofError(Problem(message=each.message, mark=mark_of(each.include)) for each in missing)
+    return root
+
+
+def model_of(root: etree._Element, file: str) -> Model:
+    """The model of a tree of elements.
+
+    Raises:
+        ProofError: the elements are not the MJCF of a robot.
     """
     if root.tag != "mujoco":
         message = f"the outermost element is {shown(str(root.tag))}"
         raise ProofError(Problem(message=message, accepted="mujoco", mark=Mark(file=file, line=1)))
-    return _Reader(root, file).robot()
-
-
-def references(root: etree._Element, file: str) -> dict[str, float]:
-    """The reference values of the joints of a tree of elements, by name [rad or m].
-
-    Raises:
-        ProofError: as of `robot_of`.
-    """
-    return _Reader(root, file).references()
+    return _Reader(root, file).model()
 
 
 class _Reader:
     """Reads one tree."""
 
     def __init__(self, root: etree._Element, file: str) -> None:
-        self._root, self._file = root, file
+        self._elements = Elements(root, file)
         for element in root.iter(*_NOT_READ):
-            raise self._error(element, f"the element {element.tag} is not read here")
-        compiler = root.find("compiler")
-        self._angle = 1.0 if compiler is not None and compiler.get("angle") == "radian" else math.pi / 180.0
-        self._eulerseq = (compiler.get("eulerseq") if compiler is not None else None) or "xyz"
-        self._defaults = self._read_defaults()
+            message, how = (
+                f"the element {element.tag} is not read here",
+                "mujoco.mj_saveLastXML writes a model without it",
+            )
+            raise ProofError(Problem(message=message, suggestion=how, mark=self._elements.mark(element)))
+        self._shapes = Shapes(self._elements)
+        self._loose: dict[str, str] = {}
+        self._references: dict[str, float] = {}
+        self._fixed_limits = self._elements.compiler.get("autolimits") == "false"
 
-    def robot(self) -> Robot:
-        world = self._root.find("worldbody")
-        if world is None:
-            raise self._error(self._root, "there is no worldbody")
-        names = {world: WORLD}
-        links, joints = [self._link(world, WORLD)], []
-        bodies = {body.get("name") for body in world.iter("body")}
+    def model(self) -> Model:
+        root = self._elements.root
+        worlds = root.findall("worldbody")
+        if not worlds:
+            raise self._elements.error(root, "there is no worldbody")
+        names = dict.fromkeys(worlds, WORLD)
+        links, joints = [self._link(worlds, WORLD)], []
+        bodies = {body.get("name") for world in worlds for body in world.iter("body")}
+        taken = set(bodies)
         # Parents come before children; not by recursion, for an arm may have more links than Python's stack has places.
-        for element in world.iter("body", "site"):
-            name = element.get("name") or f"{element.tag} in line {element.sourceline}"
-            holder = names[element.getparent()]  # type: ignore[index]  # it has one
+        for element in (each for world in worlds for each in world.iter("body", "site")):
+            name = element.get("name") or self._nameless(element, taken)
+            holder = names[self._holder(element)]
             if element.tag == "body":
                 names[element] = name
                 held = self._held(element, name, holder)
                 links += [Link(name=joint.child) for joint in held[:-1]]
-                links.append(self._link(element, name))
+                links.append(self._link([element], name))
                 joints += held
             elif name not in bodies:
                 links.append(Link(name=name))
-                joints.append(_fixed(name, holder, self._pose(element)))
-        return Robot(name=self._root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
+                joints.append(_fixed(name, holder, self._elements.pose(element)))
+        for name in sorted(_MASSES & self._elements.compiler.keys()):
+            self._elements.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
+        for constraint in root.iterfind("equality/*"):
+            if constraint.tag in _CLOSING and constraint.get("active") != "false":
+                self._elements.not_read(constraint, f"the constraint {constraint.tag}")
+        robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
+        return Model(robot, self._loose, self._references, self._elements.unread)
 
-    def references(self) -> dict[str, float]:
-        found: dict[str, float] = {}
-        for element in self._root.iterfind("worldbody//joint"):
-            attributes = self._attributes(element)
-            found[attributes.get("name", "")] = self._reference(
-                element, attributes, self._motion(element, attributes)[0]
-            )
-        return found
+    @staticmethod
+    def _holder(element: etree._Element) -> etree._Element:
+        """The body that holds an element."""
+        return next(above for above in element.iterancestors() if above.tag != "frame")
 
-    # Default classes
-
-    def _read_defaults(self) -> dict[str, dict[str, dict[str, str]]]:
-        """The attributes that a class gives, by class and by tag."""
-        found: dict[str, dict[str, dict[str, str]]] = {"main": {}}
-        for element in self._root.iter("default"):  # Outer classes first.
-            parent = element.getparent()
-            outer = parent.get("class", "main") if parent is not None and parent.tag == "default" else "main"
-            name = element.get("class") or "main"
-            given = {tag: dict(attributes) for tag, attributes in found.get(outer, {}).items()}
-            for each in element.iterchildren(etree.Element):
-                if each.tag != "default":
-                    given[each.tag] = {**given.get(each.tag, {}), **_attributes(each)}
-            found[name] = given
-        return found
-
-    def _attributes(self, element: etree._Element) -> dict[str, str]:
-        """The attributes of an element, those of its class included."""
-        name = element.get("class")
-        above = element.getparent()
-        while name is None and above is not None:
-            name, above = above.get("childclass"), above.getparent()
-        if (name := name or "main") not in self._defaults:
-            raise self._error(element, f"there is no class {shown(name)}")
-        return {**self._defaults[name].get(str(element.tag), {}), **_attributes(element)}
+    @staticmethod
+    def _nameless(element: etree._Element, taken: set[str | None]) -> str:
+        name = place = f"{element.tag} in line {element.sourceline}"
+        number = 1
+        while name in taken:
+            number += 1
+            name = f"{place} ({number})"
+        taken.add(name)
+        return name
 
     # Joints
 
     def _held(self, body: etree._Element, name: str, holder: str) -> list[Joint]:
         """The joints, one after the other, that hold a body."""
-        pose = self._pose(body)
-        moving = body.findall("joint")
+        pose = self._elements.pose(body)
+        moving = list(self._elements.held(body, "joint", "freejoint"))
         held: list[Joint] = []
         for number, element in enumerate(moving, start=1):
-            attributes = self._attributes(element)
-            anchor = self._vector(element, attributes, "pos", ZERO)
+            attributes = self._elements.attributes(element)
+            # A frame turns the axis and moves the anchor.
+            anchor = self._elements.vector(element, attributes, "pos", ZERO)
+            turn, anchor = self._elements.around(element, RigidTransform(IDENTITY_ROTATION, anchor))
             kind, axis = self._motion(element, attributes)
+            axis = axis if turn == IDENTITY_ROTATION else rotate(turn, axis)
+            reference = self._reference(element, attributes, kind)
             # At the reference value the body is where it is written, so at 0 it has moved back by that value.
-            back = _moved(kind, axis, -self._reference(element, attributes, kind))
+            back = _moved(kind, axis, -reference)
             direct = number == len(moving) and anchor == ZERO
             child = name if direct else f"{name} after joint {number}"
             origin = pose @ RigidTransform(IDENTITY_ROTATION, anchor) @ back
-            held.append(self._joint(element, attributes, kind, axis, parent=holder, child=child, origin=origin))
+            joint = self._joint(element, attributes, kind, axis, parent=holder, child=child, origin=origin)
+            if kind is JointType.FIXED:
+                self._loose[joint.name] = _LOOSE[_type(element, attributes)]
+            else:
+                self._references[joint.name] = reference
+            held.append(joint)
             pose, holder = RigidTransform(IDENTITY_ROTATION, scale(-1.0, anchor)), child
         if not held or held[-1].child != name:
             held.append(_fixed(name, holder, pose))
         return held
 
     def _reference(self, element: etree._Element, attributes: dict[str, str], kind: JointType) -> float:
-        (reference,) = self._numbers(element, attributes, "ref", (0.0,))
-        return reference * (1.0 if kind is JointType.PRISMATIC else self._angle)
+        (reference,) = self._elements.numbers(element, attributes, "ref", (0.0,))
+        return reference * (1.0 if kind is JointType.PRISMATIC else self._elements.angle)
+
+    def _is_bounded(self, attributes: dict[str, str]) -> bool:
+        """Whether the range of a joint counts."""
+        limited = attributes.get("limited", "auto")
+        return limited == "true" or (limited == "auto" and "range" in attributes and not self._fixed_limits)
 
     def _motion(self, element: etree._Element, attributes: dict[str, str]) -> tuple[JointType, Vec3]:
-        """How a joint moves, and about or along which unit vector."""
-        axis = self._vector(element, attributes, "axis", Z_AXIS)
+        """How a joint moves, and about or along which unit vector; one that no table has is fixed."""
+        kind = _type(element, attributes)
+        if kind in _LOOSE:
+            return JointType.FIXED, Z_AXIS
+        axis = self._elements.vector(element, attributes, "axis", Z_AXIS)
         if not (length := norm(axis)):
-            raise self._error(element, "the axis of the joint has no length")
+            raise self._elements.error(element, "the axis of the joint has no length")
         axis = axis if length == 1.0 else scale(1.0 / length, axis)
-        match attributes.get("type", "hinge"):
+        match kind:
             case "slide":
                 return JointType.PRISMATIC, axis
             case "hinge":
-                limited = attributes.get("limited", "auto")
-                bounded = limited == "true" or (limited == "auto" and "range" in attributes)
-                return (JointType.REVOLUTE if bounded else JointType.CONTINUOUS), axis
-            case word:
-                raise self._error(element, f"joint type {shown(word)} is not one of a manipulator", "hinge, slide")
+                return (JointType.REVOLUTE if self._is_bounded(attributes) else JointType.CONTINUOUS), axis
+        accepted = "hinge, slide, ball, free"
+        raise self._elements.error(element, f"there is no joint type {shown(kind)}", accepted)
 
     def _joint(
         self,
@@ -216,14 +265,14 @@ class _Reader:
         origin: RigidTransform,
     ) -> Joint:
         lower, upper = None, None
-        if "range" in attributes and kind is not JointType.CONTINUOUS:
-            unit = 1.0 if kind is JointType.PRISMATIC else self._angle
-            lower, upper = (unit * value for value in self._numbers(element, attributes, "range", (0.0, 0.0)))
+        if "range" in attributes and kind is not JointType.FIXED and self._is_bounded(attributes):
+            unit = 1.0 if kind is JointType.PRISMATIC else self._elements.angle
+            lower, upper = (unit * value for value in self._elements.numbers(element, attributes, "range", (0.0, 0.0)))
         effort = None
         if "actuatorfrcrange" in attributes:
-            _, effort = self._numbers(element, attributes, "actuatorfrcrange", (0.0, 0.0))
+            _, effort = self._elements.numbers(element, attributes, "actuatorfrcrange", (0.0, 0.0))
         damping, friction, armature = [
-            self._numbers(element, attributes, name, (0.0,))[0] if name in attributes else None
+            self._elements.numbers(element, attributes, name, (0.0,), most=3)[0] if name in attributes else None
             for name in ("damping", "frictionloss", "armature")
         ]
         return Joint(
@@ -237,121 +286,44 @@ class _Reader:
             damping=damping,
             friction=friction,
             armature=armature,
-            mark=self._mark(element),
+            mark=self._elements.mark(element),
         )
 
     # Bodies
 
-    def _link(self, body: etree._Element, name: str) -> Link:
-        inertial = body.find("inertial")
-        visuals: list[Visual] = []
-        collisions: list[Collision] = []
-        for geom in body.iterchildren("geom"):
-            attributes = self._attributes(geom)
-            shape, origin = self._geometry(geom, attributes), _origin(self._pose(geom))
-            if attributes.get("contype") == attributes.get("conaffinity") == "0":
-                visuals.append(Visual(geometry=shape, origin=origin, material=self._colour(geom, attributes)))
-            else:
-                collisions.append(Collision(geometry=shape, origin=origin))
+    def _link(self, bodies: Sequence[etree._Element], name: str) -> Link:
+        """The link of a body; of several that are one, such as the world."""
+        shapes = [self._shapes.of(body) for body in bodies]
         return Link(
             name=name,
-            inertial=None if inertial is None else self._inertial(inertial),
-            visuals=tuple(visuals),
-            collisions=tuple(collisions),
+            inertial=self._inertial(bodies[0]),
+            visuals=tuple(visual for visuals, _ in shapes for visual in visuals),
+            collisions=tuple(collision for _, collisions in shapes for collision in collisions),
         )
 
-    def _inertial(self, element: etree._Element) -> Inertial:
-        attributes = self._attributes(element)
-        R, com = self._pose(element)
-        (mass,) = self._numbers(element, attributes, "mass", (0.0,))
+    def _inertial(self, body: etree._Element) -> Inertial | None:
+        element = body.find("inertial")
+        whence = self._elements.compiler.get("inertiafromgeom")
+        if body.tag == "body" and whence != "false" and (element is None or whence == "true"):
+            return mass_of_shapes(self._shapes.geoms(body), self._elements)
+        if element is None:
+            return None
+        attributes = self._elements.attributes(element)
+        R, com = self._elements.pose(element)
+        (mass,) = self._elements.numbers(element, attributes, "mass", (0.0,))
         if "fullinertia" in attributes:
-            ixx, iyy, izz, ixy, ixz, iyz = self._numbers(element, attributes, "fullinertia", (0.0,) * 6)
+            ixx, iyy, izz, ixy, ixz, iyz = self._elements.numbers(element, attributes, "fullinertia", (0.0,) * 6)
         else:
-            ixx, iyy, izz = self._numbers(element, attributes, "diaginertia", ZERO)
+            ixx, iyy, izz = self._elements.numbers(element, attributes, "diaginertia", ZERO)
             ixy = ixz = iyz = 0.0
         if R != IDENTITY_ROTATION:  # Turn the tensor into axes that are parallel to the body's: R I R^T.
             turned = multiply(multiply(R, (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)), transpose(R))
             ixx, ixy, ixz, _, iyy, iyz, _, _, izz = turned
         return Inertial(mass=mass, com=com, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz))
 
-    def _geometry(self, element: etree._Element, attributes: dict[str, str]) -> Geometry:
-        """A shape; MuJoCo counts its sizes from the middle."""
-        match attributes.get("type", "sphere"):
-            case "box":
-                x, y, z = self._numbers(element, attributes, "size", ZERO)
-                return Box(size=(2.0 * x, 2.0 * y, 2.0 * z))
-            case "cylinder" if "fromto" not in attributes:
-                radius, half = self._numbers(element, attributes, "size", (0.0, 0.0))
-                return Cylinder(radius=radius, length=2.0 * half)
-            case "sphere":
-                return Sphere(radius=self._numbers(element, attributes, "size", (0.0,))[0])
-            case "mesh":
-                name = attributes.get("mesh", "")
-                for mesh in self._root.iterfind("asset/mesh"):
-                    if mesh.get("name") == name:
-                        return Mesh(
-                            filename=mesh.get("file", ""),
-                            scale=self._vector(mesh, self._attributes(mesh), "scale", (1.0, 1.0, 1.0)),
-                        )
-                raise self._error(element, f"there is no mesh {shown(name)}")
-            case word:
-                raise self._error(element, f"a shape {shown(word)} is not read here", "box, cylinder, sphere, mesh")
 
-    def _colour(self, element: etree._Element, attributes: dict[str, str]) -> Material | None:
-        if "rgba" not in attributes:
-            return None
-        r, g, b, a = self._numbers(element, attributes, "rgba", (0.5, 0.5, 0.5, 1.0))
-        return Material(name="", rgba=(r, g, b, a))
-
-    # Frames and numbers
-
-    def _pose(self, element: etree._Element) -> RigidTransform:
-        """The frame of a body, site, shape or centre of mass in the body that holds it."""
-        attributes = self._attributes(element)
-        for name in _ORIENTATIONS_NOT_READ:
-            if name in attributes:
-                raise self._error(element, f"an orientation given by {name} is not read here", "quat or euler")
-        rotation = IDENTITY_ROTATION
-        if "quat" in attributes:
-            w, x, y, z = self._numbers(element, attributes, "quat", (1.0, 0.0, 0.0, 0.0))
-            rotation = rotation_from_quaternion((x, y, z, w))
-        elif "euler" in attributes:
-            for word, angle in zip(self._eulerseq, self._numbers(element, attributes, "euler", ZERO), strict=True):
-                turn = axis_rotation(_AXES[word.lower()], angle * self._angle)
-                # About axes that turn along, or about those that stand still.
-                rotation = multiply(rotation, turn) if word.islower() else multiply(turn, rotation)
-        return RigidTransform(rotation, self._vector(element, attributes, "pos", ZERO))
-
-    def _vector(self, element: etree._Element, attributes: dict[str, str], name: str, default: Vec3) -> Vec3:
-        x, y, z = self._numbers(element, attributes, name, default)
-        return (x, y, z)
-
-    def _numbers(
-        self, element: etree._Element, attributes: dict[str, str], name: str, default: Sequence[float]
-    ) -> Sequence[float]:
-        """As many numbers as the default has."""
-        if name not in attributes:
-            return default
-        text, count = attributes[name], len(default)
-        try:
-            numbers = [float(word) for word in text.split()]
-        except ValueError:
-            numbers = []
-        # `float` also takes 1_000, nan and inf, which MuJoCo does not.
-        if len(numbers) != count or "_" in text or not all(map(math.isfinite, numbers)):
-            wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
-            raise self._error(element, f"{name} of {element.tag} is {shown(text)}", accepted=wanted)
-        return numbers
-
-    def _mark(self, element: etree._Element) -> Mark:
-        return Mark(file=self._file, line=element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
-
-    def _error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
-        return ProofError(Problem(message=message, accepted=accepted, mark=self._mark(element)))
-
-
-def _attributes(element: etree._Element) -> dict[str, str]:
-    return {str(name): str(value) for name, value in element.attrib.items()}
+def _type(element: etree._Element, attributes: dict[str, str]) -> str:
+    return "free" if element.tag == "freejoint" else attributes.get("type", "hinge")
 
 
 def _fixed(name: str, holder: str, pose: RigidTransform) -> Joint:

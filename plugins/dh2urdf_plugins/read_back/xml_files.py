@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
@@ -11,6 +11,9 @@ from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+FILE = "{urn:dh2urdf}file"
+"""An attribute of an element that is in another file than the element around it: its path."""
 
 
 def content_of(path: Path) -> bytes:
@@ -48,3 +51,14 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
         reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
         mark = Mark(file=file, line=line, column=column)
         raise ProofError(Problem(message=f"this is not XML: {reason}", mark=mark)) from error
+
+
+def mark_of(element: etree._Element, file: str = "") -> Mark:
+    """The place of an element; what was included has the file that it is in, everything else the one given."""
+    line: Any = element.sourceline  # the stubs of lxml say that it may be an ellipsis
+    at: etree._Element | None = element
+    while at is not None:
+        if (own := at.get(FILE)) is not None:
+            return Mark(file=str(own), line=line)
+        at = at.getparent()
+    return Mark(file=file, line=line)

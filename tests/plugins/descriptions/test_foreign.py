@@ -60,28 +60,31 @@ def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:
 FOLLOWING = """<mujoco><compiler angle="{angle}" meshdir="assets"/><worldbody>
   <body name="one"><joint name="a" axis="0 0 1" ref="{a}"/><geom size="0.1"/>
   <body name="two" pos="0 0.2 0"><joint name="b" axis="0 1 0" ref="{b}"/><geom size="0.1"/></body></body>
-  <body name="three"><joint name="c"/><joint name="d" axis="1 0 0"/><geom size="0.1"/></body></worldbody>
-  <equality><joint joint1="b" joint2="a" polycoef="0.25 -2 0 0 0"/><joint joint1="c" joint2="a" polycoef="0 1 0.5 0 0"/>
+  <body name="three"><joint name="c" ref="{b}"/><joint name="d" axis="1 0 0"/><joint name="e" axis="0 1 0" ref="{b}"/>
+  <geom size="0.1"/></body></worldbody>
+  <equality><joint joint1="b" joint2="a" polycoef="0.25 -2 0 0 0"/>
+  <joint joint1="c" joint2="a" polycoef="0.1 1 0.5 -0.3 0.2"/><joint joint1="e" polycoef="0.4 0 0 0 0"/>
   <joint joint1="d" joint2="a" active="false"/></equality></mujoco>"""
 
 
 @pytest.mark.parametrize(("angle", "a", "b"), [("radian", 0.3, -0.2), ("degree", 20, 10)])
 def test_a_joint_equality_is_kept_where_mujoco_wants_it(tmp_path: Path, angle: str, a: float, b: float) -> None:
-    """MuJoCo finds nothing to correct; what is no straight line, or not active, moves by itself."""
+    """MuJoCo finds nothing to correct, polynomials and joints without a leader included."""
     mujoco = pytest.importorskip("mujoco")
     path = tmp_path / "gripper.xml"
     path.write_text(FOLLOWING.format(angle=angle, a=a, b=b))
     found = foreign_mjcf(path)
     assert found.folder == tmp_path / "assets"
     followers = following(found.followers, [joint.name for joint in found.robot.moving_joints])
-    assert set(followers) == {"b"}
+    assert set(followers) == {"b", "c", "e"}
     values = with_followers({"a": 0.7}, followers)
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     for name, value in values.items():
         data.joint(name).qpos = value
     mujoco.mj_forward(model, data)
-    assert abs(data.efc_pos[0]) < 1e-12
+    assert data.ne == 3
+    assert np.abs(data.efc_pos[:3]).max() < 1e-12
 
 
 def test_an_sdf_mimic(tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ def test_links_from_the_root_with_all_that_they_hold() -> None:
         robot=Robot(name="gripper", links=links, joints=joints),
         name="gripper/",
         title="gripper",
-        followers={"t": Follower("f", -2.0, 0.1)},
+        followers={"t": Follower("f", -2.0, 0.1, (0.0, -0.5))},
         loose={"l": "floating"},
     )
     found = contents(figure)
@@ -59,7 +59,7 @@ def test_links_from_the_root_with_all_that_they_hold() -> None:
             "mass 0.5 kg at (0, 0, 0.1) m; ixx, iyy, izz (0.001, 0.002, 0.001) kg·m²",
         ],
         "gripper/tip": [
-            "joint t: revolute about (0, 0, 1), -180° to 57.3°, follows -2 · f + 0.1",
+            "joint t: revolute about (0, 0, 1), -180° to 57.3°, follows -2 · f + 0.1 − 0.5 · f³",
             "frame xyz (0, 0, 0) m in finger",
         ],
         "gripper/loose": ["joint l: floating, drawn as fixed", "frame xyz (0, 0, 0) m in hand"],

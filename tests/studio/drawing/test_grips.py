@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from dh2urdf.foreign_robot import Follower
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.studio.drawing.grips import Grip
 from dh2urdf.studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
@@ -68,3 +70,14 @@ def test_a_link_moves_as_far_as_it_is_dragged(
         turn = new[:3, :3] @ old[:3, :3].T
         skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
         assert np.abs(turn - (np.eye(3) + math.sin(by) * skew + (1 - math.cos(by)) * skew @ skew)).max() < 1e-9
+
+
+@pytest.mark.parametrize(("by", "reached"), [(0.3, True), (-0.1, True), (-5.0, False)])
+def test_a_link_that_follows_by_a_parabola_moves_as_far_as_it_is_dragged(by: float, *, reached: bool) -> None:
+    """By b = 0.1 + a + a²; it turns back at -0.15, and is not dragged beyond."""
+    grip = Grip("a", "b", (0.0, 0.0, 1.0), slides=False, is_endless=False, followers=(Follower("a", 1.0, 0.1, (1.0,)),))
+    value = grip.value(0.2, by)
+    if reached:
+        assert 0.1 + value + value * value == pytest.approx(0.1 + 0.2 + 0.04 + by)
+    else:
+        assert value == 0.2

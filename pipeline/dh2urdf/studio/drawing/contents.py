@@ -11,8 +11,11 @@ from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from dh2urdf.foreign_robot import Follower
     from dh2urdf.robot import Geometry, Inertial, Joint, Link, Origin, Robot
     from dh2urdf.studio.drawing.scene import Figure
+
+_POWERS = ("²", "³", "⁴")
 
 
 def contents(figure: Figure) -> dict[str, Any]:
@@ -76,9 +79,19 @@ def _joint(joint: Joint, figure: Figure) -> str:
         ends = (f"{end:.4g} m" if slides else f"{math.degrees(end):.4g}°" for end in (lower, upper))
         words.append(" to ".join(ends))
     if (follower := figure.followers.get(joint.name)) is not None:
-        offset = f" {'+' if follower.offset > 0 else '−'} {abs(follower.offset):.4g}" if follower.offset else ""
-        words.append(f"follows {follower.multiplier:.4g} · {follower.leader}{offset}")
+        words.append(_following(follower))
     return ", ".join(words)
+
+
+def _following(follower: Follower) -> str:
+    if not follower.leader:
+        return f"kept at {follower.offset:.4g}"
+    text = f"follows {follower.multiplier:.4g} · {follower.leader}"
+    for factor, power in ((follower.offset, ""), *zip(follower.higher, _POWERS, strict=False)):
+        if factor:
+            leader = f" · {follower.leader}{power}" if power else ""
+            text += f" {'+' if factor > 0 else '−'} {abs(factor):.4g}{leader}"
+    return text
 
 
 def _geometry(geometry: Geometry) -> str:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot
 
 _MOVING = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
+_STEPS, _CLOSE = 30, 1e-9
 
 
 class Grip(NamedTuple):
@@ -26,7 +27,7 @@ class Grip(NamedTuple):
         axis: the axis about which the link turns, or along which it slides, in the carrier's frame.
         slides: whether it slides.
         is_endless: whether the joint whose value changes has no limits.
-        rate: how far the link moves, over the value of the joint.
+        followers: how the joint nearest to the link follows that one, the last first; none where it is that one.
     """
 
     joint: str
@@ -34,7 +35,14 @@ class Grip(NamedTuple):
     axis: Vec3
     slides: bool
     is_endless: bool
-    rate: float = 1.0
+    followers: tuple[Follower, ...] = ()
+
+    def rate(self, value: float) -> float:
+        """How far the link moves for each rad or m of the joint, at a value of that."""
+        rate = 1.0
+        for follower in self.followers:
+            rate, value = rate * follower.rate(value), follower.value(value)
+        return rate
 
     def value(self, before: float, by: float) -> float:
         """The joint value that moves the link so far.
@@ -43,8 +51,21 @@ class Grip(NamedTuple):
             before: the value before [rad or m].
             by: how far the link turns or slides [rad or m].
         """
-        value = before + by / self.rate
+        aim, value = self._followed(before) + by, before
+        for _ in range(_STEPS):  # Newton's method; where a joint follows by a straight line, the first step is exact.
+            if not (rate := self.rate(value)):
+                return before
+            value += (aim - self._followed(value)) / rate
+            if all(not follower.higher for follower in self.followers):
+                break
+        if not abs(self._followed(value) - aim) < _CLOSE:  # the joint turns back before
+            return before
         return math.remainder(value, 2.0 * math.pi) if self.is_endless else value
+
+    def _followed(self, value: float) -> float:
+        for follower in self.followers:
+            value = follower.value(value)
+        return value
 
 
 def grips(robot: Robot, followers: Mapping[str, Follower], before: str = "") -> dict[str, Grip]:
@@ -72,10 +93,11 @@ def grips(robot: Robot, followers: Mapping[str, Follower], before: str = "") -> 
 def _grip(joint: Joint, joints: Mapping[str, Joint], followers: Mapping[str, Follower], before: str) -> Grip | None:
     if joint.type not in _MOVING or norm(joint.axis) == 0.0:
         return None
-    leader, rate = joint.name, 1.0
+    leader, way = joint.name, list["Follower"]()
     while (follower := followers.get(leader)) is not None:
-        leader, rate = follower.leader, rate * follower.multiplier
-    if rate == 0.0 or not math.isfinite(rate):
+        leader = follower.leader
+        way.insert(0, follower)
+    if not all(each.is_finite and (each.multiplier or each.higher) for each in way):
         return None
     return Grip(
         joint=before + leader,
@@ -83,7 +105,7 @@ def _grip(joint: Joint, joints: Mapping[str, Joint], followers: Mapping[str, Fol
         axis=joint.axis,
         slides=joint.type is JointType.PRISMATIC,
         is_endless=joints[leader].type is JointType.CONTINUOUS,
-        rate=rate,
+        followers=tuple(way),
     )
 
 

@@ -18,6 +18,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
+from dh2urdf.source import Problem
 from dh2urdf.studio.drawing.colours import COLLISION, GREY, Colour, axis_colour
 from dh2urdf.studio.drawing.grips import Grip, grips
 from dh2urdf.studio.drawing.masses import mass_parts
@@ -72,6 +73,7 @@ class Figure:
         as_in_ros: whether the axis up of their COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
         followers: the joints that follow another one, by name.
         loose: the types of joints that no table has, which are fixed in the robot, by the name of the joint.
+        notices: what is in its file and could not be read.
     """
 
     robot: Robot
@@ -87,6 +89,7 @@ class Figure:
     as_in_ros: bool = True
     followers: Mapping[str, Follower] = field(default_factory=dict)
     loose: Mapping[str, str] = field(default_factory=dict)
+    notices: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

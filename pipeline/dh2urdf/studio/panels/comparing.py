@@ -217,6 +217,7 @@ def _words(found: Beside, table: Manipulator) -> Iterator[str]:
     if unseen := Drawing.of([found.figure]).unseen:
         told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
         yield f"{told}, and the links are drawn as sticks: {words.some_of(unseen)}. Open them together, or the folder."
+    yield from (f"{notice.message[:1].upper()}{notice.message[1:]}." for notice in found.figure.notices)
     yield f"{found.figure.title}: {agreement.base_link} to {agreement.tip_link}, {len(agreement.joints)} moving joints"
     if agreement.holds:
         yield "The description is the arm of the table."

@@ -9,29 +9,24 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lxml import etree
-
-from dh2urdf.documents import read_bytes
-from dh2urdf.errors import InputError
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.models.mjcf_names import hits as hits_of_names
 from dh2urdf_plugins.lint.models.models import (
-    FILE,
-    LONGEST,
     Hit,
     Model,
     elements_of,
     fault_of_inertia,
     inspect_model,
-    mark_of,
     numbers,
-    parsed,
 )
-from dh2urdf_plugins.read_back.mjcf_reader import read_mjcf
+from dh2urdf_plugins.read_back.mjcf_includes import include_files
+from dh2urdf_plugins.read_back.mjcf_reader import read_model
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from lxml import etree
 
     from dh2urdf.stages import Inspection
 
@@ -45,7 +40,6 @@ _OF_BODIES = {
     "replicate": "count offset euler sep",
     "worldbody": "",
 }
-_MOST_INCLUDES = 1000
 _UNIT = 1e-5
 _COUNT = {
     "joint": {"axis": 3, "pos": 3, "range": 2, "damping": 0, "armature": 1, "frictionloss": 1},
@@ -62,13 +56,13 @@ def inspect_mjcf(path: Path) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    return inspect_model(path, "mjcf", "mujoco", hits, read_mjcf)
+    return inspect_model(path, "mjcf", "mujoco", hits, lambda file: read_model(file).robot)
 
 
 def hits(model: Model) -> Iterator[Hit]:
     """Findings about a model, with the files that it includes."""
-    missing = list(_include(model))
-    yield from missing
+    missing = include_files(model.root, model.path)
+    yield from (Hit("missing-include", each.include, each.message) for each in missing)
     yield from _schema(model.root)
     yield from hits_of_names(model, complete=not missing)
     for element in elements_of(model.root, *_COUNT):
@@ -77,32 +71,6 @@ def hits(model: Model) -> Iterator[Hit]:
     for element in elements_of(model.root, "inertial"):
         yield from _inertial(element, model.root)
     yield from _geoms(model)
-
-
-def _include(model: Model) -> Iterator[Hit]:
-    """Puts what is in included files where it is included, as MuJoCo does."""
-    count = 0
-    while (include := model.root.find(".//include")) is not None and count < _MOST_INCLUDES:
-        count += 1
-        file = include.get("file") or ""
-        parent = include.getparent()
-        if parent is None:
-            return
-        try:
-            path = model.path.parent / file
-            root = parsed(read_bytes(path, InputError, limit=LONGEST), path)
-        except InputError:
-            yield Hit("missing-include", include, f"the included file {shown(file)} is not there")
-            root = None
-        except etree.XMLSyntaxError as error:
-            yield Hit("missing-include", include, f"the included file {shown(file)} is not XML: {error.msg}")
-            root = None
-        include.set(FILE, mark_of(include).file)  # It is taken out, and may be spoken of.
-        place = parent.index(include)
-        for child in reversed(root) if root is not None else ():
-            child.set(FILE, str(path))
-            parent.insert(place, child)
-        parent.remove(include)
 
 
 # --- The schema

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
@@ -17,14 +17,13 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.rules import Rule, rules_of
+from dh2urdf_plugins.read_back.xml_files import FILE, mark_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Robot
 
-FILE = "{urn:dh2urdf}file"
-"""An attribute of the outermost element of each file: its path."""
 LONGEST = 2**26
 """Size of a model that is inspected [B]."""
 CONSUMERS = {
@@ -113,15 +112,6 @@ def parsed(content: bytes, path: Path) -> etree._Element:
     root = etree.fromstring(content, parser)
     root.set(FILE, str(path))
     return root
-
-
-def mark_of(element: etree._Element) -> Mark:
-    """The place of an element; what was included has the file that it is in."""
-    line: Any = element.sourceline  # the stubs of lxml say that it may be an ellipsis
-    at: etree._Element | None = element
-    while at is not None and at.get(FILE) is None:
-        at = at.getparent()
-    return Mark(file=(at.get(FILE) if at is not None else None) or "", line=line)
 
 
 def elements_of(root: etree._Element, *tags: str) -> Iterator[etree._Element]:

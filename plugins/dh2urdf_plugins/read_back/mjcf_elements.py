@@ -1,0 +1,213 @@
+"""What every reader of MJCF asks of its elements: default classes, frames, numbers and places.
+
+From MuJoCo's documentation (https://mujoco.readthedocs.io/en/stable/XMLreference.html and, for orientations, frames and
+defaults, modeling.html): angles are in degrees unless the file says radians, Euler angles follow ``eulerseq`` (capital
+letters: about fixed axes), attributes may come from default classes, and a ``frame`` moves what is in it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from lxml import etree
+
+from dh2urdf.errors import ProofError
+from dh2urdf.kinematics import axis_rotation
+from dh2urdf.rotations import (
+    IDENTITY_ROTATION,
+    Z_AXIS,
+    ZERO,
+    RigidTransform,
+    Rotation,
+    Vec3,
+    cross,
+    multiply,
+    norm,
+    rotation_from_quaternion,
+    scale,
+    subtract,
+)
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.read_back.xml_files import mark_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+_AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
+
+
+class Elements:
+    """The elements of a model.
+
+    Attributes:
+        root: the outermost one.
+        file: what messages call the file.
+        compiler: the attributes of the compiler.
+        angle: an angle as it is written, times this, is in rad.
+        unread: what is in the file and could not be read, by the words for it: the places.
+    """
+
+    def __init__(self, root: etree._Element, file: str) -> None:
+        """Reads the compiler and the default classes.
+
+        Raises:
+            ProofError: they cannot be read.
+        """
+        self.root, self.file = root, file
+        self.compiler: dict[str, str] = {}
+        for element in root.iterchildren("compiler"):
+            self.compiler |= _attributes(element)
+        self.angle = 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180.0
+        self.unread: dict[str, list[Mark]] = {}
+        self._defaults = self._read_defaults()
+
+    def _read_defaults(self) -> dict[str, dict[str, dict[str, str]]]:
+        """The attributes that a class gives, by class and by tag."""
+        found: dict[str, dict[str, dict[str, str]]] = {"main": {}}
+        for element in self.root.iter("default"):  # Outer classes first.
+            parent = element.getparent()
+            outer = parent.get("class", "main") if parent is not None and parent.tag == "default" else "main"
+            name = element.get("class") or "main"
+            given = {tag: dict(attributes) for tag, attributes in found.get(outer, {}).items()}
+            for each in element.iterchildren(etree.Element):
+                if each.tag != "default":
+                    given[each.tag] = _over(given.get(each.tag, {}), _attributes(each))
+            found[name] = given
+        return found
+
+    def attributes(self, element: etree._Element) -> dict[str, str]:
+        """The attributes of an element, those of its class included."""
+        name = element.get("class")
+        above = element.getparent()
+        while name is None and above is not None:
+            name, above = above.get("childclass"), above.getparent()
+        if (name := name or "main") not in self._defaults:
+            raise self.error(element, f"there is no class {shown(name)}")
+        return _over(self._defaults[name].get(str(element.tag), {}), _attributes(element))
+
+    # Frames
+
+    def held(self, body: etree._Element, *tags: str) -> Iterator[etree._Element]:
+        """The elements of a body with some names, in the order of the file; those in its frames, too."""
+        waiting = [body.iterchildren(*tags, "frame")]
+        while waiting:
+            if (element := next(waiting[-1], None)) is None:
+                waiting.pop()
+            elif element.tag == "frame":
+                waiting.append(element.iterchildren(*tags, "frame"))
+            else:
+                yield element
+
+    def pose(self, element: etree._Element) -> RigidTransform:
+        """The frame of a body, site, shape or centre of mass in the body that holds it."""
+        return self.around(element, self.own_pose(element, self.attributes(element)))
+
+    def around(self, element: etree._Element, pose: RigidTransform) -> RigidTransform:
+        """A pose in the frames around an element, in the body that holds it."""
+        above = element.getparent()
+        while above is not None and above.tag == "frame":
+            pose = self.own_pose(above, _attributes(above)) @ pose
+            above = above.getparent()
+        return pose
+
+    def own_pose(self, element: etree._Element, attributes: dict[str, str]) -> RigidTransform:
+        """The frame of an element in what is around it."""
+        return RigidTransform(self._rotation(element, attributes), self.vector(element, attributes, "pos", ZERO))
+
+    def _rotation(self, element: etree._Element, attributes: dict[str, str]) -> Rotation:
+        if "quat" in attributes:
+            w, x, y, z = self.numbers(element, attributes, "quat", (1.0, 0.0, 0.0, 0.0))
+            return rotation_from_quaternion((x, y, z, w))
+        if "axisangle" in attributes:
+            *axis, angle = self.numbers(element, attributes, "axisangle", (*Z_AXIS, 0.0))
+            return axis_rotation(self._unit(element, "axisangle", (axis[0], axis[1], axis[2])), angle * self.angle)
+        if "xyaxes" in attributes:
+            numbers = self.numbers(element, attributes, "xyaxes", (0.0,) * 6)
+            x_axis = self._unit(element, "xyaxes", (numbers[0], numbers[1], numbers[2]))
+            along = (numbers[3], numbers[4], numbers[5])
+            apart = sum(a * b for a, b in zip(x_axis, along, strict=True))
+            y_axis = self._unit(element, "xyaxes", subtract(along, scale(apart, x_axis)))
+            z_axis = cross(x_axis, y_axis)
+            return (x_axis[0], y_axis[0], z_axis[0], x_axis[1], y_axis[1], z_axis[1], x_axis[2], y_axis[2], z_axis[2])
+        if "zaxis" in attributes:
+            return z_rotation(self._unit(element, "zaxis", self.vector(element, attributes, "zaxis", Z_AXIS)))
+        rotation = IDENTITY_ROTATION
+        if "euler" in attributes:
+            sequence = self.compiler.get("eulerseq") or "xyz"
+            for word, angle in zip(sequence, self.numbers(element, attributes, "euler", ZERO), strict=True):
+                turn = axis_rotation(_AXES[word.lower()], angle * self.angle)
+                # About axes that turn along, or about those that stand still.
+                rotation = multiply(rotation, turn) if word.islower() else multiply(turn, rotation)
+        return rotation
+
+    def _unit(self, element: etree._Element, name: str, vector: Vec3) -> Vec3:
+        if not (length := norm(vector)):
+            raise self.error(element, f"{name} of {element.tag} gives no direction", "a vector with a length")
+        return vector if length == 1.0 else scale(1.0 / length, vector)
+
+    # Numbers
+
+    def vector(self, element: etree._Element, attributes: dict[str, str], name: str, default: Vec3) -> Vec3:
+        """Three numbers."""
+        x, y, z = self.numbers(element, attributes, name, default)
+        return (x, y, z)
+
+    def numbers(
+        self, element: etree._Element, attributes: dict[str, str], name: str, default: Sequence[float], most: int = 0
+    ) -> Sequence[float]:
+        """As many numbers as the default has.
+
+        Args:
+            element: what has the attribute.
+            attributes: its attributes, those of its class included.
+            name: the attribute.
+            default: the numbers where there is no such attribute.
+            most: as many may be written; further ones mean nothing.
+        """
+        if name not in attributes:
+            return default
+        text, count = attributes[name], len(default)
+        try:
+            numbers = [float(word) for word in text.split()]
+        except ValueError:
+            numbers = []
+        # `float` also takes 1_000, nan and inf, which MuJoCo does not.
+        if not count <= len(numbers) <= max(count, most) or "_" in text or not all(map(math.isfinite, numbers)):
+            wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
+            raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted=wanted)
+        return numbers[:count]
+
+    # Places
+
+    def mark(self, element: etree._Element) -> Mark:
+        """Where an element is."""
+        return mark_of(element, self.file)
+
+    def error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
+        """What is wrong with an element."""
+        return ProofError(Problem(message=message, accepted=accepted, mark=self.mark(element)))
+
+    def not_read(self, element: etree._Element, what: str) -> None:
+        """Notes that an element cannot be read."""
+        self.unread.setdefault(what, []).append(self.mark(element))
+
+
+def z_rotation(axis: Vec3) -> Rotation:
+    """The smallest rotation that takes the z-axis to a unit vector."""
+    x, y, z = axis
+    if (sine := math.hypot(x, y)) == 0.0:
+        return IDENTITY_ROTATION if z > 0.0 else (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
+    return axis_rotation((-y / sine, x / sine, 0.0), math.atan2(sine, z))
+
+
+def _attributes(element: etree._Element) -> dict[str, str]:
+    return {str(name): str(value) for name, value in element.attrib.items()}
+
+
+def _over(given: dict[str, str], own: dict[str, str]) -> dict[str, str]:
+    """The attributes of a class with an element's own over them: an orientation takes the place of any other."""
+    if any(name in own for name in _ORIENTATIONS):
+        given = {name: value for name, value in given.items() if name not in _ORIENTATIONS}
+    return {**given, **own}

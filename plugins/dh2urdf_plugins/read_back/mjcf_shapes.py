@@ -1,0 +1,184 @@
+"""The shapes of an MJCF, made of those that a robot has: box, cylinder, sphere and mesh."""
+
+from __future__ import annotations
+
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.robot import Box, Collision, Cylinder, Material, Mesh, Origin, Sphere, Visual
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    ZERO,
+    RigidTransform,
+    Vec3,
+    add,
+    norm,
+    rotate,
+    rotation_from_quaternion,
+    scale,
+    subtract,
+    transpose,
+)
+from dh2urdf.source import shown
+from dh2urdf_plugins.read_back.mjcf_elements import z_rotation
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from lxml import etree
+
+    from dh2urdf.robot import Geometry
+    from dh2urdf_plugins.read_back.mjcf_elements import Elements
+
+_GRAY = (0.5, 0.5, 0.5, 1.0)
+"""The colour of a shape that has none."""
+_HIDDEN = ("3", "4", "5")
+"""Groups that MuJoCo's viewer does not draw unless it is asked."""
+_ROUND = ("cylinder", "capsule")
+_LONG = (*_ROUND, "box", "ellipsoid")
+"""Shapes that may be placed by their ends."""
+_SIZES = {"box": 3, "ellipsoid": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
+"""How many sizes a shape has."""
+
+
+class Geom(NamedTuple):
+    """A shape of a body.
+
+    Attributes:
+        element: its element.
+        attributes: of the element, those of its class included.
+        kind: its type.
+        size: half of a box's sides or an ellipsoid's axes; else radius, and half of the length [m].
+        pose: its frame in the body.
+    """
+
+    element: etree._Element
+    attributes: dict[str, str]
+    kind: str
+    size: Vec3
+    pose: RigidTransform
+
+
+class Placed(NamedTuple):
+    """A part of a shape, and where it is in the frame of the shape."""
+
+    geometry: Geometry
+    pose: RigidTransform = IDENTITY
+
+
+class Shapes:
+    """Reads the shapes of bodies.
+
+    Args:
+        elements: the elements of the model.
+    """
+
+    def __init__(self, elements: Elements) -> None:
+        self._elements = elements
+        self._meshes = {self._name(mesh): mesh for mesh in elements.root.iterfind("asset/mesh")}
+        self._materials = {each.get("name", ""): each for each in elements.root.iterfind("asset/material")}
+
+    def of(self, body: etree._Element) -> tuple[tuple[Visual, ...], tuple[Collision, ...]]:
+        """What a body is seen as, and what it touches with: a shape that touches is seen, too, unless it is hidden."""
+        visuals: list[Visual] = []
+        collisions: list[Collision] = []
+        for geom in self.geoms(body):
+            touches = not geom.attributes.get("contype") == geom.attributes.get("conaffinity") == "0"
+            colour = self._colour(geom.element, geom.attributes)
+            for geometry, pose in self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom):
+                placed = geom.pose @ pose
+                origin = Origin(xyz=placed.translation, rpy=placed.rpy)
+                if touches:
+                    collisions.append(Collision(geometry=geometry, origin=origin))
+                if not touches or geom.attributes.get("group", "0") not in _HIDDEN:
+                    visuals.append(Visual(geometry=geometry, origin=origin, material=colour))
+        return tuple(visuals), tuple(collisions)
+
+    def geoms(self, body: etree._Element) -> Iterator[Geom]:
+        """The shapes of a body."""
+        for element in self._elements.held(body, "geom"):
+            attributes = self._elements.attributes(element)
+            kind = attributes.get("type", "sphere")
+            if "fromto" in attributes and kind in _LONG:
+                own, half = self._between(element, attributes)
+                (radius,) = self._elements.numbers(element, attributes, "size", (0.0,), most=3)
+                size = (radius, half if kind in _ROUND else radius, half)
+            else:
+                own = self._elements.own_pose(element, attributes)
+                count = 0 if "mesh" in attributes else _SIZES.get(kind, 0)
+                numbers = self._elements.numbers(element, attributes, "size", (0.0,) * count, most=3)
+                x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
+                size = (x, y, z)
+            yield Geom(element, attributes, kind, size, self._elements.around(element, own))
+
+    def _between(self, geom: etree._Element, attributes: dict[str, str]) -> tuple[RigidTransform, float]:
+        """The frame of a shape that is given by its ends, and half of its length."""
+        numbers = self._elements.numbers(geom, attributes, "fromto", (0.0,) * 6)
+        start, end = (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
+        along = subtract(start, end)
+        if not (length := norm(along)):
+            raise self._elements.error(geom, f"fromto of {geom.tag} has the same point twice")
+        return RigidTransform(z_rotation(scale(1.0 / length, along)), scale(0.5, add(start, end))), 0.5 * length
+
+    def _parts(self, geom: Geom) -> list[Placed]:
+        """MuJoCo counts sizes from the middle, and the length of a capsule without its ends."""
+        x, y, z = geom.size
+        match geom.kind:
+            case "box":
+                return [Placed(Box(size=(2.0 * x, 2.0 * y, 2.0 * z)))]
+            case "cylinder":
+                return [Placed(Cylinder(radius=x, length=2.0 * y))]
+            case "sphere":
+                return [Placed(Sphere(radius=x))]
+            case "capsule":
+                ends = [RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, end)) for end in (y, -y)]
+                return [Placed(Cylinder(radius=x, length=2.0 * y)), *(Placed(Sphere(radius=x), end) for end in ends)]
+            case "ellipsoid" if x == y == z:
+                return [Placed(Sphere(radius=x))]
+        self._elements.not_read(geom.element, f"a shape {shown(geom.kind)}")
+        return []
+
+    def _mesh(self, geom: Geom) -> list[Placed]:
+        mesh = self._meshes.get(name := geom.attributes["mesh"])
+        if mesh is None:
+            raise self._elements.error(geom.element, f"there is no mesh {shown(name)}")
+        attributes = self._elements.attributes(mesh)
+        if geom.kind != "mesh":
+            self._elements.not_read(geom.element, f"a shape {shown(geom.kind)} that is fitted to a mesh")
+            return []
+        if not (file := attributes.get("file", "")):
+            self._elements.not_read(mesh, "a mesh without a file")
+            return []
+        if self._elements.compiler.get("strippath") == "true":
+            file = PurePosixPath(file.replace("\\", "/")).name
+        factors = self._elements.vector(mesh, attributes, "scale", (1.0, 1.0, 1.0))
+        w, x, y, z = self._elements.numbers(mesh, attributes, "refquat", (1.0, 0.0, 0.0, 0.0))
+        back = transpose(rotation_from_quaternion((x, y, z, w))) if (x, y, z) != ZERO else IDENTITY_ROTATION
+        if back != IDENTITY_ROTATION and len(set(factors)) > 1:
+            self._elements.not_read(mesh, "a mesh that is turned by refquat and scaled")
+            return []
+        moved = rotate(back, self._elements.vector(mesh, attributes, "refpos", ZERO))
+        x, y, z = (0.0 - factor * value for factor, value in zip(factors, moved, strict=True))
+        return [Placed(Mesh(filename=file, scale=factors), RigidTransform(back, (x, y, z)))]
+
+    @staticmethod
+    def _name(mesh: etree._Element) -> str:
+        """The name of a mesh; without one it is that of its file."""
+        return mesh.get("name") or PurePosixPath((mesh.get("file") or "").replace("\\", "/")).stem
+
+    def _colour(self, geom: etree._Element, attributes: dict[str, str]) -> Material | None:
+        """The colour of a shape: its own unless that is the usual gray, else that of its material."""
+        own = self._rgba(geom, attributes, _GRAY)
+        material = self._materials.get(attributes.get("material", ""))
+        if material is not None and own == _GRAY:
+            own = self._rgba(material, self._elements.attributes(material), (1.0, 1.0, 1.0, 1.0))
+        elif "rgba" not in attributes:
+            return None
+        return Material(name="", rgba=own)
+
+    def _rgba(
+        self, element: etree._Element, attributes: dict[str, str], default: tuple[float, float, float, float]
+    ) -> tuple[float, float, float, float]:
+        r, g, b, a = self._elements.numbers(element, attributes, "rgba", default)
+        return (r, g, b, a)

@@ -67,7 +67,7 @@ def environment(tmp_path: Path) -> Path:
     return folder / "bin"
 
 
-def author(environment: Path, folder: Path) -> Callable[..., str]:
+def author(environment: Path, folder: Path, types_cache: Path) -> Callable[..., str]:
     """Types commands in a folder, in an environment; gives what they print."""
 
     def types(*words: str, status: int = 0) -> str:
@@ -77,7 +77,7 @@ def author(environment: Path, folder: Path) -> Callable[..., str]:
         result = subprocess.run(
             [python, *calling, *options],
             cwd=folder,
-            env={**os.environ, "PYTEST_ADDOPTS": "", "MYPY_CACHE_DIR": str(folder / ".mypy"), "NO_COLOR": "1"},
+            env={**os.environ, "PYTEST_ADDOPTS": "", "MYPY_CACHE_DIR": str(types_cache), "NO_COLOR": "1"},
             capture_output=True,
             text=True,
             encoding="utf-8",
@@ -102,12 +102,14 @@ def leaves_ruff_nothing_to_say(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_an_author_types(dh2urdf: Callable[..., object], environment: Path, tmp_path: Path, kind: Kind) -> None:
+def test_what_an_author_types(
+    dh2urdf: Callable[..., object], environment: Path, tmp_path: Path, types_cache: Path, kind: Kind
+) -> None:
     """new-plugin, pip install, pytest, ruff, mypy --strict, plugins, and a run: each works at once."""
     pytest.importorskip("ruff")
     dh2urdf("new-plugin", "dh2urdf-trial", "--kind", kind)
     folder = tmp_path / "dh2urdf-trial"
-    types = author(environment, folder)
+    types = author(environment, folder, types_cache)
     offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
     types("pip", "install", *offline, ".")
     tested = types("pytest", "-p", "no:cacheprovider")
@@ -127,7 +129,9 @@ def test_what_an_author_types(dh2urdf: Callable[..., object], environment: Path,
     assert set(trial.written) <= {path.name for path in (folder / "build").iterdir()}
 
 
-def test_the_smallest_plugins_work_at_once(dh2urdf: Callable[..., object], environment: Path, tmp_path: Path) -> None:
+def test_the_smallest_plugins_work_at_once(
+    dh2urdf: Callable[..., object], environment: Path, tmp_path: Path, types_cache: Path
+) -> None:
     """`--minimal`: three files of each kind, which keep the contract, satisfy mypy --strict and ruff, and are listed."""
     pytest.importorskip("ruff")
     (folder := tmp_path / "plugins").mkdir()
@@ -135,7 +139,7 @@ def test_the_smallest_plugins_work_at_once(dh2urdf: Callable[..., object], envir
         dh2urdf("new-plugin", f"tiny-{kind}", "--kind", kind, "--minimal", "--dir", str(folder))
         files = {path.name for path in (folder / f"tiny-{kind}").rglob("*")}
         assert files == {"pyproject.toml", f"tiny_{kind}.py", f"test_tiny_{kind}.py"}
-    types = author(environment, folder)
+    types = author(environment, folder, types_cache)
     offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
     types("pip", "install", *offline, *(f"./tiny-{kind}" for kind in KINDS))
     tested = types("pytest", "-p", "no:cacheprovider", "--import-mode=importlib")

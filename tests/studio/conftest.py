@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import base64
 import os
 import re
 import shutil
@@ -7,7 +8,9 @@ import signal
 import socket
 import subprocess
 import sys
+import zlib
 from contextlib import contextmanager, nullcontext
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -17,6 +20,8 @@ import pytest
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.plugin_system import load
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing.keeping import kept_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -27,7 +32,9 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
-ARGUMENTS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+ARGUMENTS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
+CHEAP = ("--disable-gpu-compositing", "--webgl-antialiasing-mode=none")
+"""There is no GPU here: a page is put together by the processor twice as fast as by a GPU that the processor plays."""
 STILL = """
 !document.querySelector(".q-tooltip") && !document.getAnimations().some((animation) =>
   animation.playState === "running" && animation.effect.getComputedTiming().endTime !== Infinity)
@@ -97,15 +104,25 @@ def studio_address(parked: dict[str, list[Page]]) -> Iterator[str]:
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Browser]:
-    """The system's own Chromium, headless."""
+def chromium(request: pytest.FixtureRequest) -> Iterator[Browser]:
+    """The system's own Chromium, headless; what it draws is fine where pictures of the pages are taken."""
     api = pytest.importorskip("playwright.sync_api")
     if not CHROMIUM:
         pytest.skip("Chromium is not installed (apt-get install chromium)")
     with api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        arguments = ARGUMENTS if request.config.getoption("--renew") else ARGUMENTS + CHEAP
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments)
         yield browser
         browser.close()
+
+
+@cache
+def link_to(exhibit: str) -> str:
+    """The part of a link that holds a table of the gallery: to click through the dialog costs as much as the page."""
+    (file,) = (item.file for item in gallery.exhibits() if item.name == exhibit)
+    squeezed = zlib.compressobj(wbits=-15)
+    text = squeezed.compress(kept_text(gallery.exhibit(file, load())).encode()) + squeezed.flush()
+    return f"#table={base64.urlsafe_b64encode(text).decode().rstrip('=')}"
 
 
 class Tab:
@@ -139,10 +156,14 @@ class Tab:
         for event, listener in self._listeners.items():
             page.remove_listener(event, listener)
 
-    def open(self) -> Page:
-        self.page.goto(self.address)
+    def open(self, exhibit: str = "") -> Page:
+        """Opens the page, with an empty table or, by a link, with a table of the gallery."""
+        self.page.goto(self.address + (link_to(exhibit) if exhibit else ""))
         self.page.wait_for_function("document.querySelector('.arm-view')?.drawn > 0")
         self.page.wait_for_function("document.querySelector('.dh-table .ag-header-cell[col-id=a]')")
+        if exhibit:
+            self.wait_for_exhibit(exhibit)
+            self.page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0')")
         return self.page
 
     # --- What stands on the page ---
@@ -170,13 +191,16 @@ class Tab:
         script = "text => document.querySelector('.studio-status')?.textContent.includes(text)"
         self.page.wait_for_function(script, arg=text)
 
+    def wait_for_exhibit(self, name: str) -> None:
+        self.page.wait_for_function(f"document.querySelector('.studio-name input').value === '{name}'")
+        self.wait_for_status("the arm is the table's")
+
     def open_exhibit(self, name: str) -> None:
-        """Opens a table of the gallery."""
+        """Opens a table of the gallery as a person does."""
         shown = self.page.evaluate("document.querySelector('.arm-view').shown")
         self.page.get_by_role("button", name="Open", exact=True).click()
         self.page.locator(f".studio-exhibit[data-name='{name}']").click()
-        self.page.wait_for_function(f"document.querySelector('.studio-name input').value === '{name}'")
-        self.wait_for_status("the arm is the table's")
+        self.wait_for_exhibit(name)
         self.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
 
     def save(self, what: str) -> tuple[str, bytes]:

@@ -35,8 +35,7 @@ def arm_of(table: TableText, catalog: Catalog) -> Manipulator:
 def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """It is marked, the reader's message stands below the table, and the last good arm stays; fixed, the arm follows."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     before = tab.pose("tool0")
     tab.type_into(1, "alpha", "pi/x")
     tab.wait_for_status("1 problem; the last good arm is shown")
@@ -57,8 +56,7 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
 def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """While a cell is being typed the arm is already there; Escape takes it back."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.cell(1, "a").click()
     page.keyboard.type("-0.9")
     table = gallery.exhibit("ur5.csv", catalog)
@@ -71,8 +69,7 @@ def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., 
 def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Of many letters that are typed at once few arms are made, and the last of them is that of all letters."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.cell(1, "a").dblclick()
     shown = page.evaluate("document.querySelector('.arm-view').shown")
     page.evaluate(
@@ -91,8 +88,7 @@ def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any]
 def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """By key and by button, in the cells and in the scene."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     table = gallery.exhibit("ur5.csv", catalog)
     before, after = (arm_of(edits.with_cell(table, 1, "a", text), catalog) for text in ("-0.425", "-0.9"))
     tab.type_into(1, "a", "-0.9")
@@ -112,8 +108,7 @@ def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog
 def test_undo_from_a_button(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Who has come to a button by Tab can undo from there: only text fields have an undo of their own."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.type_into(1, "a", "-0.4x")
     tab.wait_for_status("1 problem")
     page.get_by_role("button", name="zero").focus()
@@ -125,8 +120,7 @@ def test_undo_from_a_button(studio_address: str, new_tab: Callable[..., Any]) ->
 def test_a_cell_is_shown_as_it_was_taken(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The screen says what the table has, and not what was typed, where these differ."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.type_into(1, "a", "-0.9   ")
     page.wait_for_function("cell => cell.textContent === '-0.9'", arg=tab.cell(1, "a").element_handle())
 
@@ -134,8 +128,7 @@ def test_a_cell_is_shown_as_it_was_taken(studio_address: str, new_tab: Callable[
 def test_a_row_that_is_gone(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """A cell that was typed while its row went away is no fault: the screen follows the table."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     page.evaluate(
         """() => {
             const {api} = getElement(Number(document.querySelector('.dh-table').id.slice(1)));
@@ -151,8 +144,7 @@ def test_a_row_that_is_gone(studio_address: str, new_tab: Callable[..., Any]) ->
 def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[..., Any], typed: str) -> None:
     """An emptied field is no answer: the rows stay, and the field says again how many there are."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     axes = page.get_by_label("number of axes")
     axes.fill(typed)
     axes.press("Enter")
@@ -163,8 +155,7 @@ def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[
 def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """A reload finds table, pose and past again; another tab has its own."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("scara")
+    page = tab.open("scara")
     tab.type_into(0, "a", "0.45")
     page.locator(".joint-slider-number").first.fill("0.5")
     page.keyboard.press("Enter")
@@ -191,8 +182,7 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
 def test_sliders_move_the_arm(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Seven joints of a modified table: after a random pose, zero and a key, the scene is the DH product of the sliders."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("panda")
+    page = tab.open("panda")
     arm = arm_of(gallery.exhibit("panda.yaml", catalog), catalog)
     for button in ("random pose", "zero"):
         tab.press(button)
@@ -208,8 +198,7 @@ def test_sliders_move_the_arm(studio_address: str, new_tab: Callable[..., Any], 
 def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The link of the row under the cursor is outlined and keeps its colour, its frame stands out, and no others."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.cell(2, "d").click()
     script = """() => {
         const nodes = document.querySelector('.arm-view').scene.children[0].children;
@@ -226,8 +215,7 @@ def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any
 def test_parameters_are_drawn_on_request(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """a, α, d and θ stand as segments and arcs in the scene, with their symbols, once they are asked for."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     assert page.locator(".arm-view-stroke").count() == 0
     page.get_by_text("a α d θ", exact=True).click()
     page.locator(".arm-view-stroke", has_text="a₂ = -0.425 m").wait_for()
@@ -238,8 +226,7 @@ def test_parameters_are_drawn_on_request(studio_address: str, new_tab: Callable[
 def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """No label lies on another, though three frames of the UR5 stand at one point: all of them can be read."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     script = """() => [...document.querySelectorAll('.arm-view-label')].filter(label => label.style.visibility === 'visible')
         .map(label => [label.textContent, label.getBoundingClientRect().toJSON()])"""
     page.wait_for_function(f"({script})().length === 9")
@@ -254,8 +241,7 @@ def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> 
 def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any], name: str) -> None:
     """All corners of the links of an arm that was opened are inside the picture, and reach over half of it."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit(name)
+    page = tab.open(name)
     script = """() => {
         const {scene, camera} = document.querySelector('.arm-view'), corners = [];
         camera.updateMatrixWorld();
@@ -274,8 +260,7 @@ def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any], n
 def test_the_paper_stands_side_by_side(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Both variants are in the scene, and the page says how far the straight line is from the arm."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5_paper")
+    page = tab.open("ur5_paper")
     page.get_by_role("button", name="side by side").click()
     page.get_by_text("its tool0 is 1.41 m and 90° from the table's").wait_for()
     assert {"tool0", "paper/tool0"} <= set(tab.nodes())
@@ -286,8 +271,7 @@ def test_convention_and_units_are_converted_or_reinterpreted(
 ) -> None:
     """The page asks which; converted, the arm stays where it is, reinterpreted, the numbers do."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     before = tab.pose("tool0")
     page.get_by_role("button", name="modified").click()
     page.get_by_text("Convert: the same arm, other numbers.").click()
@@ -317,8 +301,7 @@ def test_convention_and_units_are_converted_or_reinterpreted(
 def test_a_wrong_table_is_not_reinterpreted_unasked(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Numbers that cannot be converted, as one of them is wrong, mean something else only when a person says so."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.type_into(1, "alpha", "pi/x")
     tab.wait_for_status("1 problem")
     for button in ("mm", "modified"):
@@ -354,8 +337,7 @@ def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_
 def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Every entry of the menu hands over the bytes that the command line would write."""
     tab = new_tab(studio_address)
-    tab.open()
-    tab.open_exhibit("stanford")
+    tab.open("stanford")
     table = gallery.exhibit("stanford.csv", catalog)
     assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
     assert tab.save("Table as .tex") == ("stanford.tex", save.other_file(table, ".tex", "exact", catalog).content)
@@ -371,8 +353,7 @@ def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], c
 def test_rows_are_added_removed_and_moved(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """By key: a row more below, one up, one away; a spreadsheet's cells are pasted."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("scara")
+    page = tab.open("scara")
     tab.cell(1, "joint").click()
     page.keyboard.press("Alt+ArrowUp")
     tab.wait_for_cell(0, "joint", "elbow")
@@ -415,8 +396,7 @@ def test_a_hundred_axes(studio_address: str, new_tab: Callable[..., Any], catalo
 def test_sizes_of_screens(studio_address: str, new_tab: Callable[..., Any], width: int, height: int) -> None:
     """At a laptop's and at a tablet's size nothing hangs over at the side, and table, scene and joints have room."""
     tab = new_tab(studio_address, width=width, height=height)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     for part in (".dh-table", ".arm-view", ".joint-sliders"):
         box = page.locator(part).bounding_box()
@@ -431,8 +411,7 @@ def test_sizes_of_screens(studio_address: str, new_tab: Callable[..., Any], widt
 def test_faults_of_the_server_are_told(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """What the server cannot do is said on the page, and the studio goes on."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     page.evaluate("emitEvent('dh-row', ['nowhere', 0])")
     page.get_by_text(re.compile("The studio failed at this")).wait_for()
     page.get_by_role("button", name="Close").click()

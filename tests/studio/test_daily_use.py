@@ -20,9 +20,8 @@ ROWS = "document.querySelectorAll('.dh-table .ag-center-cols-container .ag-row')
 
 @pytest.fixture
 def tab(studio_address: str, new_tab: Callable[..., Any]) -> Any:
-    """A tab with an empty table, which may use the clipboard."""
+    """A tab that is not open yet, and may use the clipboard."""
     tab = new_tab(studio_address)
-    tab.open()
     tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=studio_address.rstrip("/"))
     return tab
 
@@ -48,7 +47,7 @@ def wait_until_empty(tab: Any, row: int, field: str) -> None:
 @pytest.mark.parametrize("how", ["New", "undo"])
 def test_no_ghosts_of_rows(tab: Any, how: str) -> None:
     """After New, and after undo back to the start, no row of the old table is on the screen."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.page.get_by_role("button", name=how, exact=True).click()
     tab.page.wait_for_function(f"{ROWS} === 0")
     tab.wait_for_status("choose the number of axes")
@@ -56,7 +55,7 @@ def test_no_ghosts_of_rows(tab: Any, how: str) -> None:
 
 def test_undo_is_the_studios(tab: Any) -> None:
     """A name is typed, then a cell: Ctrl+Z takes back the cell, then the name, whole, and no letter of it before."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     name = tab.page.locator(".studio-name input")
     name.click()
     tab.page.keyboard.press("End")
@@ -75,7 +74,7 @@ def test_undo_is_the_studios(tab: Any) -> None:
 
 def test_a_field_that_is_being_typed_has_its_own_undo(tab: Any) -> None:
     """Ctrl+Z in the middle of a name takes back letters; once the name is taken, it takes back the name."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     name = tab.page.locator(".studio-name input")
     name.click()
     tab.page.keyboard.press("End")
@@ -91,7 +90,7 @@ def test_a_field_that_is_being_typed_has_its_own_undo(tab: Any) -> None:
 
 def test_undo_in_a_cell_is_that_of_its_text(tab: Any) -> None:
     """More Ctrl+Z than there are letters: no edit of the table goes behind the back of the cell that is being typed."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.type_into(1, "a", "-0.5")
     tab.wait_for_cell(1, "a", "-0.5")
     tab.cell(3, "d").click()
@@ -107,7 +106,7 @@ def test_undo_in_a_cell_is_that_of_its_text(tab: Any) -> None:
 
 def test_every_field_of_the_table_is_in_the_past(tab: Any) -> None:
     """Base, tool and the number of axes are typed; Ctrl+Z takes them back one by one, whole, from whatever field."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     typed = [("base", "{xyz: [0, 0, 0.3]}"), ("tool", "{xyz: [0, 0, 0.1]}"), ("number of axes", "7")]
     before = []
     for label, text in typed:
@@ -129,7 +128,7 @@ def test_every_field_of_the_table_is_in_the_past(tab: Any) -> None:
 
 def test_the_shape_of_links_is_typed(tab: Any, tmp_path: Path) -> None:
     """With `shape: arm` the links get housings, on the screen and in the file, as `convert` makes them of such a table."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     field = tab.page.get_by_label("defaults", exact=True)
     field.fill("{geometry: {shape: arms}}")
     field.press("Enter")
@@ -151,7 +150,7 @@ def test_the_shape_of_links_is_typed(tab: Any, tmp_path: Path) -> None:
 
 def test_a_range_is_copied_cut_and_put_elsewhere(tab: Any) -> None:
     """Shift and arrows choose cells; Ctrl+C has them as a spreadsheet does, Ctrl+X empties them, Ctrl+V puts them in."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.cell(1, "a").click()
     for key in ("Shift+ArrowDown", "Shift+ArrowRight", "Shift+ArrowRight"):
         tab.page.keyboard.press(key)
@@ -171,7 +170,7 @@ def test_a_range_is_copied_cut_and_put_elsewhere(tab: Any) -> None:
 
 def test_a_click_with_shift_and_delete(tab: Any) -> None:
     """The cells from one click to the next are chosen; Delete empties them, and undo brings all of them back."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.cell(0, "d").click()
     tab.cell(5, "d").click(modifiers=["Shift"])
     tab.page.wait_for_function("document.querySelectorAll('.dh-table .ag-cell.dh-range').length === 6")
@@ -182,7 +181,7 @@ def test_a_click_with_shift_and_delete(tab: Any) -> None:
 
 
 def test_all_cells_are_copied(tab: Any) -> None:
-    tab.open_exhibit("scara")
+    tab.open("scara")
     tab.cell(0, "a").click()
     tab.page.keyboard.press("Control+a")
     tab.page.keyboard.press("Control+c")
@@ -192,6 +191,7 @@ def test_all_cells_are_copied(tab: Any) -> None:
 
 def test_a_header_is_understood(tab: Any) -> None:
     """A pasted table with header, units and decimal commas is what the CSV reader makes of it; the page asks once."""
+    tab.open()
     tab.page.get_by_label("number of axes").fill("1")
     tab.page.keyboard.press("Enter")
     paste(tab, 0, "a", "# convention: standard\nalpha [deg];a [mm];d [mm]\n90;0,5;120\n0;300;0\n")
@@ -210,17 +210,20 @@ def test_a_header_is_understood(tab: Any) -> None:
 )
 def test_cells_of_a_text(tab: Any, text: str) -> None:
     """Cells of CSV files, of Markdown and with decimal commas go to cells of their own, and nobody is asked."""
+    tab.open()
     tab.page.get_by_role("button", name="standard").click()
     tab.page.get_by_label("number of axes").fill("1")
     tab.page.keyboard.press("Enter")
     paste(tab, 0, "a", text)
     tab.wait_for_status("2 axes; the arm is the table's")
-    assert [tab.cells(row, "a", "alpha", "d") for row in (0, 1)] == [["0.1", "pi/2", "0.2"], ["0.3", "0", "0"]]
+    for row, texts in enumerate((("0.1", "pi/2", "0.2"), ("0.3", "0", "0"))):
+        for field, cell in zip(("a", "alpha", "d"), texts, strict=True):
+            tab.wait_for_cell(row, field, cell)
 
 
 def test_cells_without_a_place_are_told(tab: Any) -> None:
     """What is wider than the table is put in as far as it goes, and the page says what is left."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     last = tab.page.evaluate(
         "[...document.querySelectorAll('.dh-table .ag-header-cell')].at(-1).getAttribute('col-id')"
     )
@@ -248,7 +251,7 @@ ALL_IN_VIEW = """() => {
 
 def test_the_camera_follows_what_is_typed(tab: Any) -> None:
     """An arm that grows tenfold in a cell, and one of which a window shows less, stay in the picture, arrows included."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.page.wait_for_function(ALL_IN_VIEW)
     tab.type_into(1, "a", "-4")
     tab.page.wait_for_function(ALL_IN_VIEW)
@@ -260,7 +263,7 @@ def test_the_camera_follows_what_is_typed(tab: Any) -> None:
 
 def test_the_camera_stays_where_a_person_looks(tab: Any) -> None:
     """Who has come near a part of the arm goes on looking at it while cells change."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.page.wait_for_function(ALL_IN_VIEW)
     box = tab.page.locator(".arm-view").bounding_box()
     tab.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -278,7 +281,7 @@ def test_the_camera_stays_where_a_person_looks(tab: Any) -> None:
 
 def test_the_reach_holds_where_joints_slide(tab: Any) -> None:
     """Of the Stanford arm, whatever the pose: tool0 is no farther than the page says it can be."""
-    tab.open_exhibit("stanford")
+    tab.open("stanford")
     sliders = tab.page.locator(".joint-slider-number")
     sliders.nth(2).fill("99")
     sliders.nth(2).press("Enter")
@@ -303,8 +306,7 @@ def test_the_server_goes_and_another_comes(
     """
     with serving("studio", port=free_port) as address:
         tab = new_tab(address, faults=False)
-        page = tab.open()
-        tab.open_exhibit("ur5")
+        page = tab.open("ur5")
         tab.type_into(1, "a", "-0.77")
         page.wait_for_function("dhPage.kept().includes('-0.77')")  # The cell shows it before the server knows it.
         tab.cell(2, "a").click()
@@ -327,8 +329,7 @@ def test_the_server_goes_and_another_comes(
 def test_a_telephone(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """At 390 px every button of the head can be reached, Generate too, and nothing hangs over at the side."""
     tab = new_tab(studio_address, width=390, height=844)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     for name in ("New", "Open", "Save", "Generate", "undo", "redo"):
         box = page.get_by_role("button", name=name, exact=True).bounding_box()
@@ -344,7 +345,7 @@ def test_a_telephone(studio_address: str, new_tab: Callable[..., Any]) -> None:
 
 def test_the_table_is_one_stop(tab: Any) -> None:
     """Tab goes into the table and out of it at once; arrows lead from cell to cell, and while a cell is typed, Tab does."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.cell(2, "a").click()
     inside = "Boolean(document.activeElement.closest('.dh-table'))"
     assert tab.page.evaluate(inside)
@@ -371,6 +372,7 @@ def test_the_table_is_one_stop(tab: Any) -> None:
 
 def test_row_numbers_are_whole(tab: Any) -> None:
     """Of a hundred rows, the number of the last is not cut."""
+    tab.open()
     tab.page.get_by_label("number of axes").fill("100")
     tab.page.keyboard.press("Enter")
     tab.page.wait_for_function("document.querySelectorAll('.dh-table .ag-cell[col-id=number]').length > 5")
@@ -383,7 +385,7 @@ def test_row_numbers_are_whole(tab: Any) -> None:
 
 def test_a_pi_of_a_mac_begins_a_cell(tab: Any) -> None:
     """Option+P is a letter and no command. A cell whose text may be cut has it as its tooltip."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.cell(2, "alpha").click()
     keys = tab.page.context.new_cdp_session(tab.page)
     for kind in ("keyDown", "keyUp"):
@@ -399,7 +401,7 @@ def test_a_pi_of_a_mac_begins_a_cell(tab: Any) -> None:
 
 def test_the_first_key_pays_for_nothing_else(tab: Any) -> None:
     """Once the page rests, the first letter in a cell compiles no shader, and no letter has all of the page laid out."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     view = "getElement(Number(document.querySelector('.arm-view').id.slice(1)))"
     tab.page.wait_for_function(f"{view}.rehearsed")
     tab.page.evaluate("window.updates = 0, socket.on('update', () => updates++)")
@@ -420,7 +422,7 @@ def test_the_first_key_pays_for_nothing_else(tab: Any) -> None:
 
 def test_the_page_speaks_of_its_switches(tab: Any) -> None:
     """Where a file would need a line or the command line an option, the page has a button, and the message names it."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     tab.type_into(1, "alpha", "90")
     tab.page.get_by_text("if these are degrees, press deg above the table").wait_for()
     tab.type_into(1, "alpha", "0")
@@ -430,7 +432,7 @@ def test_the_page_speaks_of_its_switches(tab: Any) -> None:
 
 def test_a_joint_box_takes_what_a_cell_takes(tab: Any) -> None:
     """An expression, degrees, a number; what is none is marked with the reason and stays, and the arm stays too."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     box, slider = tab.page.locator(".joint-slider-number").first, ".joint-slider input[type=range]"
     limits = tab.page.locator(".joint-slider").first.get_attribute("title")
     assert limits == "shoulder_pan_joint: -6.2832 to 6.2832 rad"
@@ -454,7 +456,7 @@ def test_a_joint_box_takes_what_a_cell_takes(tab: Any) -> None:
 
 def test_the_camera_by_keyboard(tab: Any) -> None:
     """Arrows turn it, plus brings it nearer, 0 sees all again."""
-    tab.open_exhibit("ur5")
+    tab.open("ur5")
     distance = "(({camera, scene}) => camera.position.length())(document.querySelector('.arm-view'))"
     position = "document.querySelector('.arm-view').camera.position.toArray()"
     tab.page.locator(".arm-view").focus()
@@ -470,6 +472,7 @@ def test_the_camera_by_keyboard(tab: Any) -> None:
 
 
 def test_more_axes_than_there_may_be(tab: Any) -> None:
+    tab.open()
     tab.page.get_by_label("number of axes").fill("1001")
     tab.page.keyboard.press("Enter")
     tab.page.get_by_text("at most 1000 rows: these are the first of 1001").wait_for()
@@ -478,6 +481,7 @@ def test_more_axes_than_there_may_be(tab: Any) -> None:
 @pytest.mark.parametrize("lengths", [("0.3 mm", "0.1 mm"), ("10", "1"), ("0", "0")])
 def test_arms_of_any_size_are_seen(tab: Any, lengths: tuple[str, str]) -> None:
     """Of 1 mm, of 50 m and of none: the picture holds the arm, and its links are wider than a pixel."""
+    tab.open()
     tab.page.get_by_role("button", name="standard").click()
     tab.page.get_by_label("number of axes").fill("5")
     tab.page.keyboard.press("Enter")
@@ -503,6 +507,7 @@ def test_arms_of_any_size_are_seen(tab: Any, lengths: tuple[str, str]) -> None:
 
 def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
     """While a large file is read the page says so; a person who goes on without it is not disturbed."""
+    tab.open()
     large = tmp_path / "many.csv"
     rows = "".join(f"r{number},0.1,0,0\nr{number},0.2,pi/2,0\n" for number in range(60_000))
     large.write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
@@ -533,6 +538,7 @@ def test_a_tab_that_is_closed_during_a_dialog(
 
 def test_what_the_reader_noticed_is_shown(tab: Any, tmp_path: Path) -> None:
     """A column that means nothing is not in the table on the page; the page says that it was ignored."""
+    tab.open()
     path = tmp_path / "arm.csv"
     path.write_text("# convention: standard\na,alpha,d,cable\n1,0,0,red\n")
     tab.page.get_by_role("button", name="Open", exact=True).click()

@@ -55,8 +55,7 @@ def test_light_dark_and_projector(
     """The system's scheme, unless one is chosen; page, cells and scene follow, and the browser keeps the choice."""
     tab = new_tab(studio_address)
     tab.page.emulate_media(color_scheme="light")
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     light = page.evaluate(LOOK)
     assert (light["look"], light["size"], light["quasar"]) == ("light", "usual", False)
     page.emulate_media(color_scheme="dark")
@@ -109,8 +108,7 @@ def test_light_dark_and_projector(
 def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Nothing is beside the screen from 390 to 2560 px, and a wide one gives the scene its whole height."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     scene = page.locator(".arm-view")
     for width, height in ((390, 844), (640, 360), (820, 1180), (1280, 720), (2560, 1440)):
         page.set_viewport_size({"width": width, "height": height})
@@ -136,8 +134,7 @@ def test_a_shadow_on_the_ground(studio_address: str, new_tab: Callable[..., Any]
     from PIL import Image
 
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.set_sliders([0.0, -math.pi / 4, 0.0, 0.0, 0.0, 0.0])
     height = 0.089159 + 0.6 * 0.81725 * math.sin(math.pi / 4)  # of a point of the forearm
     x, z = -0.6 * 0.81725 * math.cos(math.pi / 4), height / 0.85

@@ -37,8 +37,7 @@ DIRECTION = """() => {
 def test_each_looks_from_its_side(studio_address: str, new_tab: Callable[..., Any], by_key: bool) -> None:  # noqa: FBT001 - a parameter
     """And sees all of the arm, whatever the camera saw before."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     scene = page.get_by_role("application")
     for name, wanted in FROM.items():
         scene.focus()
@@ -61,8 +60,7 @@ def test_each_looks_from_its_side(studio_address: str, new_tab: Callable[..., An
 def test_the_cube(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """It turns with the camera; a click on a side looks from there, with the side upright in the middle of the cube."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     seen = """() => [...document.querySelectorAll('.view-cube-side')].filter(side => side.style.visibility === 'visible')
         .map(side => side.textContent).sort().join()"""
     page.wait_for_function(f"({seen})() === 'front,right,top'")

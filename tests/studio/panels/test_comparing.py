@@ -38,8 +38,7 @@ def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[
     path = tmp_path / "measured.urdf"
     path.write_text(text.replace('xyz="0 0 0.089159"', 'xyz="0 0 0.092159"'))
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     page.get_by_role("button", name="compare with a robot description").click()
     with page.expect_file_chooser() as choosing:
         page.get_by_role("button", name="Open a description").click()

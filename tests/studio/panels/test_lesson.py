@@ -100,8 +100,7 @@ def test_the_symbols_are_those_of_the_conventions(catalog: Catalog) -> None:
 def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Opened, it asks for a row; a picked row is explained; a motion is played; closed, its strokes are gone."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     hat = page.get_by_role("button", name="explain the picked row")
     hat.click()
     page.get_by_text("Pick a row of the table, or a link of the arm.").wait_for()

@@ -55,8 +55,7 @@ def test_a_joint_that_a_pose_does_not_have_stays() -> None:
 def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """The arm goes through them in order and stops at the last; one can be chosen, and forgotten."""
     tab, arm = new_tab(studio_address), arm_of("ur5.csv", catalog)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     page.get_by_role("button", name="stored poses").click()
     play = page.get_by_role("button", name="play", exact=True)
     assert play.is_disabled()
@@ -85,8 +84,7 @@ def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[...,
 def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Distance, xyz and rpy are those of the DH frames, also in millimetres; a line joins the two."""
     tab, arm = new_tab(studio_address), arm_of("ur5.csv", catalog)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     page.get_by_role("button", name="measure between frames, and show the workspace").click()
     words = page.locator(".studio-measured")
     changed = "before => document.querySelector('.studio-measured').innerText !== before"
@@ -126,8 +124,7 @@ def test_the_workspace_is_where_tool0_can_be(
 ) -> None:
     """No point is farther than the reach that the page gives, prismatic joints included; closed, it is gone."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit(name)
+    page = tab.open(name)
     button = page.get_by_role("button", name="measure between frames, and show the workspace")
     button.click()
     page.get_by_text("workspace", exact=True).click()

@@ -48,8 +48,7 @@ def word_of(text: str) -> str:
 def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Python reads the fragment too; another tab opens it, and nothing of it is asked of the server."""
     tab = new_tab(studio_address)
-    tab.open()
-    tab.open_exhibit("panda")
+    tab.open("panda")
     tab.type_into(2, "a", "0.0825 + 1e-3")
     link = link_of(tab)
     address, _, word = link.partition("#table=")
@@ -74,8 +73,7 @@ def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any]
 def test_a_link_in_a_tab_that_is_open(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Its table takes the place of what is there, which undo brings back."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     text = json.dumps({"name": "linked", "convention": "standard", "rows": [{"a": "1", "alpha": "0", "d": "0"}]})
     page.evaluate("word => { location.hash = '#table=' + word; }", word_of(text))
     tab.wait_for_status("1 axis; the arm is the table's")
@@ -108,8 +106,7 @@ def test_links_that_are_broken(studio_address: str, new_tab: Callable[..., Any])
 def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Twice as fine as the screen; the arm's colours are in both, the ground in one, and labels are written."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     size = page.evaluate(
         "(({ clientWidth, clientHeight }) => [clientWidth, clientHeight])(document.querySelector('.arm-view'))"
     )
@@ -131,8 +128,7 @@ def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
 def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """A GIF of a whole turn, all of the arm in every frame, and the camera is back; a GLB of the pose on the screen."""
     tab = new_tab(studio_address)
-    page = tab.open()
-    tab.open_exhibit("ur5")
+    page = tab.open("ur5")
     tab.set_sliders([0.3, -1.2, 0.9, 0.4, -0.5, 0.2])
     camera = "document.querySelector('.arm-view').camera.position.toArray()"
     before = page.evaluate(camera)

@@ -34,8 +34,7 @@ def _opened(studio_address: str, new_tab: Callable[..., Any]) -> Callable[[str],
 
     def open_panel(name: str) -> Any:
         tab = new_tab(studio_address)
-        tab.open()
-        tab.open_exhibit(name)
+        tab.open(name)
         tab.page.get_by_role("button", name="set the pose of tool0").click()
         tab.page.get_by_label("x of tool0", exact=True).wait_for()
         return tab

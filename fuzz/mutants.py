@@ -41,7 +41,7 @@ class Group(NamedTuple):
 
 GROUPS = {
     "kinematics": Group(
-        tuple(HOST / "kinematics" / f"{name}.py" for name in ("walk/__init__", "walk/vectors", "chain", "proof")),
+        tuple(HOST / "kinematics" / f"{name}.py" for name in ("walk/__init__", "chain", "proof")),
         tuple(f"tests/pipeline/kinematics/test_{name}.py" for name in ("chain", "walk", "proof", "proof_of_many")),
     ),
     "transforms": Group(

@@ -11,7 +11,6 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.leaving_out import catalog, without_option
-from dh2urdf.cli.printing.conversion_rows import print_report, row_of
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, files_behind, given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
@@ -119,6 +118,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         return convert_several(files_of(tables, target, format_name, installed), plan, note, said, as_json=as_json)
     conversion = plan(tables[0], target).carry_out(note)
     if as_json:
+        from dh2urdf.cli.printing.conversion_rows import print_report, row_of
+
         print_report([row_of(conversion, tables[0], target)])
     elif target is None:
         answer(conversion.written[0].files[0].content, nl=False)

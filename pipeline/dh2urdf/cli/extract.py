@@ -83,7 +83,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
     robot, reader_name = given_table(robots[0], reader_name, installed)
     _check_units(length_unit, angle_unit)
-    given = given_options(flags)["reader"]
+    given = given_options(flags).get("reader", {})
     if arguments:
         given["arguments"] = json.dumps(given_arguments(arguments, COMMAND_LINE))
     if package_paths:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Kind
 
 _BETWEEN = "__"
-_ASKS_ALL = f"{__name__}.asks_all"
+_WHOSE = f"{__name__}.whose"
+"""The key in a context for whose flags are known: those of no stage, of the built-in stages, or of all stages."""
+_NOBODY, _BUILTIN, _EVERYBODY = range(3)
 _WORDS = f"{__name__}.words"
 _LAST = "settings"
 """The parameter of `--set`: flags of stages stand before it, as it is what all other options take."""
@@ -41,8 +43,9 @@ class StageCommand(click.Command):
     """A command that has flags for options of the stages of some kinds.
 
     An option becomes a flag where its metadata have ``flag``, the word for its value in the help, and ``commands``, if
-    they have that, name the command. The help has those of the built-in stages, since it imports no plugin; the
-    plugins are asked for theirs where the command line has another flag.
+    they have that, name the command. The stages are asked for theirs where the command line has a flag that is not the
+    command's own: first the built-in stages, then those of plugins. The help has the flags of the built-in stages,
+    since it imports no plugin.
 
     Args:
         kinds: the kinds of stages. Of an option that several have, the flag is that of the first.
@@ -69,22 +72,24 @@ class StageCommand(click.Command):
         return [*own[:at], *new, *own[at:]]
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the command line; where it has a flag that no built-in stage has, again with those of the plugins."""
+        """Read the command line; where it has a flag that is not known yet, again with those of more stages."""
         ctx.meta[_WORDS] = tuple(args)
-        try:
-            return super().parse_args(ctx, list(args))
-        except click.NoSuchOption:
-            if ctx.meta.get(_ASKS_ALL):
-                raise
-            ctx.meta[_ASKS_ALL] = True
-            return super().parse_args(ctx, args)
+        asks_help = not set(ctx.help_option_names).isdisjoint(args)
+        for ctx.meta[_WHOSE] in (_BUILTIN,) if asks_help else (_NOBODY, _BUILTIN):
+            with suppress(click.NoSuchOption):
+                return super().parse_args(ctx, list(args))
+        ctx.meta[_WHOSE] = _EVERYBODY
+        return super().parse_args(ctx, args)
 
     def _flags(self, ctx: click.Context) -> list[_Flag]:
         """The flags, each once."""
+        whose = ctx.meta.get(_WHOSE, _BUILTIN)
+        if whose == _NOBODY:
+            return []
         installed, flags = loaded(ctx, ctx.meta.get(_WORDS, ())), dict[str, _Flag]()
-        with kept_apart() if ctx.meta.get(_ASKS_ALL) and None not in (sys.stdout, sys.stderr) else nullcontext():
+        with kept_apart() if whose == _EVERYBODY and None not in (sys.stdout, sys.stderr) else nullcontext():
             for kind in self.kinds:
-                for item in installed.provided(kind) if ctx.meta.get(_ASKS_ALL) else installed.builtin(kind):
+                for item in installed.provided(kind) if whose == _EVERYBODY else installed.builtin(kind):
                     is_asked = is_dataclass(item.stage.options) and self.which(item.stage)
                     for field in fields(item.stage.options) if is_asked else ():
                         data = field.metadata

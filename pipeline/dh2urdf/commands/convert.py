@@ -15,7 +15,6 @@ from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, EditError, InputError, PluginError, RobotError, TableError, TransformError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.meshes.conversion import conversion_of, unsettled
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import safe_stem
@@ -131,7 +130,11 @@ class Planned:
             made = with_notices(robot, self.recipe.emitters)
         except (EditError, TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
             raise TableError(error.problems, manipulator.notices) from error
-        notices = unsettled(made.notices, self.recipe.mesh_conversion)
+        notices = made.notices
+        if self.recipe.mesh_conversion is not MeshConversion.NEVER:
+            from dh2urdf.meshes.conversion import unsettled
+
+            notices = unsettled(notices)
         made = replace(made, notices=(*notices, *self.notices, *self._unused_meshes(made)))
         note((*manipulator.notices, *made.notices))
         used = (path for call in self.recipe.calls for path in call.files)
@@ -362,8 +365,12 @@ def _mesh_conversion(word: str | None, prefix: str | None, target: Path | None, 
     Raises:
         ConfigError: the word means nothing, or what is converted would lie nowhere.
     """
+    if not word:
+        return MeshConversion.NEVER
+    from dh2urdf.meshes.conversion import conversion_of
+
     try:
-        return conversion_of(word or MeshConversion.NEVER, prefix)
+        return conversion_of(word, prefix)
     except ConfigError as error:
         where = f"{asker.out}FILE" if target is None else f"{asker.meshes}{RELATIVE}"
         raise ConfigError(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.commands.argument_words import word_of
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options
@@ -82,6 +81,8 @@ class Setting(NamedTuple):
 
 def settings_of(options: Mapping[str, object]) -> list[Setting]:
     """The options that a program gives."""
+    from dh2urdf.commands.argument_words import word_of
+
     return [Setting(f"{key}={word_of(value)}", key, word_of(value)) for key, value in options.items()]
 
 

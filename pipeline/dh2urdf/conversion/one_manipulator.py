@@ -17,7 +17,6 @@ from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.meshes.conversion import converted
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
@@ -147,7 +146,11 @@ def with_copies(robot: Robot, recipe: Recipe) -> Robot:
         MissingDependencyError: a package that converts is not installed.
         OutputError: a mesh cannot be read any more.
     """
-    return located(converted(robot, recipe.mesh_conversion), recipe.mesh_prefix)
+    if recipe.mesh_conversion is not MeshConversion.NEVER:
+        from dh2urdf.meshes.conversion import converted
+
+        robot = converted(robot, recipe.mesh_conversion)
+    return located(robot, recipe.mesh_prefix)
 
 
 def write_robot(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     )
     from dh2urdf.kinematics.pose_arrays import pose_matrices as pose_matrices
     from dh2urdf.kinematics.proof import largest_errors as largest_errors
-    from dh2urdf.kinematics.walk.compiled_chain import CompiledChain as CompiledChain
+    from dh2urdf.kinematics.walk import CompiledChain as CompiledChain
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
@@ -35,6 +35,6 @@ else:
             "joint_variables link_poses position_error reach row_transform table_chain",
             "pose_arrays": "pose_matrices",
             "proof": "largest_errors",
-            "walk.compiled_chain": "CompiledChain",
+            "walk": "CompiledChain",
         },
     )

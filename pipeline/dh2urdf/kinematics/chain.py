@@ -17,7 +17,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.errors import RecordValueError
-from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, JointValue, values_of
+from dh2urdf.kinematics.walk import CompiledChain, JointValue, values_of
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import (
     IDENTITY,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.chain import ROOT, TOOL, compile_table, reach
-from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
+from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm

@@ -23,7 +23,7 @@ from dh2urdf.kinematics.chain import (
     link_poses,
 )
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
-from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
+from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import IDENTITY, cross, rotate, scale, subtract
 from dh2urdf.source import Mark, Problem, shown

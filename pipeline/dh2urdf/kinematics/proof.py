@@ -22,8 +22,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.chain import TOOL, compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
-from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, Frame, JointValue, values_of
-from dh2urdf.kinematics.walk.vectors import STACKS
+from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, JointValue, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.kinematics.expected_poses import Tip
     from dh2urdf.kinematics.proof_vectors import Array, Pick
-    from dh2urdf.kinematics.walk.vectors import Numbers
+    from dh2urdf.kinematics.walk import Numbers
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.robot import Joint, Robot
 

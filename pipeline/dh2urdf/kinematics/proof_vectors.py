@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
-    from dh2urdf.kinematics.walk.vectors import Numbers
+    from dh2urdf.kinematics.walk import Numbers
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint, Robot
 

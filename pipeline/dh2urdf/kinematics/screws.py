@@ -22,7 +22,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.chain import axis_rotation, compile_joints, dh_frames
-from dh2urdf.kinematics.walk.compiled_chain import CompiledChain, values_of
+from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import (

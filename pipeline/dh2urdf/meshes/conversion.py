@@ -57,10 +57,8 @@ def conversion_of(word: str, prefix: str | None) -> MeshConversion:
     return how
 
 
-def unsettled(notices: Iterable[Problem], how: MeshConversion) -> tuple[Problem, ...]:
+def unsettled(notices: Iterable[Problem]) -> tuple[Problem, ...]:
     """Those notices that a conversion leaves something of."""
-    if how is MeshConversion.NEVER:
-        return tuple(notices)
     return tuple(notice for notice in notices if not (notice.suggestion or "").endswith(REMEDY))
 
 
@@ -77,13 +75,13 @@ def converted(robot: Robot, how: MeshConversion) -> Robot:
         MissingDependencyError: a package that converts is not installed.
         OutputError: a mesh cannot be read any more.
     """
-    if how is MeshConversion.NEVER or not mesh_files(robot):
+    if not mesh_files(robot):
         return robot
     kinds = {id(arm.kind): converted(arm.kind, how) for arm in robot.arms}
     return replace(
         robot,
         links=tuple([_converted_link(link, how) for link in robot.links]),
-        notices=unsettled(robot.notices, how),
+        notices=unsettled(robot.notices),
         arms=tuple([replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms]),
     )
 

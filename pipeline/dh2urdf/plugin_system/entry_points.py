@@ -131,7 +131,8 @@ def _first_of_each_name(folders: list[tuple[str, str]]) -> Iterator[str]:
 
 
 def _points_in(folder: str, word: str) -> Iterator[Point]:
-    text = _text(folder, "entry_points.txt", word.encode())
+    if not (text := _text(folder, "entry_points.txt", word.encode())):
+        return
     distribution, group = InfoFolder(folder), None
     for line in map(str.strip, text.splitlines()):
         if line.startswith("[") and line.endswith("]"):

@@ -237,8 +237,9 @@ class _Words:
 def _factors(text: str) -> list[str]:
     """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
     word = unicodedata.normalize("NFKC", text.replace("º", "°").replace("˚", "°")).casefold().strip()
-    word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word))
-    word = word.replace("minute", "min")
+    word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
+    if word.isalpha():
+        return [word]
     if word.endswith("1"):
         word = re.sub(r"(s|min)\s*\^?\s*[-\N{MINUS SIGN}]1$", r"/\1", word)
     word = _NO_FACTOR.sub("", f"1{word}" if word.startswith("/") else word)

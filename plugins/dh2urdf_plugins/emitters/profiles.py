@@ -17,12 +17,6 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Arm, Collision, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Problem
 from dh2urdf_plugins.base_bodies import links_at_rest, notices_for_gazebo, notices_of_riders, with_base_bodies
-from dh2urdf_plugins.coppeliasim_import import (
-    check_aliases,
-    importable_axis,
-    importable_limits,
-    notices_for_coppeliasim,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
@@ -152,6 +146,8 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
     if profile == PROFILES["portable"]:
         return robot
     if profile == PROFILES["coppeliasim"]:
+        from dh2urdf_plugins.coppeliasim_import import check_aliases
+
         check_aliases(robot)
     if not robot.arms:
         robot = _adapted_arm(robot, profile)
@@ -167,6 +163,8 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
 def notices_of(robot: Robot, name: ProfileName) -> list[Problem]:
     """What a person should know of the file of a profile."""
     if name == "coppeliasim":
+        from dh2urdf_plugins.coppeliasim_import import notices_for_coppeliasim
+
         return notices_for_coppeliasim(robot)
     if PROFILES[name].base_body:
         return [*notices_for_gazebo(robot, filled=True), *notices_of_riders(robot)]
@@ -204,8 +202,12 @@ def _adapted_joint(joint: Joint, profile: Profile) -> Joint:
     if not profile.joint_friction and joint.friction is not None:
         joint = replace(joint, friction=None)
     if not profile.exact_axes and joint.type is not JointType.FIXED:
+        from dh2urdf_plugins.coppeliasim_import import importable_axis
+
         joint = replace(joint, axis=importable_axis(joint.axis))
     if not profile.exact_limits and joint.type is not JointType.FIXED:
+        from dh2urdf_plugins.coppeliasim_import import importable_limits
+
         joint = replace(joint, limits=importable_limits(joint.limits))
     return joint
 

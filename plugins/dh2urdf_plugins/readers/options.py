@@ -1,4 +1,4 @@
-"""The options that all readers of tables have."""
+"""The options of readers of tables: those that all have, and those of workbooks."""
 
 from __future__ import annotations
 
@@ -61,6 +61,15 @@ class TableOptions:
             raise TableError(
                 replace(problem, mark=None, field=names.get(problem.field or "", problem.field)) for problem in problems
             )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XlsxOptions(TableOptions):
+    """What a workbook does not say itself."""
+
+    sheet: str | None = field(
+        default=None, metadata={"help": "title of the sheet to read; every sheet with a table by default"}
+    )
 
 
 def said_by(options: TableOptions) -> dict[str, Any]:

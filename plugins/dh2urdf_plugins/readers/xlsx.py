@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Reader
-from dh2urdf_plugins.readers.xlsx_file.options import XlsxOptions
+from dh2urdf_plugins.readers.options import XlsxOptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -21,8 +21,7 @@ from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parame
 from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
 from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem
-from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame
-from dh2urdf_plugins.transforms.meshes import is_weighed, mesh_solid
+from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -232,7 +231,12 @@ def shape_body(visuals: Sequence[Visual], density: float, joint: str | None = No
     bodies = []
     for visual in visuals:
         shape = visual.geometry
-        body = mesh_solid(shape, density) if isinstance(shape, Mesh) else solid(shape, density)
+        if isinstance(shape, Mesh):
+            from dh2urdf_plugins.transforms.meshes import mesh_solid
+
+            body = mesh_solid(shape, density)
+        else:
+            body = solid(shape, density)
         bodies.append(placed(body, visual.origin.transform))
     try:
         return compound(bodies)

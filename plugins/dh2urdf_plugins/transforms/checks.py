@@ -219,6 +219,11 @@ def is_frame(row: DHRow) -> bool:
     return row.type is JointType.FIXED and not is_column(row.mass) and row.mass == 0.0
 
 
+def is_weighed(row: DHRow) -> bool:
+    """Whether a table says everything about the mass of a link."""
+    return row.mass is not None and row.com is not None and row.inertia is not None
+
+
 def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
     if geometry.shape is not None and geometry.shape not in SHAPES:
         yield Problem(

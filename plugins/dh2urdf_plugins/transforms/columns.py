@@ -15,7 +15,7 @@ from dh2urdf.robot_check import sure_columns
 from dh2urdf_plugins.transforms.checks import sure_tables
 from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.formulas import nameless
-from dh2urdf_plugins.transforms.meshes import mesh_problems
+from dh2urdf_plugins.transforms.robots import of_meshes
 from dh2urdf_plugins.transforms.shapes import remains
 from dh2urdf_plugins.transforms.unused import unused_shapes
 
@@ -35,7 +35,7 @@ def exact_columns(columns: ManipulatorColumns, options: AlphaSwapOptions) -> lis
     """
     import numpy as np
 
-    if mesh_problems(columns.table) or (len(columns) and any(unused_shapes(columns.pick(0), options))):
+    if any(of_meshes(columns.table)) or (len(columns) and any(unused_shapes(columns.pick(0), options))):
         return []
     groups = []
     waiting = [np.flatnonzero(sure_tables(columns))]

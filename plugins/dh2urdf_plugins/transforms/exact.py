@@ -7,7 +7,7 @@ included. `frames` says where everything is; here it becomes joints and bodies.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, greater_of, hypot, smaller_of
@@ -15,11 +15,9 @@ from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
-from dh2urdf_plugins.transforms.bodies.housings import arm_visuals, tube_style
 from dh2urdf_plugins.transforms.checks import is_frame
 from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, settled, standard_frames
-from dh2urdf_plugins.transforms.meshes import mesh_collision, mesh_visual
 from dh2urdf_plugins.transforms.shapes import (
     BASE_COLOUR,
     BASE_WIDTH,
@@ -35,11 +33,15 @@ from dh2urdf_plugins.transforms.shapes import (
 )
 
 if TYPE_CHECKING:
-    from dh2urdf.manipulator import DHRow, Limits, Manipulator
-    from dh2urdf.robot import Robot, Visual
+    from dh2urdf.manipulator import DHRow, Limits, Manipulator, MeshShape
+    from dh2urdf.robot import Material, Robot, Visual
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
     from dh2urdf_plugins.transforms.formulas import Quantities, Symbol
     from dh2urdf_plugins.transforms.frames import Frames, LinkFrame
+
+    Drawn: TypeAlias = tuple[tuple[Visual, ...], tuple[Collision, ...]]
+    Meshes: TypeAlias = tuple[MeshShape | None, MeshShape | None]
 
 
 class Rail(NamedTuple):
@@ -124,6 +126,8 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
     # The offset of a prismatic joint is drawn as the rail that the link before carries.
     segments = [frame.normal] if prismatic else [frame.offset, frame.normal]
     if style.shape == "arm":
+        from dh2urdf_plugins.transforms.bodies.housings import arm_visuals, tube_style
+
         seen, style = arm_visuals(row, frame, style, is_first=is_first), tube_style(style)
     else:
         seen = visuals(segments, style)
@@ -136,10 +140,7 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
     seen, touch = seen + rail.visuals, collisions(segments, style) + rail.collisions
     if is_frame(row):
         seen, touch = rail.visuals, rail.collisions
-    if row.visual:
-        seen = (mesh_visual(row.visual, frame.dh_frame, style.material),)
-    if row.collision:
-        touch = (mesh_collision(row.collision, frame.dh_frame),)
+    seen, touch = _or_meshes((seen, touch), (row.visual, row.collision), frame.dh_frame, style.material)
     return Part(
         row=row,
         limits=limits,
@@ -152,6 +153,17 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
         arm=abs(normal),
         dh_frame=frame.dh_frame,
     )
+
+
+def _or_meshes(drawn: Drawn, meshes: Meshes, dh_frame: RigidTransform, material: Material) -> Drawn:
+    """What is seen of a link, and what touches; the meshes that the table has for these stand in their place."""
+    (seen, touch), (visual, collision) = drawn, meshes
+    if visual or collision:
+        from dh2urdf_plugins.transforms.meshes import mesh_collision, mesh_visual
+
+        seen = (mesh_visual(visual, dh_frame, material),) if visual else seen
+        touch = (mesh_collision(collision, dh_frame),) if collision else touch
+    return seen, touch
 
 
 def _ends(frame: LinkFrame, style: Style, *, offset: bool) -> list[Quantities]:
@@ -199,9 +211,7 @@ def _base(manipulator: Manipulator, frames: Frames, style: Style, rail: Rail, op
     )
     touch = touch if options.base_collision else ()
     dh_frame = settled(manipulator.base) if options.frames == "aligned" else IDENTITY
-    if manipulator.base_visual:
-        seen = (mesh_visual(manipulator.base_visual, dh_frame, BASE_COLOUR),)
-    if manipulator.base_collision:
-        touch = (mesh_collision(manipulator.base_collision, dh_frame),)
+    meshes = manipulator.base_visual, manipulator.base_collision
+    seen, touch = _or_meshes((seen, touch), meshes, dh_frame, BASE_COLOUR)
     place = own.origin(xyz=dh_frame.translation, rpy=dh_frame.rpy)
     return Base(origin=origin(*frames.base), visuals=seen, collisions=touch, dh_frame=place)

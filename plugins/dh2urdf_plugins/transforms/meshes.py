@@ -20,6 +20,7 @@ from dh2urdf.mass_properties import scaled
 from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, file_address, load_scene, read_mesh, to_metres
 from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual
 from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.transforms.checks import is_weighed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -203,11 +204,6 @@ def unplaced_meshes(manipulator: Manipulator) -> Iterator[Problem]:
         if shape := row.visual or row.collision:
             mark = shape.mark or row.mark
             yield Problem(message=message, severity="notice", mark=mark, joint=row.joint, field="visual")
-
-
-def is_weighed(row: DHRow) -> bool:
-    """Whether a table says everything about the mass of a link."""
-    return row.mass is not None and row.com is not None and row.inertia is not None
 
 
 def _shape_problems(shape: MeshShape, field: str, row: DHRow | None, *, weighed: bool) -> Iterator[Problem]:

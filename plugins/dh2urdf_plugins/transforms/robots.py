@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import TransformError
 from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems, with_inertia_floor
 from dh2urdf_plugins.transforms.exact import exact
-from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
 from dh2urdf_plugins.transforms.unused import unused_in_paper, unused_shapes
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
+    from dh2urdf.source import Problem
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 
@@ -31,10 +33,10 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         manipulator, problems = with_split_links(manipulator)
     table = None if manipulator is given else manipulator
     if options.variant == "paper":
-        problems += [*paper_problems(manipulator, options.snap), *unplaced_meshes(manipulator)]
+        problems += [*paper_problems(manipulator, options.snap), *of_meshes(manipulator, placed=False)]
         problems += unused_in_paper(manipulator)
     else:
-        problems += [*mesh_problems(manipulator), *unused_shapes(manipulator, options)]
+        problems += [*of_meshes(manipulator), *unused_shapes(manipulator, options)]
     if any(problem.severity == "error" for problem in problems):
         raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
     if options.variant == "paper":
@@ -46,3 +48,13 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         problems += [*raised, *angle_notices(given)]
     notices = tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems)
     return replace(robot, notices=notices, manipulator=table)
+
+
+def of_meshes(manipulator: Manipulator, *, placed: bool = True) -> Iterable[Problem]:
+    """What is wrong with the meshes of a table; most tables have none."""
+    meshes = [manipulator.base_visual, manipulator.base_collision]
+    if not any(meshes) and not any(row.visual or row.collision for row in manipulator.rows):
+        return ()
+    from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
+
+    return mesh_problems(manipulator) if placed else unplaced_meshes(manipulator)

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
-from dh2urdf_plugins.transforms.checks import row_problem
-from dh2urdf_plugins.transforms.meshes import is_weighed
+from dh2urdf_plugins.transforms.checks import is_weighed, row_problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

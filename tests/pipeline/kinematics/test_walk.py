@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.kinematics import CompiledChain
-from dh2urdf.kinematics.walk.compiled_chain import values_of
-from dh2urdf.kinematics.walk.vectors import STACKS
+from dh2urdf.kinematics.walk import STACKS, values_of
 from dh2urdf.rotations import IDENTITY_ROTATION, ZERO, RigidTransform
 
 if TYPE_CHECKING:

@@ -55,11 +55,17 @@ def _carried(tops: list[str], subs: list[str]) -> list[str]:
     title = ""
     for top, sub in zip(tops, subs, strict=True):
         title = top or title
-        group = read_header(title).field if title and not top and sub else None
-        match = _UNIT.fullmatch(title)
-        part = read_header(sub).field or read_header(f"{match[1] if match else title} {sub}").field
-        carried.append(title if group and part and part.name in group.parts else top)
+        carried.append(title if title and not top and sub and _has_part(title, sub) else top)
     return carried
+
+
+def _has_part(title: str, sub: str) -> bool:
+    """Whether a title is of several fields, and what is below it one of these."""
+    if not (group := read_header(title).field):
+        return False
+    match = _UNIT.fullmatch(title)
+    part = read_header(sub).field or read_header(f"{match[1] if match else title} {sub}").field
+    return part is not None and part.name in group.parts
 
 
 def _joined(top: str, sub: str) -> str:

@@ -66,7 +66,7 @@ def read_header(text: str) -> Header:
     if len(text) > _LONGEST:  # no name of a field, and too long for patterns that look for one
         return Header(None, key_of(text))
     header = _as_written(text)
-    if header.field or header.key in UNHELD or (text.isascii() and "*" not in text) or not _FOOTNOTE.search(text):
+    if header.field or header.key in UNHELD or (text.isascii() and text[-1:] != "*") or not _FOOTNOTE.search(text):
         return header
     without = _as_written(_FOOTNOTE.sub("", text))  # `d¹`, which is no d1
     return without if without.field or without.key in UNHELD else header

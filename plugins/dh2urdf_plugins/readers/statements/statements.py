@@ -8,18 +8,13 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, Payload
+from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, MeshShape, Payload
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, unit_word
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, table_units
-from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader, drawn_or_not
-from dh2urdf_plugins.readers.statements.payloads import PayloadReader
-from dh2urdf_plugins.readers.statements.placements import PLACED, TransformReader
-from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
-from dh2urdf_plugins.readers.statements.unit_words import MEANT_KEYS, words_of_units
 from dh2urdf_plugins.readers.words.cells import Cell, Units
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOICES, convention_of
 
@@ -51,7 +46,7 @@ class Statements:
         base_mass: mass of the base's body [kg]; 0 for none.
         payload: what the arm carries at tool0.
         base_geometry: shape of the base's body.
-        base_meshes: meshes of the base's body.
+        base_meshes: meshes of the base's body: what is seen, and what touches.
         mesh_links: whether meshes may be links out of the table's folder.
         calibration: the file of what is added to the rows.
         visuals: whether links are seen.
@@ -70,7 +65,7 @@ class Statements:
     base_mass: float | None = None
     payload: Payload | None = None
     base_geometry: LinkGeometry = LinkGeometry()
-    base_meshes: Meshes = Meshes()
+    base_meshes: tuple[MeshShape | None, MeshShape | None] = (None, None)
     mesh_links: bool = False
     calibration: CalibrationFile | None = None
     visuals: bool | None = None
@@ -93,8 +88,8 @@ class Statements:
             base_mass=self.base_mass,
             payload=self.payload,
             base_geometry=self.base_geometry,
-            base_visual=self.base_meshes.visual,
-            base_collision=self.base_meshes.collision,
+            base_visual=self.base_meshes[0],
+            base_collision=self.base_meshes[1],
             visuals=self.visuals,
             collisions=self.collisions,
             mark=mark,
@@ -195,6 +190,8 @@ class Statements:
 
     def say_units(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
+        from dh2urdf_plugins.readers.statements.unit_words import MEANT_KEYS, words_of_units
+
         if isinstance(node.value, dict):
             for key, item in node.value.items():
                 if key not in UNIT_KEYS:
@@ -236,6 +233,9 @@ class Statements:
 
     def say_transform(self, node: Node, what: str, add: Callable[[Problem], None]) -> None:
         """Takes `base` or `tool`: a rigid transform, and the base's body."""
+        from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
+        from dh2urdf_plugins.readers.statements.placements import PLACED, TransformReader
+
         body = ("mass", "geometry", *MESH_KEYS) if what == "base" else ()
         transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
         if body:
@@ -273,6 +273,8 @@ class Statements:
 
     def say_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
         """Takes `defaults`: the links' geometry and density."""
+        from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
+
         if not isinstance(node.value, dict):
             message = f"defaults is {node.describe()}"
             add(Problem(message=message, mark=node.mark, field="defaults", accepted="{geometry: …, density: …}"))
@@ -288,6 +290,8 @@ class Statements:
 
     def say_what_is_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
         """Takes `visuals` and `collisions`: all or none."""
+        from dh2urdf_plugins.readers.statements.meshes import drawn_or_not
+
         if node := entries.get("visuals"):
             self.visuals, self.placed["visuals"] = drawn_or_not(node, "visuals", add), node.mark
         if node := entries.get("collisions"):
@@ -297,6 +301,9 @@ class Statements:
         """Takes mass, geometry and meshes of the base's body from `base`."""
         if not isinstance(node.value, dict):
             return
+        from dh2urdf_plugins.readers.statements.meshes import MeshReader
+        from dh2urdf_plugins.readers.statements.shapes import ShapeReader
+
         shapes = ShapeReader(self.units(), add)
         if mass := node.value.get("mass"):
             self._say_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
@@ -312,6 +319,8 @@ class Statements:
 
     def say_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `payload`: what the arm carries at tool0."""
+        from dh2urdf_plugins.readers.statements.payloads import PayloadReader
+
         payload = PayloadReader(self.units(), add).read(node)
         if self.payload is not None and payload is not None and self.payload != payload:
             self._said_twice("payload", node, add)

@@ -18,7 +18,6 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
 )
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import kind_of
-from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, turns
@@ -201,6 +200,8 @@ class TableCells:
 
     def _split(self, cell: Cell, name: str, number: int, reader: RowReader) -> dict[str, Cell]:
         """The cells of the fields that share a cell."""
+        from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, split_cell
+
         parts = split_cell(FIELDS[name], cell.text, decimal_comma=self.columns.decimal_comma)
         if isinstance(parts, dict):
             return {part: cell._replace(text=text) for part, text in parts.items()}

@@ -9,7 +9,6 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField
-from dh2urdf_plugins.readers.words.other_words import OTHER_CONVENTIONS, OTHER_TYPES
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 
 
@@ -330,13 +329,21 @@ def joint_type(text: str) -> JointType | None:
     """The joint type that a word means."""
     word = text.strip().casefold()
     key = key_of(word) if any(map(str.isalpha, word)) else word  # `-1` is not 1
-    return _TYPE_WORDS.get(key) or OTHER_TYPES.get(key)
+    if key in _TYPE_WORDS:
+        return _TYPE_WORDS[key]
+    from dh2urdf_plugins.readers.words.other_words import OTHER_TYPES
+
+    return OTHER_TYPES.get(key)
 
 
 def convention_of(text: str) -> Convention | None:
     """The convention that a word means."""
     key = key_of(text.strip().casefold()).removesuffix("convention")
-    return _CONVENTION_WORDS.get(key) or OTHER_CONVENTIONS.get(key)
+    if key in _CONVENTION_WORDS:
+        return _CONVENTION_WORDS[key]
+    from dh2urdf_plugins.readers.words.other_words import OTHER_CONVENTIONS
+
+    return OTHER_CONVENTIONS.get(key)
 
 
 def flip_of(text: str) -> bool | None:

@@ -156,7 +156,7 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
 
 
 def _or_meshes(drawn: Drawn, meshes: Meshes, dh_frame: RigidTransform, material: Material) -> Drawn:
-    """What is seen of a link, and what touches; the meshes that the table has for these stand in their place."""
+    """What is seen of a link, and what touches: the meshes that the table has for these, else the given shapes."""
     (seen, touch), (visual, collision) = drawn, meshes
     if visual or collision:
         from dh2urdf_plugins.transforms.meshes import mesh_collision, mesh_visual

@@ -181,7 +181,18 @@ def test_a_click_with_shift_and_delete(tab: Any) -> None:
 
 
 def test_all_cells_are_copied(tab: Any) -> None:
+    """With Ctrl+A, or by drawing the mouse over them with its button held."""
     tab.open("scara")
+    tab.cell(0, "a").hover()
+    tab.page.mouse.down()
+    tab.cell(1, "alpha").hover()
+    tab.cell(2, "d").hover()
+    tab.page.mouse.up()
+    tab.cell(3, "joint").hover()
+    assert tab.page.locator(".dh-table .ag-cell.dh-range").count() == 9
+    tab.page.keyboard.press("Control+c")
+    tab.page.wait_for_function("navigator.clipboard.readText().then(text => text.split('\\n').length === 3)")
+    assert tab.page.evaluate("navigator.clipboard.readText()").startswith("0.4\t0\t")
     tab.cell(0, "a").click()
     tab.page.keyboard.press("Control+a")
     tab.page.keyboard.press("Control+c")
@@ -198,6 +209,12 @@ def test_a_header_is_understood(tab: Any) -> None:
     tab.page.get_by_role("button", name="Open it in place of this table").click()
     tab.wait_for_status("2 axes; the arm is the table's")
     assert tab.cells(0, "alpha", "d") == ["90", "120"]
+
+    # A convention that was chosen is that of a pasted table which names none.
+    paste(tab, 0, "a", "a\talpha\td\n0.1\tpi/2\t0.2\n0.3\t0\t0\n0.4\t0\t0\n")
+    tab.page.locator(".q-dialog").get_by_text("clipboard: 3 rows, standard, read as a CSV file is").wait_for()
+    tab.page.get_by_role("button", name="Open it in place of this table").click()
+    tab.wait_for_status("3 axes; the arm is the table's")
 
 
 @pytest.mark.parametrize(
@@ -369,6 +386,26 @@ def test_the_table_is_one_stop(tab: Any) -> None:
     tab.page.keyboard.press("Escape")
     tab.page.wait_for_function("document.activeElement.innerText === 'modified'")  # it is where it was before
 
+    # Where the cursor is, is seen: on buttons, boxes to tick, fields, the scene and sliders.
+    ringless = []
+    tab.page.get_by_role("button", name="undo").focus()
+    for _ in range(60):
+        tab.page.keyboard.press("Tab")
+        name, seen = tab.page.evaluate(
+            """() => {
+                const at = document.activeElement, field = at.closest('.q-field__control, .ag-cell');
+                const ring = getComputedStyle(at), around = field && getComputedStyle(field, field.matches('.q-field__control') ? '::after' : null);
+                const drawn = style => style && (style.outlineStyle === 'solid' || parseFloat(style.borderTopWidth) > 0);
+                return [at.getAttribute('aria-label') || at.innerText, drawn(ring) || drawn(around)];
+            }"""
+        )
+        if not seen:
+            ringless.append(name)
+        if name == "shoulder_pan_joint in rad":
+            break
+    assert name == "shoulder_pan_joint in rad"
+    assert ringless == []
+
 
 def test_row_numbers_are_whole(tab: Any) -> None:
     """Of a hundred rows, the number of the last is not cut."""
@@ -476,6 +513,7 @@ def test_more_axes_than_there_may_be(tab: Any) -> None:
     tab.page.get_by_label("number of axes").fill("1001")
     tab.page.keyboard.press("Enter")
     tab.page.get_by_text("at most 1000 rows: these are the first of 1001").wait_for()
+    assert tab.page.get_by_label("number of axes").evaluate("field => field.scrollWidth <= field.clientWidth")
 
 
 @pytest.mark.parametrize("lengths", [("0.3 mm", "0.1 mm"), ("10", "1"), ("0", "0")])
@@ -524,14 +562,18 @@ def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
 def test_a_tab_that_is_closed_during_a_dialog(
     serving: Callable[..., Any], new_tab: Callable[..., Any], tmp_path: Path
 ) -> None:
-    """Nothing is left to answer: the server forgets the dialog, without a stack trace."""
+    """Nothing is left to answer: the server forgets the dialogs, without a stack trace."""
     errors = tmp_path / "errors.txt"
-    with serving("studio", errors=errors) as address:
-        tab = new_tab(address)
-        page = tab.open()
-        page.get_by_role("button", name="Open", exact=True).click()
-        page.get_by_text("or one of the gallery", exact=True).wait_for()
-        page.close()
+    with serving("studio", TABLES / "ur5.csv", errors=errors) as address:
+        for button, told in (
+            ("Open", "or one of the gallery"),
+            ("deg", "To m and deg"),
+            ("modified", "To the convention"),
+        ):
+            page = new_tab(address).open()
+            page.get_by_role("button", name=button, exact=True).click()
+            page.locator(".q-dialog").get_by_text(told).wait_for()
+            page.close()
         time.sleep(11.0)  # the server waits ten seconds for a tab to come back
     assert errors.read_text("utf-8") == ""
 

@@ -20,6 +20,7 @@ export default {
     <div class="arm-view" role="application" tabindex="0" @keydown="key"
          aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all; 1 is the view from the front, 3 from the right, 7 from above, 9 from a corner">
       <canvas></canvas>
+      <svg class="arm-view-leaders" aria-hidden="true"><path/></svg>
       <div class="arm-view-labels"></div>
       <svg class="arm-view-cross" viewBox="-36 -36 72 72" aria-hidden="true"></svg>
       <div v-if="waiting" class="arm-view-progress">

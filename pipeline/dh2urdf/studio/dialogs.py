@@ -191,7 +191,8 @@ async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:
         else:
             rows = words.count(len(found[0].table.rows), "row", "rows")
             many = f"{len(found)} manipulators" if len(found) > 1 else f"{found[0].table.name}: {rows}"
-            told = f"{many}, read as a CSV file is: its header, units and separators are understood"
+            named = f", {found[0].table.convention}" if found[0].table.convention else ""
+            told = f"{many}{named}, read as a CSV file is: its header, units and separators are understood"
             ui.label(told).classes("studio-status")
             open_it = ui.button("Open it in place of this table", on_click=lambda: dialog.submit("table"))
             open_it.props("unelevated align=left autofocus").classes("studio-choice")

@@ -110,17 +110,18 @@ class StudioPage:
             scene=lambda: self._view,
         )
         self._remark = ui.label().classes("studio-bar studio-remark")
-        self._view = ArmView(
-            on_pick=self._picked_in_scene, on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.warn
-        )
-        self._head.share(self._view)
-        with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
-            ui.html(
-                "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
-                "every row: <code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. "
-                "The arm appears as you type. Or open a table of yours, or one of the gallery.",
-                sanitize=False,
+        with ui.element("div").classes("studio-stage"):
+            self._view = ArmView(
+                on_pick=self._picked_in_scene, on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.warn
             )
+            with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
+                ui.html(
+                    "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
+                    "every row: <code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. "
+                    "The arm appears as you type. Or open a table of yours, or one of the gallery.",
+                    sanitize=False,
+                )
+        self._head.share(self._view)
 
     def _lay_motion(self) -> None:
         with ui.element("div").classes("studio-joints"):
@@ -142,6 +143,8 @@ class StudioPage:
         Args:
             all_cells: whether the cells on the screen may be others than those of the table.
         """
+        if self._view.is_deleted:  # The tab was closed during a dialog.
+            return
         if all_cells:
             self._table.refresh(self.session)
         else:
@@ -226,7 +229,7 @@ class StudioPage:
         session = self.session
         if field not in session.columns:
             return
-        found = pasting.whole_tables(text, session.catalog)
+        found = pasting.whole_tables(text, session.catalog, session.table.convention)
         answer = await dialogs.ask_paste(found) if found else "cells"
         if answer == "cells":
             put = pasting.pasted(session.table, row, field, text, session.columns)

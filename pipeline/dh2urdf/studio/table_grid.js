@@ -94,6 +94,11 @@
     if (size() !== sized && document.querySelector(".dh-table")) emitEvent("dh-text-size");
     sized = size();
   });
+  let resting = 0; // a timer: cells have other margins in a window of another width
+  window.addEventListener("resize", () => {
+    clearTimeout(resting);
+    resting = setTimeout(() => grid && document.querySelector(".dh-table") && dhGrid.widen(grid), 200);
+  });
   const WIDEST = 240; // of a column that holds long texts [px], for text of the usual size
   const MEASURED = 200; // rows whose texts decide on the width of a column
   const pen = document.createElement("canvas").getContext("2d");
@@ -233,6 +238,22 @@
         last = { row, column };
       }
       emitEvent("dh-focus", row);
+      if (event.button === 0 && column !== "number" && event.target.tagName !== "INPUT") this.sweep(api, { row, column });
+    },
+
+    // With the button held, the cells from the one that was pressed to the one below the pointer are chosen.
+    sweep(api, from) {
+      const move = ({ target }) => {
+        const cell = target.closest?.(".dh-table .ag-row .ag-cell"), column = cell?.getAttribute("col-id");
+        if (!cell || column === "number") return;
+        const to = { row: Number(cell.closest(".ag-row").getAttribute("row-index")), column };
+        const now = end ?? from;
+        if (to.row === now.row && to.column === now.column) return;
+        anchor ??= from;
+        extend(api, to);
+      };
+      document.addEventListener("mousemove", move);
+      document.addEventListener("mouseup", () => document.removeEventListener("mousemove", move), { once: true });
     },
 
     // At once for the same reason.

@@ -113,6 +113,9 @@ def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], 
         tab.wait_for_arrow(f"{field} 2", arrows[field])
     page.get_by_text("z1 and z2 are parallel: they have a common normal at every point").wait_for()
     assert strokes_of_normals(page) == {"foot 2": 2, "line": 2}, "a is the normal"
+    frames = """() => [...document.querySelectorAll('.arm-view-frames-label')]
+        .filter(label => label.style.visibility === 'visible').map(label => label.textContent).sort().join()"""
+    page.wait_for_function(f"({frames})() === '{{1}},{{2}}'")  # No other frame is named beside those of the row.
     page.get_by_role("button", name="play").click()
     page.wait_for_function("Number(document.querySelector('.studio-lesson').dataset.progress) < 1")
     tab.wait_for_lesson(4.0)

@@ -72,6 +72,8 @@ def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None
     shown = [float(box(tab, name).input_value()) for name in ("x", "y", "z", "roll", "pitch", "yaw")]
     assert np.abs(shown[:3] - there[:3, 3]).max() < 1e-6
     assert np.abs(Rotation.from_euler("xyz", shown[3:]).as_matrix() - there[:3, :3]).max() < 5e-6
+    whole = "() => [...document.querySelectorAll('.studio-target-box input')].every(box => box.scrollWidth <= box.clientWidth)"
+    tab.page.wait_for_function(whole)
     put_pose(tab)
     assert box(tab, "x").input_value() == "0.35"
     assert np.abs(matrix_of(tab, arm)[:3, 3] - (0.35, -0.2, 0.4)).max() < 5e-4  # sliders have four digits
@@ -82,8 +84,16 @@ def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: 
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
     put(tab, "x", "far away")
     tab.page.locator(".studio-target-answer", has_text="x: 'far away'").wait_for(timeout=5000)
+    tab.page.evaluate(
+        """() => {
+            const answer = document.querySelector('.studio-target-answer');
+            window.answers = [];
+            new MutationObserver(() => answers.push(answer.innerText)).observe(answer, {childList: true, characterData: true, subtree: true});
+        }"""
+    )
     put(tab, "x", "3")
     tab.page.get_by_text("The arm cannot reach this pose").wait_for()
+    assert tab.page.evaluate("answers[0]") == "searching …"
     words = tab.page.locator(".studio-target-answer").inner_text()
     told = float(words.split("tool0 is ")[1].split(" mm")[0])
     assert told == pytest.approx(1000.0 * abs(3.0 - matrix_of(tab, arm)[0, 3]), rel=0.1)

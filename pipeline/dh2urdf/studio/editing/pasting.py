@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
@@ -89,8 +90,13 @@ def _decimal(lines: Sequence[str]) -> bool:
     return all(_DECIMAL_COMMA.fullmatch(line.strip()) for line in lines)
 
 
-def whole_tables(text: str, catalog: Catalog) -> tuple[Opened, ...] | str:
+def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Opened, ...] | str:
     """The tables of a pasted text that begins with comments or a header, as the reader of CSV files reads them.
+
+    Args:
+        text: the text.
+        catalog: the installed stages.
+        convention: the convention of a table that names none.
 
     Returns:
         The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
@@ -99,7 +105,13 @@ def whole_tables(text: str, catalog: Catalog) -> tuple[Opened, ...] | str:
         return ()
     if any(line.lstrip().startswith("|") for line in text.splitlines()):
         text = "\n".join("\t".join(row) for row in cells_of(text)) + "\n"
-    return tables_of("clipboard.csv", text.encode(), catalog)
+    found = tables_of("clipboard.csv", text.encode(), catalog)
+    if isinstance(found, str):
+        return found
+    return tuple(
+        opened if opened.table.convention else opened._replace(table=replace(opened.table, convention=convention))
+        for opened in found
+    )
 
 
 def has_header(text: str) -> bool:

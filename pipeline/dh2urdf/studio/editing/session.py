@@ -264,8 +264,8 @@ class Session:
 
     @property
     def shown_layers(self) -> frozenset[str]:
-        """What is shown: the layers that were chosen, and the parameters of a row that is explained."""
-        return self.layers if self.lesson is None else self.layers | {"parameters"}
+        """What is shown: the layers that were chosen, and what belongs to a row that is explained."""
+        return self.layers if self.lesson is None else self.layers | {"parameters", "lesson"}
 
     @property
     def explained_row(self) -> int | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,7 @@ TURNS = {"roll, pitch, yaw": ("roll", "pitch", "yaw"), "quaternion": ("qx", "qy"
 _BARE = Unit(symbol="", dimension=Dimension.NUMBER)
 _DIGITS = 6
 _NO_LENGTH = 1e-9  # of a quaternion
+_PATIENCE = 0.2  # of a person who waits for an answer [s]
 
 
 class TargetPanel:
@@ -156,7 +158,7 @@ class TargetPanel:
         number = self._searches
         try:
             pose = self._pose()
-            found = await run.io_bound(inverse_kinematics, arm.manipulator, pose, self._start(arm.manipulator))
+            found = await self._search(arm.manipulator, pose)
         except (QuantityError, InputError) as error:
             self._answer.set_text(": ".join([*getattr(error, "__notes__", ()), str(error)]))
             return
@@ -165,6 +167,16 @@ class TargetPanel:
             self._keeps_texts = not found.reached
             self._take(arm.manipulator, found)
             self._keeps_texts = False
+
+    async def _search(self, arm: Manipulator, pose: RigidTransform) -> InverseSolution | None:
+        """The nearest pose of the arm; the panel says that it is searched for where that takes a while."""
+        search: asyncio.Future[InverseSolution | None] = asyncio.ensure_future(
+            run.io_bound(inverse_kinematics, arm, pose, self._start(arm))
+        )
+        done, _ = await asyncio.wait({search}, timeout=_PATIENCE)
+        if not done:
+            self._answer.set_text("searching …")
+        return await search
 
     def drag(self, place: Vec3, *, begins: bool) -> None:
         """Follow the handle: tool0 comes to a place [m], turned as it was when the handle was taken."""

@@ -33,6 +33,8 @@ export const pictures = {
     this.ground.visible = true;
     pen.scale(sheet.width / width, sheet.height / height);
     pen.textBaseline = "middle";
+    pen.strokeStyle = styled("soft");
+    pen.stroke(new Path2D(this.leaders));
     const origin = this.$el.getBoundingClientRect();
     for (const label of this.sheet.children) {
       const style = getComputedStyle(label), box = label.getBoundingClientRect();

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics import KinematicChain, link_poses
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf_plugins.descriptions.foreign import foreign_sdf
 from dh2urdf_plugins.read_back.sdf_reader import parse_sdf, read_sdf
 
 if TYPE_CHECKING:
@@ -64,7 +66,9 @@ def drake_frames(path: Path) -> Any:
     def frame(values: dict[str, float], name: str) -> np.ndarray:
         for joint, value in values.items():
             plant.SetPositions(context, joint_vector(plant, context, joint, value))
-        return np.array(plant.GetFrameByName(name).CalcPoseInWorld(context).GetAsMatrix4())
+        inner, _, own = name.rpartition("::")
+        named = (own, plant.GetModelInstanceByName(f"m::{inner}")) if inner else (name,)
+        return np.array(plant.GetFrameByName(*named).CalcPoseInWorld(context).GetAsMatrix4())
 
     return frame
 
@@ -91,6 +95,86 @@ def test_frames_are_where_drake_has_them(tmp_path: Path) -> None:
             T = frame(values, name)
             assert np.abs(T[:3, :3].ravel() - pose.rotation).max() < 1e-13
             assert np.abs(T[:3, 3] - pose.translation).max() < 1e-13
+
+
+TURNED = "<pose>1 0 0 1.2 0.3 0.4</pose>"
+ABOUT_Z = "<axis><xyz>0 0 1</xyz>{}</axis></joint>"
+OTHERS = {
+    "degrees": f'<sdf version="1.9"><model name="m"><link name="a"/><link name="b"><pose degrees="true">1 0 0 90 20 0</pose>'
+    f'</link><joint name="j" type="revolute"><parent>a</parent><child>b</child>{ABOUT_Z}</model></sdf>',
+    "quaternion": '<sdf version="1.9"><model name="m"><link name="a"/><link name="b"><pose rotation_format="quat_xyzw">1 2 3 '
+    f'0.5 0.5 -0.5 0.5</pose></link><joint name="j" type="revolute"><parent>a</parent><child>b</child>{ABOUT_Z}</model></sdf>',
+    "axis in the model": f'<sdf version="1.6"><model name="m"><link name="a"/><link name="b">{TURNED}</link>'
+    '<joint name="j" type="revolute"><parent>a</parent><child> b </child>'
+    f"{ABOUT_Z.format('<use_parent_model_frame>1</use_parent_model_frame>')}</model></sdf>",
+    "before 1.5": f'<sdf version="1.4"><model name="m"><link name="a"/><link name="b">{TURNED}</link>'
+    f'<joint name="j" type="revolute"><parent>a</parent><child>b</child>{ABOUT_Z}</model></sdf>',
+    "child that is a frame": '<sdf version="1.9"><model name="m"><frame name="fa" attached_to="a"><pose>0 0 0.5 0 0 1</pose>'
+    '</frame><frame name="fb" attached_to="b"><pose>0 0.1 0 0.1 0.2 0.3</pose></frame><link name="a"/><link name="b">'
+    f'{TURNED}</link><joint name="j" type="revolute"><pose>0.1 0.2 0.3 0.4 0.5 0.6</pose><parent>fa</parent>'
+    '<child>fb</child><axis><xyz expressed_in="__model__">0 0 1</xyz></axis></joint></model></sdf>',
+    "models in models": '<sdf version="1.9"><model name="m"><link name="a"/><model name="n"><pose relative_to="a">1 2 3 0 0 1'
+    '</pose><link name="c"/><frame name="f"><pose>0 0 1 0 1 0</pose></frame><model name="deep"><link name="b">'
+    f'{TURNED}</link></model><joint name="k" type="fixed"><parent>deep::b</parent><child>c</child></joint></model>'
+    '<joint name="j" type="revolute"><pose relative_to="n::f"/><parent>a</parent><child>n::deep::b</child>'
+    '<axis><xyz expressed_in="n">0 0.6 0.8</xyz></axis></joint></model></sdf>',
+    "placed by a frame": f'<sdf version="1.9"><model name="m" placement_frame="b"><pose>1 2 3 0.1 0.2 0.3</pose><link name="a"/>'
+    f'<link name="b">{TURNED}</link><joint name="w" type="fixed"><parent>world</parent><child>a</child></joint>'
+    f'<joint name="j" type="revolute"><parent>a</parent><child>b</child>{ABOUT_Z}</model></sdf>',
+}
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_what_versions_and_makers_write_is_where_drake_has_it(tmp_path: Path, case: str) -> None:
+    """Each was read as another arm, or lost a joint, or was refused."""
+    path = tmp_path / "m.sdf"
+    path.write_text(OTHERS[case].replace("<axis><xyz>0 0 1</xyz>{}", "<axis><xyz>0 0 1</xyz>"))
+    frame, robot = drake_frames(path), read_sdf(path)
+    links = [link.name for link in robot.links if link.name in {"a", "b", "n::c", "n::deep::b"}]
+    for value in (0.0, 0.4, -0.7):
+        poses = {name: as_matrices(pose) for name, pose in link_poses(robot, {"j": value}).items()}
+        for name in links:
+            ours, theirs = (poses["a"], poses[name]), (frame({"j": value}, "a"), frame({"j": value}, name))
+            apart = [np.linalg.solve(first, second) for first, second in (ours, theirs)]
+            assert apart[0] == pytest.approx(apart[1], abs=1e-12)
+    assert [joint.name for joint in robot.moving_joints] == ["j"]
+    if case == "placed by a frame":
+        assert as_matrices(link_poses(robot, {"j": 0.3})["b"]) == pytest.approx(frame({"j": 0.3}, "b"), abs=1e-12)
+
+
+def test_what_a_robot_has_no_place_for_is_noticed(tmp_path: Path) -> None:
+    """Shapes, other models, included ones; a capsule is a cylinder and two balls, and a ball joint is drawn as fixed."""
+    shapes = "".join(
+        f'<visual name="v{number}"><pose>0 0 1 0 0 0</pose><geometry>{shape}</geometry></visual>'
+        for number, shape in enumerate(
+            (
+                "<plane><normal>0 0 1</normal></plane>",
+                "<plane><normal>0 0 1</normal></plane>",
+                "<capsule><radius>0.1</radius><length>0.4</length></capsule>",
+                "<empty/>",
+            )
+        )
+    )
+    path = tmp_path / "m.sdf"
+    path.write_text(
+        f'<sdf version="1.9"><world name="w"><model name="m"><link name="a">{shapes}</link><link name="b"/>'
+        '<joint name="j" type="ball"><parent>a</parent><child>b</child></joint>\n<include><uri>model://x</uri></include>'
+        '<joint name="again" type="fixed"><parent>world</parent><child>b</child></joint></model>\n<model name="o"><link name="c"/></model></world></sdf>'
+    )
+    found = foreign_sdf(path)
+    assert found.loose == {"j": "ball"}
+    a = next(link for link in found.robot.links if link.name == "a")
+    assert [(type(shape.geometry), shape.origin.xyz[2]) for shape in a.visuals] == [
+        (Cylinder, 1.0),
+        (Sphere, 1.2),
+        (Sphere, 0.8),
+    ]
+    assert [(notice.message, notice.mark and notice.mark.line) for notice in found.notices] == [
+        ("a model besides the first one is left out", 3),
+        ("an included model is left out", 2),
+        ("a second joint of a link is left out", 2),
+        ("a shape 'plane' is left out, in 2 places (lines 1, 1)", 1),
+    ]
 
 
 def test_a_frame_may_be_attached_to_a_frame() -> None:

@@ -101,7 +101,12 @@ def sdf_description(path: Path) -> Description:
         TableError: it cannot be read, or holds no model.
     """
     content = read_bytes(path, TableError, limit=LARGEST)
-    return _described(content, path, str(path), _Format(tree_of, sdf_reader.robot_of, _sdf_extras))
+    return _described(
+        content,
+        path,
+        str(path),
+        _Format(tree_of, lambda root, file: sdf_reader.model_of(root, file).robot, _sdf_extras),
+    )
 
 
 def mjcf_description(path: Path) -> Description:
@@ -203,9 +208,10 @@ def _number(text: str) -> float:
 
 
 def _sdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
-    for joint in root.iter("joint"):
-        if (mimic := joint.find("axis/mimic")) is not None:
-            extras.followers[joint.get("name", "")] = _sdf_follower(mimic)
+    model = sdf_reader.model_of(root, extras.file)
+    extras.loose.update(model.loose)
+    extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
+    extras.followers.update({name: _sdf_follower(mimic) for name, mimic in model.mimics.items()})
     meant = deepcopy(root)
     for pose in meant.iter("pose"):
         words, found = repaired(pose.text or "", pose.sourceline, first=3)  # type: ignore[arg-type]  # wrong in the stubs

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Mesh, Origin, Sphere, Visual
 from dh2urdf.rotations import (
-    IDENTITY,
     IDENTITY_ROTATION,
     ZERO,
     RigidTransform,
@@ -21,6 +20,7 @@ from dh2urdf.rotations import (
     transpose,
 )
 from dh2urdf.source import shown
+from dh2urdf_plugins.read_back.capsules import Placed, capsule
 from dh2urdf_plugins.read_back.mjcf_elements import z_rotation
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from lxml import etree
 
-    from dh2urdf.robot import Geometry
     from dh2urdf_plugins.read_back.mjcf_elements import Elements
 
 _GRAY = (0.5, 0.5, 0.5, 1.0)
@@ -58,13 +57,6 @@ class Geom(NamedTuple):
     kind: str
     size: Vec3
     pose: RigidTransform
-
-
-class Placed(NamedTuple):
-    """A part of a shape, and where it is in the frame of the shape."""
-
-    geometry: Geometry
-    pose: RigidTransform = IDENTITY
 
 
 class Shapes:
@@ -132,8 +124,7 @@ class Shapes:
             case "sphere":
                 return [Placed(Sphere(radius=x))]
             case "capsule":
-                ends = [RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, end)) for end in (y, -y)]
-                return [Placed(Cylinder(radius=x, length=2.0 * y)), *(Placed(Sphere(radius=x), end) for end in ends)]
+                return capsule(x, 2.0 * y)
             case "ellipsoid" if x == y == z:
                 return [Placed(Sphere(radius=x))]
         self._elements.not_read(geom.element, f"a shape {shown(geom.kind)}")

@@ -11,7 +11,7 @@ posed relative to it hangs below it. A joint apart from its child's origin gets 
 
 from __future__ import annotations
 
-from math import isnan
+from copy import deepcopy
 from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
@@ -19,21 +19,53 @@ from lxml import etree
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
-from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, multiply, rotate, transpose
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    Z_AXIS,
+    RigidTransform,
+    multiply,
+    rotate,
+    transpose,
+)
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.read_back.capsules import Placed, capsule
+from dh2urdf_plugins.read_back.sdf_elements import SdfElements, origin_of
+from dh2urdf_plugins.read_back.sdf_nesting import MODEL, WORLD, flatten
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Geometry
 
-WORLD, MODEL = "world", "__model__"
 UNLIMITED = 1e16
 """A limit from which on SDF means that there is none [rad or m]."""
 
 _JOINT_TYPES = {kind.value: kind for kind in JointType}
+_LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal")
+"""Joints that no table has."""
+_NOT_READ = ("cone", "ellipsoid", "heightmap", "image", "plane", "polyline")
+"""Shapes that a robot has no place for."""
+_IN_MODEL = (1, 5)
+"""Before this version, the axis of a joint is in the frame of the model."""
+
+
+class Model(NamedTuple):
+    """What is in an SDF.
+
+    Attributes:
+        robot: the links and joints of its first model; joints that no table has are fixed in it.
+        mimics: how joints follow others, by their names.
+        loose: the types of those joints, by name.
+        unread: what could not be read, by the words for it: the places.
+    """
+
+    robot: Robot
+    mimics: Mapping[str, etree._Element]
+    loose: Mapping[str, str]
+    unread: Mapping[str, Sequence[Mark]]
 
 
 def read_sdf(path: Path) -> Robot:
@@ -53,21 +85,45 @@ def parse_sdf(content: bytes, file: str) -> Robot:
         file: what messages call it.
 
     Raises:
-        ProofError: the text holds no model of a manipulator.
+        ProofError: the text holds no model of a manipulator, or something in it cannot be read.
     """
-    return robot_of(tree_of(content, file), file)
+    model = model_of(tree_of(content, file), file)
+    if model.loose:
+        name, kind = next(iter(model.loose.items()))
+        raise ProofError(
+            _not_of_a_manipulator(kind, next(each.mark for each in model.robot.joints if each.name == name))
+        )
+    if model.unread:
+        what, (mark, *_) = next(iter(model.unread.items()))
+        raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
+    return model.robot
 
 
-def robot_of(root: etree._Element, file: str) -> Robot:
-    """The robot of the first model in a tree of elements.
+def read_model(path: Path) -> Model:
+    """The first model of an SDF file of any origin.
 
     Raises:
-        ProofError: the elements hold no model of a manipulator.
+        ProofError: the file cannot be read, or holds no model of a robot.
     """
-    model = root.find(".//model") if root.tag == "sdf" else None
-    if model is None:
+    return model_of(tree_of(content_of(path), str(path)), str(path))
+
+
+def model_of(root: etree._Element, file: str) -> Model:
+    """The first model in a tree of elements.
+
+    Raises:
+        ProofError: the elements hold no model of a robot.
+    """
+    models = [*root.iterchildren("model"), *root.iterfind("world/model")] if root.tag == "sdf" else []
+    if not models:
         raise ProofError(Problem(message="there is no model in it", mark=Mark(file=file)))
-    return _Reader(model, file).robot()
+    is_nested = any(model.find("model") is not None for model in models)
+    return _Reader(deepcopy(root) if is_nested else root, file).model()
+
+
+def _not_of_a_manipulator(kind: str, mark: Mark | None) -> Problem:
+    accepted = ", ".join(_JOINT_TYPES)
+    return Problem(message=f"joint type {shown(kind)} is not one of a manipulator", accepted=accepted, mark=mark)
 
 
 class _Place(NamedTuple):
@@ -86,45 +142,66 @@ class _Place(NamedTuple):
     moves_with: str
 
 
-class _Reader:
-    """Reads one model."""
+class _Reader(SdfElements):
+    """Reads the first model of one tree; where models are nested, it changes the tree."""
 
-    def __init__(self, model: etree._Element, file: str) -> None:
-        self._model, self._file = model, file
+    def __init__(self, root: etree._Element, file: str) -> None:
+        super().__init__(file)
+        self._loose: dict[str, str] = {}
+        self._model, *others = [*root.iterchildren("model"), *root.iterfind("world/model")]
+        for other in others:
+            self.not_read(other, "a model besides the first one")
+        for include in (*self._model.iter("include"), *root.iterfind("world/include")):
+            self.not_read(include, "an included model")
+        flatten(self._model, lambda inner: self.not_read(inner, "a nested model that is placed by one of its frames"))
+        version = [int(word) for word in (root.get("version") or "").split(".") if word.isdecimal()]
+        self._axes_in_model = bool(version) and tuple(version) < _IN_MODEL
         self._places = {
-            self._name(element): self._place(element)
+            self.name(element): self._place(element)
             for tag in ("link", "joint", "frame")
-            for element in model.iterchildren(tag)
+            for element in self._model.iterchildren(tag)
         }
-        self._joint_to = {self._word(joint, "child"): joint for joint in model.iterchildren("joint")}
+        # A joint holds the link that its child is, or is rigidly joined to.
+        self._joint_to: dict[str, etree._Element] = {}
+        for joint in self._model.iterchildren("joint"):
+            if self._joint_to.setdefault(self._body(self.word(joint, "child")), joint) is not joint:
+                self.not_read(joint, "a second joint of a link")
+        self._stands = self.pose(self._model)
+        if placed := self._model.get("placement_frame"):
+            self._stands = self._stands @ self._at_rest(placed).inverse
 
-    def robot(self) -> Robot:
+    def model(self) -> Model:
         links, joints = [Link(name=WORLD)], []
         for element in self._model.iterchildren("link", "frame"):
             held = self._held(element)
             links += [Link(name=joint.child) for joint in held[:-1]]
-            links.append(self._link(element) if element.tag == "link" else Link(name=self._name(element)))
+            links.append(self._link(element) if element.tag == "link" else Link(name=self.name(element)))
             joints += held
-        return Robot(name=self._name(self._model), links=tuple(links), joints=tuple(joints))
+        robot = Robot(name=self.name(self._model), links=tuple(links), joints=tuple(joints))
+        joints_of_model = self._model.iterchildren("joint")
+        found = {
+            self.name(joint): mimic for joint in joints_of_model if (mimic := joint.find("axis/mimic")) is not None
+        }
+        return Model(robot, found, self._loose, self.unread)
 
     # Frames
 
     def _place(self, element: etree._Element) -> _Place:
         # A link has no such attribute, and is placed in the model; so is a frame that has none.
-        moves_with = self._word(element, "child") if element.tag == "joint" else element.get("attached_to") or MODEL
+        moves_with = self.word(element, "child") if element.tag == "joint" else element.get("attached_to") or MODEL
         pose = element.find("pose")
         named = None if pose is None else pose.get("relative_to")
-        return _Place(element.tag, named or moves_with, self._pose(element), moves_with)
+        return _Place(element.tag, named or moves_with, self.pose(element), moves_with)
 
     def _held(self, element: etree._Element) -> list[Joint]:
         """The joints, one after the other, that hold a link or frame."""
-        name = self._name(element)
+        name = self.name(element)
         place, joint = self._places[name], self._joint_to.get(name)
         if element.tag == "frame" or joint is None:  # What nothing holds is in the model, and that in the world.
             body = self._body(name) if element.tag == "frame" else WORLD
             return [self._fixed(name, self._holder(place, body))]
-        holder = self._holder(place, self._body(self._word(joint, "parent")))
-        joint_name = self._name(joint)
+        holder = self._holder(place, self._body(self.word(joint, "parent")))
+        joint_name = self.name(joint)
         to_link = self._between(joint_name, name)
         if to_link == IDENTITY:
             return [self._joint(joint, name, holder, self._between(holder, name))]
@@ -132,7 +209,7 @@ class _Reader:
         return [self._joint(joint, moved, holder, self._between(holder, joint_name)), self._fixed(name, moved, to_link)]
 
     def _fixed(self, name: str, holder: str, pose: RigidTransform | None = None) -> Joint:
-        origin = _origin(pose or self._between(holder, name))
+        origin = origin_of(pose or self._between(holder, name))
         return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=origin)
 
     def _holder(self, place: _Place, body: str) -> str:
@@ -148,12 +225,17 @@ class _Reader:
             if place.kind == "link":
                 return way[-1]
             if place.moves_with in way:
-                raise self._error(self._model, f"frame {shown(place.moves_with)} is attached to itself")
+                raise self.error(self._model, f"frame {shown(place.moves_with)} is attached to itself")
             way.append(place.moves_with)
         return WORLD
 
     def _between(self, base: str, name: str) -> RigidTransform:
         """The pose of one frame in another at q = 0; where it is written so, without a rounding."""
+        if base == WORLD and self._stands != IDENTITY:
+            return self._stands @ self._between(MODEL, name)
+        if name in (WORLD, MODEL):
+            out = self._stands.inverse if name == WORLD else IDENTITY
+            return self._at_rest(base).inverse @ out
         place = self._known(name)
         if place.reference == base or {place.reference, base} <= {WORLD, MODEL}:
             return place.pose
@@ -167,49 +249,58 @@ class _Reader:
         while way[-1] not in {WORLD, MODEL}:
             place = self._known(way[-1])
             if place.reference in way:
-                raise self._error(self._model, f"the pose of {shown(place.reference)} is relative to itself")
+                raise self.error(self._model, f"the pose of {shown(place.reference)} is relative to itself")
             pose = place.pose @ pose
             way.append(place.reference)
         return pose
 
     def _known(self, name: str) -> _Place:
         if name not in self._places:
-            raise self._error(self._model, f"there is no link, joint or frame {shown(name)}")
+            raise self.error(self._model, f"there is no link, joint or frame {shown(name)}")
         return self._places[name]
 
     # Links and joints
 
     def _joint(self, element: etree._Element, child: str, parent: str, pose: RigidTransform) -> Joint:
         word = element.get("type", "")
-        kind = _JOINT_TYPES.get(word)
+        kind = JointType.FIXED if word in _LOOSE else _JOINT_TYPES.get(word)
         if kind is None:
-            raise self._error(element, f"joint type {shown(word)} is not one of a manipulator", ", ".join(_JOINT_TYPES))
+            raise ProofError(_not_of_a_manipulator(word, self.mark(element)))
+        if word in _LOOSE:
+            self._loose[self.name(element)] = word
         limits = {name: self._limit(element, name) for name in ("lower", "upper", "velocity", "effort")}
         if kind is JointType.REVOLUTE and limits["lower"] is None and limits["upper"] is None:
             kind = JointType.CONTINUOUS
         axis = Z_AXIS
         if kind is not JointType.FIXED:
-            x, y, z = self._numbers(element, "axis/xyz", 3, Z_AXIS)
+            x, y, z = self.numbers(element, "axis/xyz", 3, Z_AXIS)
             axis = (x, y, z)
-            expressed_in = element.find("axis/xyz")
-            if expressed_in is not None and (frame := expressed_in.get("expressed_in")):
-                axis = rotate(self._between(self._name(element), frame).rotation, axis)
+            if (frame := self._frame_of_axis(element)) is not None:
+                axis = rotate(self._between(self.name(element), frame).rotation, axis)
         return Joint(
-            name=self._name(element),
+            name=self.name(element),
             type=kind,
             parent=parent,
             child=child,
-            origin=_origin(pose),
+            origin=origin_of(pose),
             axis=axis,
             limits=Limits(**limits),
-            damping=self._optional(element, "axis/dynamics/damping"),
-            friction=self._optional(element, "axis/dynamics/friction"),
-            mark=self._mark(element),
+            damping=self.optional(element, "axis/dynamics/damping"),
+            friction=self.optional(element, "axis/dynamics/friction"),
+            mark=self.mark(element),
         )
+
+    def _frame_of_axis(self, joint: etree._Element) -> str | None:
+        """The frame that the axis of a joint is given in; None for that of the joint."""
+        xyz = joint.find("axis/xyz")
+        if xyz is not None and (frame := xyz.get("expressed_in")):
+            return frame
+        in_model = (joint.findtext("axis/use_parent_model_frame") or "").strip().lower() in {"1", "true"}
+        return MODEL if in_model or self._axes_in_model else None
 
     def _limit(self, joint: etree._Element, name: str) -> float | None:
         """A limit; None where there is none: no word of it, an endless one, or the −1 of an endless effort or speed."""
-        value = self._optional(joint, f"axis/limit/{name}")
+        value = self.optional(joint, f"axis/limit/{name}")
         if value is None or abs(value) >= UNLIMITED or (value < 0 and name in {"velocity", "effort"}):
             return None
         return value
@@ -219,27 +310,31 @@ class _Reader:
         # SDF gives a link without mass properties 1 kg, and 1 kg·m² about each axis.
         unsaid = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
         return Link(
-            name=self._name(element),
+            name=self.name(element),
             inertial=unsaid if inertial is None else self._inertial(inertial),
             visuals=tuple(
-                Visual(geometry=self._geometry(shape), origin=self._shape_origin(shape), material=self._material(shape))
+                Visual(geometry=geometry, origin=origin, material=self._material(shape))
                 for shape in element.iterchildren("visual")
+                for geometry, origin in self._placed(shape)
             ),
             collisions=tuple(
-                Collision(geometry=self._geometry(shape), origin=self._shape_origin(shape))
+                Collision(geometry=geometry, origin=origin)
                 for shape in element.iterchildren("collision")
+                for geometry, origin in self._placed(shape)
             ),
         )
 
     def _inertial(self, element: etree._Element) -> Inertial:
-        ixx, iyy, izz = (self._numbers(element, f"inertia/{name}", 1, (1.0,))[0] for name in ("ixx", "iyy", "izz"))
-        ixy, ixz, iyz = (self._numbers(element, f"inertia/{name}", 1, (0.0,))[0] for name in ("ixy", "ixz", "iyz"))
-        R, com = self._pose(element)
+        if element.get("auto") == "true":
+            self.not_read(element, "a mass that follows from shapes")
+        ixx, iyy, izz = (self.numbers(element, f"inertia/{name}", 1, (1.0,))[0] for name in ("ixx", "iyy", "izz"))
+        ixy, ixz, iyz = (self.numbers(element, f"inertia/{name}", 1, (0.0,))[0] for name in ("ixy", "ixz", "iyz"))
+        R, com = self.pose(element)
         if R != IDENTITY_ROTATION:  # Turn the tensor into axes that are parallel to the link's: R I R^T.
             turned = multiply(multiply(R, (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)), transpose(R))
             ixx, ixy, ixz, _, iyy, iyz, _, _, izz = turned
         return Inertial(
-            mass=self._numbers(element, "mass", 1, (1.0,))[0],
+            mass=self.numbers(element, "mass", 1, (1.0,))[0],
             com=com,
             inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz),
         )
@@ -247,83 +342,44 @@ class _Reader:
     def _shape_origin(self, element: etree._Element) -> Origin:
         pose = element.find("pose")
         reference = None if pose is None else pose.get("relative_to")
-        link = self._name(element.getparent())  # type: ignore[arg-type]  # it has one
+        link = self.name(element.getparent())  # type: ignore[arg-type]  # it has one
         if reference is None or reference == link:
-            return self._origin(element)
-        return _origin(self._between(link, reference) @ self._pose(element))
+            return self.origin(element)
+        return origin_of(self._between(link, reference) @ self.pose(element))
 
     def _material(self, element: etree._Element) -> Material | None:
         """The colour of a shape; colours have no names in SDF."""
         if element.find("material/diffuse") is None:
             return None
-        r, g, b, a = self._numbers(element, "material/diffuse", 4)
+        r, g, b, a = self.numbers(element, "material/diffuse", 4)
         return Material(name="", rgba=(r, g, b, a))
 
-    def _geometry(self, element: etree._Element) -> Geometry:
+    def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
+        """The parts of a shape, and where they are in the link."""
+        origin = self._shape_origin(element)
+        for geometry, pose in self._parts(element):
+            yield geometry, origin if pose == IDENTITY else origin_of(origin.transform @ pose)
+
+    def _parts(self, element: etree._Element) -> list[Placed]:
         geometry = element.find("geometry")
         shape = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
         if shape is not None:
             match shape.tag:
                 case "box":
-                    x, y, z = self._numbers(shape, "size", 3)
-                    return Box(size=(x, y, z))
+                    x, y, z = self.numbers(shape, "size", 3)
+                    return [Placed(Box(size=(x, y, z)))]
                 case "cylinder":
-                    (radius,), (length,) = self._numbers(shape, "radius", 1), self._numbers(shape, "length", 1)
-                    return Cylinder(radius=radius, length=length)
+                    (radius,), (length,) = self.numbers(shape, "radius", 1), self.numbers(shape, "length", 1)
+                    return [Placed(Cylinder(radius=radius, length=length))]
                 case "sphere":
-                    return Sphere(radius=self._numbers(shape, "radius", 1)[0])
+                    return [Placed(Sphere(radius=self.numbers(shape, "radius", 1)[0]))]
                 case "mesh":
-                    x, y, z = self._numbers(shape, "scale", 3, (1.0, 1.0, 1.0))
-                    return Mesh(filename=self._word(shape, "uri"), scale=(x, y, z))
-        raise self._error(element, "the geometry has no known shape", "box, cylinder, sphere, mesh")
-
-    # Words and numbers
-
-    def _name(self, element: etree._Element) -> str:
-        name = element.get("name")
-        if name is None:
-            raise self._error(element, f"{element.tag} lacks a name")
-        return name
-
-    def _word(self, element: etree._Element, tag: str) -> str:
-        text = element.findtext(tag)
-        if text is None:
-            raise self._error(element, f"{element.tag} lacks {tag}")
-        return text
-
-    def _pose(self, element: etree._Element) -> RigidTransform:
-        return self._origin(element).transform
-
-    def _origin(self, element: etree._Element) -> Origin:
-        x, y, z, roll, pitch, yaw = self._numbers(element, "pose", 6, (0.0,) * 6)
-        return Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
-
-    def _optional(self, element: etree._Element, path: str) -> float | None:
-        return None if element.find(path) is None else self._numbers(element, path, 1)[0]
-
-    def _numbers(
-        self, element: etree._Element, path: str, count: int, default: Sequence[float] | None = None
-    ) -> Sequence[float]:
-        found = element.find(path)
-        if found is None and default is not None:
-            return default
-        text = (found.text if found is not None else None) or ""
-        try:
-            numbers = [float(word) for word in text.split()]
-        except ValueError:
-            numbers = []
-        # `float` also takes 1_000 and nan; inf is a limit that there is none.
-        if len(numbers) != count or "_" in text or any(map(isnan, numbers)):
-            wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
-            raise self._error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
-        return numbers
-
-    def _mark(self, element: etree._Element) -> Mark:
-        return Mark(file=self._file, line=element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
-
-    def _error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
-        return ProofError(Problem(message=message, accepted=accepted, mark=self._mark(element)))
-
-
-def _origin(pose: RigidTransform) -> Origin:
-    return Origin(xyz=pose.translation, rpy=pose.rpy)
+                    x, y, z = self.numbers(shape, "scale", 3, (1.0, 1.0, 1.0))
+                    return [Placed(Mesh(filename=self.word(shape, "uri"), scale=(x, y, z)))]
+                case "capsule":
+                    return capsule(self.numbers(shape, "radius", 1)[0], self.numbers(shape, "length", 1)[0])
+                case word if word in (*_NOT_READ, "empty"):
+                    if word != "empty":
+                        self.not_read(shape, f"a shape {shown(word)}")
+                    return []
+        raise self.error(element, "the geometry has no known shape", "box, cylinder, sphere, capsule, mesh")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 from lxml import etree
@@ -12,6 +13,8 @@ from dh2urdf.source import Mark, Problem
 if TYPE_CHECKING:
     from pathlib import Path
 
+_VERSION = re.compile(rb"""\A(\s*<\?xml\s+version\s*=\s*["'])0\.0""")
+"""A version of XML that does not exist; 26 of PyBullet's own files have it, and PyBullet and check_urdf read them."""
 FILE = "{urn:dh2urdf}file"
 """An attribute of an element that is in another file than the element around it: its path."""
 
@@ -45,7 +48,7 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
         resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, huge_tree=is_deep
     )
     try:
-        return etree.fromstring(content, parser)
+        return etree.fromstring(_VERSION.sub(rb"\g<1>1.0", content, count=1), parser)
     except etree.XMLSyntaxError as error:
         line, column = error.position
         reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()

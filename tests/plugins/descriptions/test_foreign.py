@@ -42,6 +42,12 @@ def test_a_urdf_that_no_table_holds(tmp_path: Path, suffix: str) -> None:
     assert one.visuals[0].material is None
 
 
+def test_an_xml_version_that_pybullets_files_have(tmp_path: Path) -> None:
+    path = tmp_path / "gripper.urdf"
+    path.write_text('<?xml version="0.0" ?>\n' + GRIPPER.format(attributes="name='gripper'"))
+    assert foreign_urdf(path).robot.name == "gripper"
+
+
 def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:
     """Pinocchio reads the mimic element itself."""
     pinocchio = pytest.importorskip("pinocchio")

@@ -1,0 +1,99 @@
+"""What a reader of SDF asks of its elements: words, numbers, poses and places."""
+
+from __future__ import annotations
+
+from math import isnan, radians
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import ProofError
+from dh2urdf.robot import Origin
+from dh2urdf.rotations import RigidTransform, rotation_from_quaternion
+from dh2urdf.source import Mark, Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lxml import etree
+
+
+class SdfElements:
+    """Reads the elements of one file.
+
+    Attributes:
+        file: what messages call the file.
+        unread: what is in the file and could not be read, by the words for it: the places.
+    """
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.unread: dict[str, list[Mark]] = {}
+
+    def name(self, element: etree._Element) -> str:
+        """The name of an element."""
+        name = element.get("name")
+        if name is None:
+            raise self.error(element, f"{element.tag} lacks a name")
+        return name
+
+    def word(self, element: etree._Element, tag: str) -> str:
+        """The text of a child."""
+        text = element.findtext(tag)
+        if text is None:
+            raise self.error(element, f"{element.tag} lacks {tag}")
+        return text.strip()
+
+    def pose(self, element: etree._Element) -> RigidTransform:
+        """The pose of an element in the frame that it names."""
+        return self.origin(element).transform
+
+    def origin(self, element: etree._Element) -> Origin:
+        """The pose of an element as it is written."""
+        pose = element.find("pose")
+        if pose is not None and not (pose.text or "").strip():  # It is where the frame is that it names.
+            return Origin()
+        if pose is not None and pose.get("rotation_format") == "quat_xyzw":
+            x, y, z, *quaternion = self.numbers(element, "pose", 7)
+            return origin_of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
+        x, y, z, roll, pitch, yaw = self.numbers(element, "pose", 6, (0.0,) * 6)
+        if pose is not None and pose.get("degrees") in {"1", "true"}:
+            roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)
+        return Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
+
+    def optional(self, element: etree._Element, path: str) -> float | None:
+        """A number below an element; None where there is none."""
+        return None if element.find(path) is None else self.numbers(element, path, 1)[0]
+
+    def numbers(
+        self, element: etree._Element, path: str, count: int, default: Sequence[float] | None = None
+    ) -> Sequence[float]:
+        """As many numbers below an element as the count; the default where there are none."""
+        found = element.find(path)
+        if found is None and default is not None:
+            return default
+        text = (found.text if found is not None else None) or ""
+        try:
+            numbers = [float(word) for word in text.split()]
+        except ValueError:
+            numbers = []
+        # `float` also takes 1_000 and nan; inf is a limit that there is none.
+        if len(numbers) != count or "_" in text or any(map(isnan, numbers)):
+            wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
+            raise self.error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
+        return numbers
+
+    def not_read(self, element: etree._Element, what: str) -> None:
+        """Notes that an element cannot be read."""
+        self.unread.setdefault(what, []).append(self.mark(element))
+
+    def mark(self, element: etree._Element) -> Mark:
+        """Where an element is."""
+        return Mark(file=self.file, line=element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
+
+    def error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
+        """What is wrong with an element."""
+        return ProofError(Problem(message=message, accepted=accepted, mark=self.mark(element)))
+
+
+def origin_of(pose: RigidTransform) -> Origin:
+    """A rigid transform as an origin."""
+    return Origin(xyz=pose.translation, rpy=pose.rpy)

@@ -11,7 +11,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf_plugins.read_back.mjcf_reader import parse_mjcf, read_mjcf
+from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf, read_mjcf
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -17,7 +17,9 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
-from dh2urdf_plugins.read_back import mjcf_reader, sdf_reader, urdf_reader
+from dh2urdf_plugins.read_back import urdf_reader
+from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
+from dh2urdf_plugins.read_back.sdf import reader as sdf_reader
 from dh2urdf_plugins.read_back.xml_files import mark_of, tree_of
 
 if TYPE_CHECKING:

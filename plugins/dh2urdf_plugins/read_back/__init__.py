@@ -61,9 +61,9 @@ def read_sdf(path: Path) -> Robot:
     Raises:
         ProofError: the file cannot be read, or is not the SDF of a manipulator.
     """
-    from dh2urdf_plugins.read_back import sdf_reader
+    from dh2urdf_plugins.read_back.sdf import reader
 
-    return sdf_reader.read_sdf(path)
+    return reader.read_sdf(path)
 
 
 def read_mjcf(path: Path) -> Robot:
@@ -72,9 +72,9 @@ def read_mjcf(path: Path) -> Robot:
     Raises:
         ProofError: the file cannot be read, or is not the MJCF of a manipulator.
     """
-    from dh2urdf_plugins.read_back import mjcf_reader
+    from dh2urdf_plugins.read_back.mjcf import reader
 
-    return mjcf_reader.read_mjcf(path)
+    return reader.read_mjcf(path)
 
 
 def read_table(path: Path) -> Robot:

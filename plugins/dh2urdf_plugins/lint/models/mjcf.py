@@ -20,8 +20,8 @@ from dh2urdf_plugins.lint.models.models import (
     inspect_model,
     numbers,
 )
-from dh2urdf_plugins.read_back.mjcf_includes import include_files
-from dh2urdf_plugins.read_back.mjcf_reader import read_model
+from dh2urdf_plugins.read_back.mjcf.includes import include_files
+from dh2urdf_plugins.read_back.mjcf.reader import read_model
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,7 +10,7 @@ from urllib.parse import unquote
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, fault_of_inertia, inspect_model, numbers
-from dh2urdf_plugins.read_back.sdf_reader import read_model
+from dh2urdf_plugins.read_back.sdf.reader import read_model
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -13,8 +13,8 @@ from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf_plugins.read_back.mjcf_elements import Elements
-    from dh2urdf_plugins.read_back.mjcf_shapes import Geom
+    from dh2urdf_plugins.read_back.mjcf.elements import Elements
+    from dh2urdf_plugins.read_back.mjcf.shapes import Geom
 
 _WATER = 1000.0
 """The density of a shape that has none [kg/m³]."""

@@ -21,14 +21,14 @@ from dh2urdf.rotations import (
 )
 from dh2urdf.source import shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
-from dh2urdf_plugins.read_back.mjcf_elements import z_rotation
+from dh2urdf_plugins.read_back.mjcf.elements import z_rotation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from lxml import etree
 
-    from dh2urdf_plugins.read_back.mjcf_elements import Elements
+    from dh2urdf_plugins.read_back.mjcf.elements import Elements
 
 _GRAY = (0.5, 0.5, 0.5, 1.0)
 """The colour of a shape that has none."""

@@ -30,8 +30,8 @@ from dh2urdf.rotations import (
 )
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
-from dh2urdf_plugins.read_back.sdf_elements import SdfElements, origin_of
-from dh2urdf_plugins.read_back.sdf_nesting import MODEL, WORLD, flatten
+from dh2urdf_plugins.read_back.sdf.elements import SdfElements, origin_of
+from dh2urdf_plugins.read_back.sdf.nesting import MODEL, WORLD, flatten
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
 if TYPE_CHECKING:

@@ -31,10 +31,10 @@ from dh2urdf.rotations import (
     transpose,
 )
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.mjcf_elements import Elements
-from dh2urdf_plugins.read_back.mjcf_includes import include_files
-from dh2urdf_plugins.read_back.mjcf_masses import mass_of_shapes
-from dh2urdf_plugins.read_back.mjcf_shapes import Shapes
+from dh2urdf_plugins.read_back.mjcf.elements import Elements
+from dh2urdf_plugins.read_back.mjcf.includes import include_files
+from dh2urdf_plugins.read_back.mjcf.masses import mass_of_shapes
+from dh2urdf_plugins.read_back.mjcf.shapes import Shapes
 from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of
 
 if TYPE_CHECKING:

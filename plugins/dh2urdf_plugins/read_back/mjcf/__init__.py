@@ -1,0 +1,1 @@
+"""Reads MJCF back: elements, included files, shapes, masses, and the robot."""

@@ -1,0 +1,1 @@
+"""Reads SDF back: elements, nested models, and the robot."""

@@ -42,11 +42,17 @@ class Group(NamedTuple):
 GROUPS = {
     "kinematics": Group(
         tuple(HOST / "kinematics" / f"{name}.py" for name in ("walk/__init__", "chain", "proof")),
-        tuple(f"tests/pipeline/kinematics/test_{name}.py" for name in ("chain", "walk", "proof", "proof_of_many")),
+        tuple(
+            f"tests/pipeline/kinematics/test_{name}.py"
+            for name in ("joint_motion", "chain", "walk", "proof", "proof_of_many")
+        ),
     ),
     "transforms": Group(
         tuple(PLUGINS / "transforms" / f"{name}.py" for name in ("alpha_swap", "exact", "frames", "assembly")),
-        tuple(f"tests/plugins/transforms/test_{name}.py" for name in ("exact", "assembly", "formulas", "columns")),
+        tuple(
+            f"tests/plugins/transforms/test_{name}.py"
+            for name in ("exact", "shapes", "paper", "assembly", "formulas", "columns")
+        ),
     ),
     "readers": Group(
         (

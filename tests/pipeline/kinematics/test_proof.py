@@ -259,6 +259,17 @@ class TestChainsThatDoNotMatch:
         assert "the written chain moves the joints twist, slide, the table turn, slide" in str(caught.value)
         assert caught.value.problems[0].robot == "arm"
 
+    def test_with_many_other_joints(self) -> None:
+        """Of many joints the first eight are named, and the others are counted."""
+        rows = tuple(DHRow(joint=f"j{n}", link=f"l{n}", a=0.1, alpha=0.0, d=0.0) for n in range(10))
+        joints = [replace(joint("turn"), name=f"w{n}", parent=f"l{n - 1}", child=f"l{n}") for n in range(8)]
+        joints[0], joints[-1] = replace(joints[0], parent="base_link"), replace(joints[-1], child="tool0")
+        robot = Robot(name="arm", links=(), joints=tuple(joints))
+        with pytest.raises(ProofError) as caught:
+            prove(ExpectedPoses.of(replace(TABLE, rows=rows)), robot, POSES)
+        said = "moves the joints w0, w1, w2, w3, w4, w5, w6, w7, the table j0, j1, j2, j3, j4, j5, j6, j7 and 2 more"
+        assert said in str(caught.value)
+
     def test_with_a_joint_that_became_fixed(self) -> None:
         """A joint that was lost on the way is found, also where it would be harmless at q = 0."""
         welded = replace(joint("slide"), type=JointType.FIXED)

@@ -423,6 +423,21 @@ def test_the_tolerance_is_that_of_the_longest_reach() -> None:
     assert isinstance(proofs[1], Proof)
     assert proofs[1].tolerance > 50 * TOLERANCE
     assert proofs[1].tolerance == proved_alone(long, made(long), urdf(made(long))).tolerance
+    travels = [(-3.0, 5.0), (-2.0, 1.0), (0.0, 7.0)]
+    gantry = Manipulator(
+        name="gantry",
+        convention=Convention.STANDARD,
+        rows=tuple(
+            replace(
+                PLAIN[0].rows[0], joint=f"j{n}", link=f"l{n}", type=JointType.PRISMATIC, a=0.0, d=0.0, limits=limits
+            )
+            for n, limits in enumerate(Limits(lower=lower, upper=upper) for lower, upper in travels)
+        ),
+    )
+    (proof,) = proved([gantry], [made(gantry)])
+    assert isinstance(proof, Proof)
+    assert proof.tolerance == proved_alone(gantry, made(gantry), urdf(made(gantry))).tolerance
+    assert proof.tolerance == pytest.approx(TOLERANCE * (5.0 + 1.0 + 7.0))
 
 
 def test_a_thousand_axes() -> None:

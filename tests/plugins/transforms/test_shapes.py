@@ -182,12 +182,22 @@ def test_the_row_goes_before_the_table_and_the_table_before_the_run(table: Table
     assert link(robot_of(table(*rows), radius=0.03), "link_1").visuals[0].geometry == Cylinder(radius=0.03, length=0.5)
 
 
-def test_a_capsule_has_one_sphere_where_two_segments_meet(table: Table, robot_of: RobotOf) -> None:
-    """Two cylinders and three spheres make an L; what touches has no caps."""
-    robot = robot_of(table({"d": 0.5, "a": 0.3}, {}), shape="capsule")
+@pytest.mark.parametrize(
+    ("row", "ends"),
+    [
+        ({"d": 0.5, "a": 0.3}, [(0, 0, 0), (0, 0, 0.5), (0.3, 0, 0.5)]),
+        ({"d": 0.5}, [(0, 0, 0), (0, 0, 0.5)]),
+        ({"a": 0.3}, [(0, 0, 0), (0.3, 0, 0)]),
+    ],
+    ids=["both", "d", "a"],
+)
+def test_a_capsule_has_one_sphere_where_two_segments_meet(
+    row: dict[str, float], ends: list[tuple[float, ...]], table: Table, robot_of: RobotOf
+) -> None:
+    """Two cylinders and three spheres make an L, one cylinder has a sphere at each end; what touches has no caps."""
+    robot = robot_of(table(row, {}), shape="capsule")
     body = link(robot, "link_1")
-    spheres = [visual.origin.xyz for visual in body.visuals if isinstance(visual.geometry, Sphere)]
-    assert spheres == [(0, 0, 0), (0, 0, 0.5), (0.3, 0, 0.5)]
+    assert [visual.origin.xyz for visual in body.visuals if isinstance(visual.geometry, Sphere)] == ends
     assert all(isinstance(collision.geometry, Cylinder) for collision in body.collisions)
     (housing,) = link(robot, "link_2").visuals
     assert isinstance(housing.geometry, Sphere)

@@ -390,6 +390,7 @@ def test_what_is_not_a_number_is_an_infinite_error() -> None:
             assert isinstance(bad, Proof)
             assert not bad.holds
             assert bad.position_error == math.inf
+            assert (bad.angle_error == math.inf) is (field == "axis")
             assert [proofs[k] for k in (0, 1, 3)] == [whole[k] for k in (0, 1, 3)]
 
 

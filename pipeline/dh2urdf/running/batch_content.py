@@ -75,17 +75,17 @@ class Assignment:
 class BatchContent:
     """What a batch has to make, and what of it an earlier run has made."""
 
-    def __init__(self, maker: Assignment, batch: Batch) -> None:
-        self.maker, self.recipe, self.batch = maker, maker.recipe, batch
+    def __init__(self, worker: Assignment, batch: Batch) -> None:
+        self.worker, self.recipe, self.batch = worker, worker.recipe, batch
         self.seconds: defaultdict[str, float] = defaultdict(float)
         self.singles = dict(batch.singles)
         self.drawn: dict[int, dict[str, DrawnValue]] = {}
         self.marks: dict[int, Mark | None] = {}
         self.groups = list(batch.columns)
         self.faults: dict[int, tuple[Problem, ...]] = {}
-        self.earlier = EarlierFiles(maker.store, maker.layout, batch.first)
+        self.earlier = EarlierFiles(worker.store, worker.layout, batch.first)
         self.copies = MeshCopies(
-            maker.store, self.earlier, self.recipe.mesh_prefix if self.recipe.copies_meshes else None
+            worker.store, self.earlier, self.recipe.mesh_prefix if self.recipe.copies_meshes else None
         )
         with timed(self.seconds, "draw"):
             for start, variation, numbers in batch.variants:
@@ -120,14 +120,14 @@ class BatchContent:
         keys: dict[int, str] = {}
         for places, columns in self.groups:
             contexts = [self._context(place) for place in places]
-            keys.update(zip(places, column_keys(columns, self.maker.key, contexts), strict=True))
+            keys.update(zip(places, column_keys(columns, self.worker.key, contexts), strict=True))
         for place, what in self.singles.items():
-            keys[place] = key_of((what, self._context(place)), self.maker.key)
+            keys[place] = key_of((what, self._context(place)), self.worker.key)
         return keys
 
     def _context(self, place: int) -> tuple[Any, ...]:
         index, recipe = self.batch.first + place, self.recipe
-        where = self.maker.layout.folder(index)
+        where = self.worker.layout.folder(index)
         return (
             where,
             self.batch.stems[place],

@@ -50,11 +50,11 @@ class Work(BatchContent):
         missing = [place for place in range(len(self.batch)) if place not in kept]
         ready = self._side_by_side(set(missing))
         report = Tally(self.batch.first)
-        journal = Journal(self.maker.reports, f"{self.maker.journal}/{self.batch.first:09d}.jsonl")
+        journal = Journal(self.worker.reports, f"{self.worker.journal}/{self.batch.first:09d}.jsonl")
         rows: list[bytes] = []
-        makes = self.maker.effect is Depth.MAKE
-        is_whole = self.maker.layout.is_whole
-        place_of = self.maker.layout.place(self.maker.store, self.batch.first) if missing and makes else nullcontext()
+        makes = self.worker.effect is Depth.MAKE
+        is_whole = self.worker.layout.is_whole
+        place_of = self.worker.layout.place(self.worker.store, self.batch.first) if missing and makes else nullcontext()
         with place_of as target:
             for place in range(len(self.batch)):
                 if (row := kept.get(place)) is not None:
@@ -100,14 +100,14 @@ class Work(BatchContent):
     def _side_by_side(self, missing: set[int]) -> dict[int, Outcome]:
         """The outcomes of those that can be made so."""
         recipe = self.recipe
-        if self.maker.effect is Depth.LOOK or not recipe.makes_many_at_once:
+        if self.worker.effect is Depth.LOOK or not recipe.makes_many_at_once:
             return {}
         ready: dict[int, Outcome] = {}
         for places, columns in self.groups:
             wanted = [member for member, place in enumerate(places) if self._is_plain(place, missing)]
             if wanted:
                 some = columns if len(wanted) == len(places) else columns.take(wanted)
-                with watched(self.maker.home, self.recipe.time_limit):
+                with watched(self.worker.home, self.recipe.time_limit):
                     ready.update(self._group([places[member] for member in wanted], some))
         return ready
 
@@ -229,7 +229,7 @@ class Work(BatchContent):
         own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
         outcome = Outcome(
             name=what.name,
-            status="skipped" if self.maker.effect is Depth.LOOK else "ok",
+            status="skipped" if self.worker.effect is Depth.LOOK else "ok",
             source=batch.sources[place],
             drawn=self.drawn.get(place, {}),
             keeps_kinematics=self.recipe.keeps_kinematics,
@@ -241,14 +241,14 @@ class Work(BatchContent):
                 raise TableError(what.problems)
             if isinstance(what, Doomed):
                 raise what.error
-            loads = self.maker.effect is Depth.MAKE and index in self.recipe.sample
+            loads = self.worker.effect is Depth.MAKE and index in self.recipe.sample
             loaders = self.recipe.loaders if loads else ()
-            with watched(self.maker.home, self.recipe.time_limit, loaders):
+            with watched(self.worker.home, self.recipe.time_limit, loaders):
                 with timed(seconds, "transform"):
                     robot, truth = make_item(what, self.recipe.transform, self.recipe.edits)
                     robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
-                if self.maker.effect is Depth.LOOK:
+                if self.worker.effect is Depth.LOOK:
                     return outcome
                 with self.copies.workplace(robot, loads=bool(loaders)) as folder:
                     with timed(seconds, "emit"):
@@ -258,7 +258,7 @@ class Work(BatchContent):
                             self.recipe,
                             folder=folder,
                             stem=batch.stems[place],
-                            place=f"{self.maker.store}/{self.maker.layout.path(index, '')}".rstrip("/"),
+                            place=f"{self.worker.store}/{self.worker.layout.path(index, '')}".rstrip("/"),
                             proved=index in self.recipe.proved,
                             sampled=index in self.recipe.sample,
                             alone=index == 0,
@@ -267,7 +267,7 @@ class Work(BatchContent):
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     if loaders:
                         stem = batch.stems[place]
-                        kept = self.maker.children
+                        kept = self.worker.children
                         loaded = load_with_all(truth, robot, self.recipe, written, folder, stem, seconds, kept)
                         outcome = replace(outcome, loads=loaded.verdicts, pictures=loaded.pictures)
                         if loaded.failures:

@@ -32,7 +32,7 @@ from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.running.batch_content import Depth
 from dh2urdf.running.run_inputs import refuse_overwriting
-from dh2urdf.running.worker import Maker
+from dh2urdf.running.worker import BatchWorker
 from dh2urdf.source import Problem, printable
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.tasks.batch import Batch, Doomed, batches
@@ -188,7 +188,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     exhibits: Exhibits,
 ) -> None:
     """Make all manipulators, and write the rows of the manifest."""
-    maker = Maker(
+    worker = BatchWorker(
         recipe=plan.recipe,
         key=plan.key,
         store=plan.store,
@@ -213,9 +213,9 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     unread: list[BatchReport] = []  # Where nothing can be read, the error at the end names the reason, once.
     readable = False
     # An error or an interrupt here ends the workers and the children of loaders, not some time later.
-    with maker.children, closing(_answers(plan, maker, handed_over(), under_way)) as answers:
+    with worker.children, closing(_answers(plan, worker, handed_over(), under_way)) as answers:
         for batch, answer in answers:
-            report = _rescued(maker, batch, answer) if isinstance(answer, Lost) else answer
+            report = _rescued(worker, batch, answer) if isinstance(answer, Lost) else answer
             for line in report.printed:
                 print(printable(line), file=sys.stderr)  # noqa: T201 - where plugins expect their words to go
             ledger.add(report.rows)
@@ -234,7 +234,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
 
 
 def _answers(
-    plan: Plan, maker: Maker, some: Iterator[Batch], under_way: deque[Batch]
+    plan: Plan, worker: BatchWorker, some: Iterator[Batch], under_way: deque[Batch]
 ) -> Generator[tuple[Batch, BatchReport | Lost], None, None]:
     """Every batch with what the executor has of it.
 
@@ -242,7 +242,7 @@ def _answers(
 
     Args:
         plan: the run.
-        maker: makes a batch.
+        worker: makes a batch.
         some: the batches; taking one adds it to those under way.
         under_way: the batches without a result.
 
@@ -251,7 +251,7 @@ def _answers(
     """
     call = plan.executor
     with depending_on(call):
-        results = items_of(results_of(call.stage, maker, some, call.options), "an iterator of results")
+        results = items_of(results_of(call.stage, worker, some, call.options), "an iterator of results")
     end = object()
     try:
         while True:
@@ -269,9 +269,9 @@ def _answers(
                 try:
                     a_record(result, BatchReport, Lost)
                 except TypeError as error:
-                    yield batch, _undone(maker, batch, call, error)
+                    yield batch, _undone(worker, batch, call, error)
                     break
-                yield batch, _undone(maker, batch, call, _no_result())
+                yield batch, _undone(worker, batch, call, _no_result())
     finally:  # An interrupt holds this frame and all in it; the workers must be gone before the folder is unlocked.
         if close := getattr(results, "close", None):
             with depending_on(call):
@@ -279,47 +279,47 @@ def _answers(
     for _ in some:
         pass  # An executor that ended too early has not taken them: each is under way now.
     while under_way:
-        yield under_way[0], _undone(maker, under_way.popleft(), call, _no_result())
+        yield under_way[0], _undone(worker, under_way.popleft(), call, _no_result())
 
 
 def _no_result() -> ValueError:
     return ValueError("it gave no result of the batch that this manipulator is in")
 
 
-def _undone(maker: Maker, batch: Batch, call: Call[Executor[Any]], error: Exception) -> BatchReport:
+def _undone(worker: BatchWorker, batch: Batch, call: Call[Executor[Any]], error: Exception) -> BatchReport:
     """What becomes of a batch of which the executor has nothing: its manipulators fail."""
     error = fault(call, error)
-    return maker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
+    return worker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
 
 
 # --- Batches that their workers do not survive -----------------------------------------------------------------------
 
 
-def _rescued(maker: Maker, batch: Batch, lost: Lost) -> BatchReport:
+def _rescued(worker: BatchWorker, batch: Batch, lost: Lost) -> BatchReport:
     """What becomes of a batch that no worker survives: all of it is made but the manipulators that are the reason."""
-    doomed = dict(_culprits(maker, batch, 0))
+    doomed = dict(_culprits(worker, batch, 0))
     try:
-        made = run_in_child(Maker.__call__, maker, batch.without(doomed), timeout=None)
+        made = run_in_child(BatchWorker.__call__, worker, batch.without(doomed), timeout=None)
         return replace(made.value, printed=(*made.value.printed, *unmarked(made.output)))
     except ManipulatorError:
         error = CrashError(f"the batch of {len(batch)} manipulators that it is in cannot be made: {lost.reason}")
         everything = {place: Doomed(name, error, None) for place, name in enumerate(batch.names)}
-        return maker(batch.without(everything))
+        return worker(batch.without(everything))
 
 
-def _culprits(maker: Maker, batch: Batch, start: int) -> Iterator[tuple[int, Doomed]]:
+def _culprits(worker: BatchWorker, batch: Batch, start: int) -> Iterator[tuple[int, Doomed]]:
     """The manipulators of a batch that end the process which tries to make them, found by halving."""
     count = len(batch)
-    limit = maker.recipe.time_limit if count == 1 else None
+    limit = worker.recipe.time_limit if count == 1 else None
     # A single one is ended from outside, in time; of several the first that takes too long ends the process itself.
-    patience = replace(maker.recipe, time_limit=2 * maker.recipe.time_limit) if count == 1 else maker.recipe
-    rehearsal = replace(maker, effect=Depth.REHEARSE, recipe=patience)
+    patience = replace(worker.recipe, time_limit=2 * worker.recipe.time_limit) if count == 1 else worker.recipe
+    rehearsal = replace(worker, effect=Depth.REHEARSE, recipe=patience)
     try:
-        run_in_child(Maker.__call__, rehearsal, batch, timeout=limit, who="a stage")
+        run_in_child(BatchWorker.__call__, rehearsal, batch, timeout=limit, who="a stage")
     except ManipulatorError as error:
         if count == 1:
             yield start, Doomed(batch.names[0], error, None)
             return
         middle = count // 2
-        yield from _culprits(maker, batch.part(0, middle), start)
-        yield from _culprits(maker, batch.part(middle, count), start + middle)
+        yield from _culprits(worker, batch.part(0, middle), start)
+        yield from _culprits(worker, batch.part(middle, count), start + middle)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Maker(Assignment):
+class BatchWorker(Assignment):
     """Makes batches, in whatever process.
 
     What is wrong with a manipulator fails it alone; what is wrong with the run, such as a full disk, is raised.

@@ -17,7 +17,7 @@ from dh2urdf.errors import OutputError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.file_patterns import matching
 from dh2urdf.plugin_system import load
-from dh2urdf.report.ledger import Ledger
+from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.running.run import load_plan
 from dh2urdf.tasks.batch import items
 from dh2urdf.tasks.expected import Expected
@@ -259,15 +259,15 @@ def test_a_full_disk_is_told_of_the_file_that_it_was(tmp_path: Path, monkeypatch
     table = ManifestTable(tmp_path / "table", "out/manifest.parquet")
     told: Any = {}
     with (tmp_path / "rows").open("w+b") as rows:
-        ledger = Ledger(rows, "out/manifest.jsonl", told)
-        ledger.table = table
+        manifest = ManifestWriter(rows, "out/manifest.jsonl", told)
+        manifest.table = table
 
         def full(*_: object) -> None:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
         monkeypatch.setattr(table, "add", full)
         with pytest.raises(OutputError, match=r"cannot write 'out/manifest\.parquet': No space left"):
-            ledger.add(b'{"name": "arm", "status": "ok", "errors": [], "kind": null}\n')
+            manifest.add(b'{"name": "arm", "status": "ok", "errors": [], "kind": null}\n')
         assert rows.tell()
 
 

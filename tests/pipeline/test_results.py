@@ -10,7 +10,7 @@ from dh2urdf import results
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.plugin_system import KINDS
 from dh2urdf.report.answers.conversions import FILLED_IN
-from dh2urdf.report.ledger import REPORTED
+from dh2urdf.report.manifest_writer import REPORTED
 
 
 def test_names_are_those_of_the_records() -> None:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from dh2urdf.output.layouts import Layout
     from dh2urdf.output.store import Store
     from dh2urdf.report.exhibits import Exhibits
-    from dh2urdf.report.ledger import Ledger
+    from dh2urdf.report.manifest_writer import ManifestWriter
     from dh2urdf.report.overview import Overview
 
 PAGE = "report.html"
@@ -53,13 +53,13 @@ def can_write_html() -> bool:
 
 
 def write_html(
-    store: Store, ledger: Ledger, exhibits: Exhibits, recipe: Recipe, layout: Layout, *, reports: Store
+    store: Store, manifest: ManifestWriter, exhibits: Exhibits, recipe: Recipe, layout: Layout, *, reports: Store
 ) -> None:
     """Write `report.html`.
 
     Args:
         store: where the pictures of the simulators are.
-        ledger: what was gathered from the rows of its manifest, an overview among it.
+        manifest: what was gathered from the rows of its manifest, an overview among it.
         exhibits: what the run's first manipulators are made of.
         recipe: what was done with every manipulator.
         layout: under which names the files lie.
@@ -69,15 +69,15 @@ def write_html(
         OutputError: it cannot be written.
     """
     with without_warnings():
-        content = page(ledger, exhibits, recipe, store, layout)
+        content = page(manifest, exhibits, recipe, store, layout)
     reports.write(PAGE, content)
 
 
-def page(ledger: Ledger, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:
+def page(manifest: ManifestWriter, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:
     """The page of a run, of which an overview was gathered."""
     from markupsafe import Markup
 
-    overview = ledger.overview
+    overview = manifest.overview
     if overview is None:
         raise ValueError("no overview was gathered")
 
@@ -91,10 +91,10 @@ def page(ledger: Ledger, exhibits: Exhibits, recipe: Recipe, store: Store, layou
         version=__version__,
         overview=overview,
         most_drawn=MOST_DRAWN,
-        coverage=ledger.verdicts.coverage(),
+        coverage=manifest.verdicts.coverage(),
         covered=covered,
-        simulator_notices=list(map(notice_line, ledger.verdicts.notices())),
-        told=ledger.reproduction,
+        simulator_notices=list(map(notice_line, manifest.verdicts.notices())),
+        told=manifest.reproduction,
         shown=shown,
         shown_keys={exhibit.number: exhibit.key for exhibit in shown},
         stages=list(_stages(recipe)),

@@ -14,11 +14,11 @@ import orjson
 from dh2urdf._version import __version__
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.output.whole_files import reporting_os_errors
-from dh2urdf.report.ledger import REPORTED
+from dh2urdf.report.manifest_writer import REPORTED
 
 if TYPE_CHECKING:
     from dh2urdf.output.store import Store
-    from dh2urdf.report.ledger import Ledger
+    from dh2urdf.report.manifest_writer import ManifestWriter
     from dh2urdf.results import RunReport
     from dh2urdf.tasks.result import Result
 
@@ -29,20 +29,20 @@ TABLE = "manifest.parquet"
 """The manifest as a table."""
 
 
-def run_report(ledger: Ledger, result: Result) -> RunReport:
+def run_report(manifest: ManifestWriter, result: Result) -> RunReport:
     """The report of a run as plain data."""
-    ledger.rows.seek(0)
+    manifest.rows.seek(0)
     count = sum(result.statuses.values())
     return {
         "schema": SCHEMA,
         "version": __version__,
         "exit_status": result.exit_status,
-        "reproduction": ledger.reproduction,
-        "coverage": ledger.verdicts.coverage(),
-        "simulator_notices": ledger.verdicts.notices(),
-        "manipulators": [orjson.loads(row) for row in islice(ledger.rows, REPORTED)],
+        "reproduction": manifest.reproduction,
+        "coverage": manifest.verdicts.coverage(),
+        "simulator_notices": manifest.verdicts.notices(),
+        "manipulators": [orjson.loads(row) for row in islice(manifest.rows, REPORTED)],
         "left_out": max(0, count - REPORTED),
-        "axes": ledger.axes.entries,
+        "axes": manifest.axes.entries,
     }
 
 
@@ -54,8 +54,8 @@ def timing(result: Result) -> dict[str, Any]:
     return {"total": total, "per_second": rate, "steps": steps, "manipulators": result.timings[:REPORTED]}
 
 
-def write_reports(store: Store, ledger: Ledger, result: Result) -> RunReport:
-    """Write `index.json`, `report.json` and, where the ledger has one, `manifest.parquet`.
+def write_reports(store: Store, manifest: ManifestWriter, result: Result) -> RunReport:
+    """Write `index.json`, `report.json` and, where the manifest has one, `manifest.parquet`.
 
     Returns:
         The report as plain data.
@@ -63,13 +63,13 @@ def write_reports(store: Store, ledger: Ledger, result: Result) -> RunReport:
     Raises:
         OutputError: they cannot be written.
     """
-    store.write(INDEX, to_text(ledger.index.as_json()))
-    report = run_report(ledger, result)
+    store.write(INDEX, to_text(manifest.index.as_json()))
+    report = run_report(manifest, result)
     store.write(REPORT, to_text(report))
-    if ledger.table:
-        with reporting_os_errors(ledger.table.place):
-            ledger.table.finish(ledger.rows)
-        store.put(TABLE, ledger.table.path)
+    if manifest.table:
+        with reporting_os_errors(manifest.table.place):
+            manifest.table.finish(manifest.rows)
+        store.put(TABLE, manifest.table.path)
     else:
         store.remove(TABLE)  # An older one would describe another run.
     return report

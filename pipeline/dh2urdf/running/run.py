@@ -23,7 +23,7 @@ from dh2urdf.plugin_system.stage_answers import a_record, items_of
 from dh2urdf.report.exhibits import FULL, Exhibits
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
-from dh2urdf.report.ledger import Ledger
+from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.report.overview import Overview
 from dh2urdf.report.reproduction import command_line, reproduction
 from dh2urdf.report.verdicts import Verdicts
@@ -123,9 +123,9 @@ def execute(
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
-            ledger = Ledger(rows, tempfile.gettempdir(), told)
-            _make(plan, Depth.LOOK, "", None, ledger, result, note, Exhibits(0))
-            report = run_report(ledger, result)
+            manifest = ManifestWriter(rows, tempfile.gettempdir(), told)
+            _make(plan, Depth.LOOK, "", None, manifest, result, note, Exhibits(0))
+            report = run_report(manifest, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
     store, reports = plan.store, plan.report_store
@@ -134,19 +134,19 @@ def execute(
         path = folder / "manifest"
         exhibits = Exhibits()
         with path.open("w+b") as rows:
-            ledger = Ledger(rows, f"{reports}/{MANIFEST}", told, Verdicts.of(plan.recipe))
+            manifest = ManifestWriter(rows, f"{reports}/{MANIFEST}", told, Verdicts.of(plan.recipe))
             if can_write_parquet():
-                ledger.table = ManifestTable(folder / TABLE, f"{reports}/{TABLE}")
+                manifest.table = ManifestTable(folder / TABLE, f"{reports}/{TABLE}")
             if plan.html and can_write_html():
-                ledger.overview = Overview(FULL, ledger.index)
+                manifest.overview = Overview(FULL, manifest.index)
             try:
-                _make(plan, Depth.MAKE, journal, earlier, ledger, result, note, exhibits)
+                _make(plan, Depth.MAKE, journal, earlier, manifest, result, note, exhibits)
             except TableError:  # There is nothing to go on with.
                 reports.remove_tree(journal if resume else JOURNAL)
                 raise
-            report = write_reports(reports, ledger, result)
-            if ledger.overview:
-                write_html(store, ledger, exhibits, plan.recipe, plan.layout, reports=reports)
+            report = write_reports(reports, manifest, result)
+            if manifest.overview:
+                write_html(store, manifest, exhibits, plan.recipe, plan.layout, reports=reports)
             else:
                 reports.remove(PAGE)  # An older one would describe another run.
             # While the old manifest is there, as what is removed is known from it alone.
@@ -182,7 +182,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     effect: Depth,
     journal: str,
     earlier: Earlier | None,
-    ledger: Ledger,
+    manifest: ManifestWriter,
     result: Result,
     note: Note | None,
     exhibits: Exhibits,
@@ -207,7 +207,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                 known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
                 under_way.append(known)
                 exhibits.see(batch)
-                ledger.axes.see(batch)
+                manifest.axes.see(batch)
                 yield known
 
     unread: list[BatchReport] = []  # Where nothing can be read, the error at the end names the reason, once.
@@ -218,7 +218,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             report = _rescued(worker, batch, answer) if isinstance(answer, Lost) else answer
             for line in report.printed:
                 print(printable(line), file=sys.stderr)  # noqa: T201 - where plugins expect their words to go
-            ledger.add(report.rows)
+            manifest.add(report.rows)
             result.add(report)
             readable = readable or report.was_read
             unread.append(replace(report, rows=b""))

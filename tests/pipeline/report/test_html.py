@@ -31,7 +31,7 @@ pytest.importorskip("matplotlib")
 from dh2urdf.report.exhibits import EXAMPLES, FULL, Exhibits
 from dh2urdf.report.figures import Workspace
 from dh2urdf.report.html import page
-from dh2urdf.report.ledger import Ledger
+from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
 from dh2urdf.report.reproduction import reproduction
 from dh2urdf.report.skeletons import arm_skeleton
@@ -335,14 +335,16 @@ class TestManyManipulators:
         def made(count: int) -> tuple[bytes, int]:
             with (tmp_path / "rows").open("w+b") as rows:
                 tracemalloc.start()
-                ledger = Ledger(rows, "rows", reproduction(None, [], plan.recipe, []))
-                ledger.overview = Overview(FULL, ledger.index)
+                manifest = ManifestWriter(rows, "rows", reproduction(None, [], plan.recipe, []))
+                manifest.overview = Overview(FULL, manifest.index)
                 for number in range(count):
                     row = bad if number % 10 == 0 else good
-                    ledger.add(row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1)))
+                    manifest.add(
+                        row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1))
+                    )
                 _, peak = tracemalloc.get_traced_memory()
                 tracemalloc.stop()
-            return page(ledger, Exhibits(0), plan.recipe, plan.store, plan.layout), peak
+            return page(manifest, Exhibits(0), plan.recipe, plan.store, plan.layout), peak
 
         few, small = made(30_000)
         many, large = made(100_000)

@@ -12,7 +12,7 @@ from dh2urdf.conversion.outcome import Outcome, to_line, to_text
 from dh2urdf.errors import OutputError
 from dh2urdf.output.open_store import open_store
 from dh2urdf.report.json import SCHEMA, run_report, timing, write_reports, write_timing
-from dh2urdf.report.ledger import REPORTED, Ledger
+from dh2urdf.report.manifest_writer import REPORTED, ManifestWriter
 from dh2urdf.tasks.batch_report import BatchReport
 from dh2urdf.tasks.manifest_table import ManifestTable
 from dh2urdf.tasks.result import Result
@@ -35,17 +35,17 @@ ARM = row("arm")
 BAD = row("bad", "failed", kind="table", errors=[{"message": "'x' is no number", "line": 3}])
 
 
-def ledger(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = True) -> Ledger:
+def written_manifest(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = True) -> ManifestWriter:
     """What was gathered from some rows."""
-    made = Ledger((folder / "rows").open("w+b"), "manifest.jsonl", TOLD)
+    made = ManifestWriter((folder / "rows").open("w+b"), "manifest.jsonl", TOLD)
     if with_table:
         made.table = ManifestTable(folder / "table", f"{folder}/manifest.parquet")
     made.add(b"".join(map(to_line, rows)))
     return made
 
 
-def manifest(rows: Iterable[dict[str, Any]]) -> Ledger:
-    found = Ledger(io.BytesIO(), "manifest.jsonl", TOLD)
+def manifest(rows: Iterable[dict[str, Any]]) -> ManifestWriter:
+    found = ManifestWriter(io.BytesIO(), "manifest.jsonl", TOLD)
     found.rows.write(b"".join(map(to_line, rows)))
     return found
 
@@ -131,7 +131,7 @@ def test_all_files_are_written_whole(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     from pyarrow import parquet
 
-    store, gathered = open_store(tmp_path / "out"), ledger(tmp_path, [ARM, BAD])
+    store, gathered = open_store(tmp_path / "out"), written_manifest(tmp_path, [ARM, BAD])
     found = result(batch(ok=1, failed=1))
     report = write_reports(store, gathered, found)
     found.seconds["total"] = 2.0
@@ -150,7 +150,7 @@ def test_all_files_are_written_whole(tmp_path: Path) -> None:
 def test_where_there_is_no_table_none_is_written(tmp_path: Path) -> None:
     """pyarrow is an extra, and nobody is told of what is not installed."""
     out = tmp_path / "out"
-    write_reports(open_store(out), ledger(tmp_path, [ARM], with_table=False), result(batch(ok=1)))
+    write_reports(open_store(out), written_manifest(tmp_path, [ARM], with_table=False), result(batch(ok=1)))
     assert {path.name for path in out.iterdir()} - {".dh2urdf"} == {"report.json", "index.json"}
 
 
@@ -159,7 +159,7 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("")
     store = open_store(tmp_path / "out")
     with pytest.raises(OutputError, match=r"cannot write '.*out"):
-        write_reports(store, ledger(tmp_path, [ARM]), result(batch(ok=1)))
+        write_reports(store, written_manifest(tmp_path, [ARM]), result(batch(ok=1)))
     with pytest.raises(OutputError, match=r"cannot write '.*out"):
         write_timing(store, result(batch(ok=1)))
 
@@ -172,4 +172,4 @@ def test_a_table_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch:
 
     monkeypatch.setattr("dh2urdf.tasks.manifest_table.ManifestTable.finish", full)
     with pytest.raises(OutputError, match=r"cannot write '.*/manifest\.parquet': No space left on device"):
-        write_reports(open_store(tmp_path), ledger(tmp_path, [ARM]), result(batch(ok=1)))
+        write_reports(open_store(tmp_path), written_manifest(tmp_path, [ARM]), result(batch(ok=1)))

@@ -20,7 +20,7 @@ REPORTED = 1000
 """Manipulators that the report repeats from the manifest: the first ones; `timing.json` has as many."""
 
 
-class Ledger:
+class ManifestWriter:
     """The manifest of a run on its way.
 
     Everything is gathered in the process of the run while its workers work, so that nothing is left to do afterwards.

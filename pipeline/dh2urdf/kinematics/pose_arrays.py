@@ -88,6 +88,21 @@ def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:
     function = "Manipulator.jacobian()"
     values, shape = joint_values(q, _joints_of(manipulator, function, full=full))
     frames = dh_frames(manipulator, values)
+    return jacobian_at(manipulator, frames, (frames[-1] @ manipulator.tool).translation, shape, function)
+
+
+def jacobian_at(
+    manipulator: Manipulator, frames: Sequence[RigidTransform], tool: Vec3, shape: tuple[int, ...], function: str
+) -> Matrices:
+    """The geometric Jacobian of a table whose frames are known.
+
+    Args:
+        manipulator: the table.
+        frames: the DH frames 0 … N in base_link.
+        tool: the origin of tool0 in base_link [m].
+        shape: the shape of the joint vectors, without their entries.
+        function: what messages name.
+    """
     # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
     before = manipulator.convention is Convention.STANDARD
     axes: list[Axis] = []
@@ -95,7 +110,7 @@ def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:
         if row.type is not JointType.FIXED:
             _, _, x, _, _, y, _, _, z = frame.rotation
             axes.append((row.type, scale(row.sign, (x, y, z)), frame.translation))
-    return _jacobian(axes, (frames[-1] @ manipulator.tool).translation, shape, function)
+    return _jacobian(axes, tool, shape, function)
 
 
 def _joints_of(manipulator: Manipulator, function: str, *, full: bool) -> JointNames:

@@ -11,9 +11,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordValueError
-from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error, reach
+from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
-from dh2urdf.kinematics.pose_arrays import table_jacobian
+from dh2urdf.kinematics.pose_arrays import jacobian_at
+from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
@@ -119,6 +120,9 @@ class _PoseSearch:
         import numpy as np
 
         self._arm, self._target = manipulator, target
+        self._chain = CompiledChain()
+        compile_table(self._chain, manipulator, with_frames=True)
+        self._chain.stop()
         rows = manipulator.moving_rows
         joints = tuple(row.joint for row in rows)
         self.names = JointNames(
@@ -160,12 +164,13 @@ class _PoseSearch:
         """The nearest pose that is found on the way down from a joint vector inside the limits."""
         import numpy as np
 
-        damping, error = 1e-3, self._error(q)
+        damping, (frames, error) = 1e-3, self._at(q)
         for _ in range(STEPS):
             cost = float(error @ error)
             if cost <= (1e-3 * REACHED) ** 2 or not len(q):
                 break
-            jacobian = np.asarray(table_jacobian(self._arm, q, full=False)) * self._scale
+            *before, tool0 = frames
+            jacobian = jacobian_at(self._arm, before, tool0.translation, (), _FUNCTION) * self._scale
             jacobian[:3] /= self._length
             downhill = jacobian.T @ error
             free = ~(((q <= self.lower) & (downhill < 0.0)) | ((q >= self.upper) & (downhill > 0.0)))
@@ -179,14 +184,14 @@ class _PoseSearch:
                 moved = q.copy()
                 moved[free] += step * self._scale[free]
                 moved = np.clip(moved, self.lower, self.upper)
-                left = self._error(moved)
+                there, left = self._at(moved)
                 if float(left @ left) < cost:
                     break
                 damping *= 4.0
             else:
                 break  # No step leads down any more.
             gained = cost - float(left @ left)
-            q, error, damping = moved, left, max(damping / 8.0, 1e-15)
+            q, frames, error, damping = moved, there, left, max(damping / 8.0, 1e-15)
             if gained <= 1e-14 * cost:
                 break
         return self._solution(self._unwound(q))
@@ -199,16 +204,24 @@ class _PoseSearch:
         unwound: Vector = np.where(self._turns & (near >= self.lower) & (near <= self.upper), near, q)
         return unwound
 
-    def _error(self, q: Vector) -> Vector:
-        """What leads from tool0 to the target: a shift as a part of the reach, and a turn [rad], of shape (6,)."""
+    def _frames(self, q: Vector) -> list[RigidTransform]:
+        """The DH frames 0 … N and tool0 in base_link."""
+        return [frame.transform for frame in self._chain.walk(values_of(q.tolist()))]
+
+    def _at(self, q: Vector) -> tuple[list[RigidTransform], Vector]:
+        """The frames, and what leads from tool0 to the target.
+
+        That is a shift as a part of the reach, and a turn [rad], of shape (6,).
+        """
         import numpy as np
 
-        found = forward_kinematics(self._arm, q.tolist())
+        frames = self._frames(q)
+        found = frames[-1]
         shift = (np.array(self._target.translation) - found.translation) / self._length
-        return np.concatenate([shift, _turn(multiply(self._target.rotation, transpose(found.rotation)))])
+        return frames, np.concatenate([shift, _turn(multiply(self._target.rotation, transpose(found.rotation)))])
 
     def _solution(self, q: Vector) -> InverseSolution:
-        found = forward_kinematics(self._arm, q.tolist())
+        found = self._frames(q)[-1]
         position, angle = position_error(self._target, found), angle_error(self._target, found)
         is_there = position <= REACHED * max(self._length, 1e-3) and angle <= REACHED
         return InverseSolution(tuple(q.tolist()), position, angle, is_there)

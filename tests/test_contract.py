@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import random
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -51,7 +52,7 @@ class TestCsv(ReaderContract):
 
 
 def parquet(count: int) -> bytes:
-    """A Parquet file with so many arms of two rows."""
+    """A Parquet file with so many arms of two rows: not packed, as a file of many has to be a large one."""
     if not find_spec("pyarrow"):
         return b""
     import pyarrow as pa
@@ -65,7 +66,7 @@ def parquet(count: int) -> bytes:
         "d": [0.1, 0.0] * count,
         "convention": ["standard"] * (2 * count),
     }
-    write_table(pa.table(columns), file, row_group_size=10_000)
+    write_table(pa.table(columns), file, row_group_size=2_000, compression="none", use_dictionary=False)
     return file.getvalue()
 
 
@@ -164,7 +165,7 @@ class TestParquet(ReaderContract):
 
 
 def workbook(count: int) -> bytes:
-    """A workbook with so many arms of two rows."""
+    """A workbook with so many arms of two rows, whose lengths and names can hardly be packed."""
     if not find_spec("openpyxl"):
         return b""
     from openpyxl import Workbook
@@ -172,9 +173,11 @@ def workbook(count: int) -> bytes:
     book = Workbook(write_only=True)
     sheet = book.create_sheet()
     sheet.append(["robot", "a", "alpha", "d", "convention"])
+    draw = random.Random(0)  # noqa: S311 - any lengths will do
     for arm in range(count):
-        sheet.append([f"arm_{arm}", 0.001 * arm, 0.0, 0.1, "standard"])
-        sheet.append([f"arm_{arm}", 0.3, 0.5, 0.0, "standard"])
+        name = f"arm_{arm}_{draw.randbytes(60).hex()}"
+        sheet.append([name, draw.random(), 0.0, draw.random(), "standard"])
+        sheet.append([name, draw.random(), 0.5, draw.random(), "standard"])
     file = io.BytesIO()
     book.save(file)
     return file.getvalue()

@@ -249,15 +249,27 @@ class Answer(NamedTuple):
 
 
 @pytest.fixture
-def cli(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that does not say how many workers it has works in this process: each worker takes half a second to start."""
+    from dh2urdf_plugins.executors.local import LocalOptions
+
+    monkeypatch.setitem(LocalOptions.__init__.__kwdefaults__, "workers", 1)
+
+
+@pytest.fixture
+def cli(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    in_this_process: None,  # noqa: ARG001 - it is asked for its effect
+) -> Callable[..., Answer]:
     """Call the command line in the test's folder, in this process: as good as the command, and started at once.
 
-    A run of several manipulators has one worker process, unless it asks for more: each takes a second to start. Its
-    report.html has no drawings, which take half a second for each manipulator: `tests/pipeline/report` looks at them.
+    So does a run of several manipulators, unless it asks for workers. Its report.html has no drawings, which take half
+    a second for each manipulator: `tests/pipeline/report` looks at them.
     """
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("dh2urdf.report.html._figures", lambda _exhibit: None)
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _process: {0}, raising=False)
 
     def call(*words: str | Path, status: int = 0) -> Answer:
         capfd.readouterr()

@@ -66,6 +66,26 @@ def test_meshes_are_found(catalog: Catalog, *, packed: bool) -> None:
     assert not root.exists()
 
 
+@pytest.mark.parametrize("up", ["", "../", "../../"])
+def test_an_included_file_is_one_of_those_that_were_sent(
+    tmp_path: Path, catalog: Catalog, monkeypatch: pytest.MonkeyPatch, up: str
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    (tmp_path / "more.xml").write_text('<x><worldbody><body name="secret"/></worldbody></x>')
+    main = f'<mujoco><include file="{up}more.xml"/><worldbody><body name="a"/></worldbody></mujoco>'
+    sent = [("arm.xml", main.encode()), ("more.xml", b'<x><worldbody><body name="given"/></worldbody></x>')]
+    files = GivenFiles(sent, catalog)
+    figure = files.figure("arm.xml")
+    if up:
+        assert isinstance(figure, str)
+        assert f"'{up}more.xml'" in figure
+        assert str(tmp_path) not in figure
+    else:
+        assert not isinstance(figure, str)
+        assert [link.name for link in figure.robot.links] == ["world", "given", "a"]
+    files.close()
+
+
 @pytest.mark.parametrize("name", ["../out.obj", "/out/out.obj", "a/../../out.obj", "..\\out.obj", "C:\\out.obj"])
 def test_nothing_is_written_or_found_elsewhere(tmp_path: Path, catalog: Catalog, name: str) -> None:
     """Neither a name of a file that was sent nor an address in a description leads out of the folder."""

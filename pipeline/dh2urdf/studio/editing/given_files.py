@@ -52,7 +52,8 @@ class GivenFiles:
         self._described = description_suffixes(catalog)
         self._wanted = (*self._described, *SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml")
         self._folder = tempfile.TemporaryDirectory(prefix="dh2urdf-")
-        self._root = Path(self._folder.name).resolve()
+        # One folder deeper: an MJCF may include files beside its folder, and nothing is there.
+        self._root = Path(self._folder.name).resolve() / "files"
         self._paths: list[Path] = []
         self._left = LARGEST
         try:

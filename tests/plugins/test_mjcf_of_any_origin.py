@@ -149,6 +149,9 @@ def test_every_shape_is_where_mujoco_has_it(found: ForeignRobot, model: Any) -> 
     assert {shape.material.rgba for shape in one.visuals if shape.material} == {(1.0, 0.0, 0.0, 1.0)}
     other = next(link for link in found.robot.links if link.name == "other")
     assert (len(other.visuals), len(other.collisions)) == (0, 1)
+    with_look = next(link for link in found.robot.links if link.name == nameless)
+    assert [type(shape.geometry) for shape in with_look.visuals] == [Mesh]
+    assert len(with_look.collisions) == 2
 
 
 def test_masses_follow_from_shapes(found: ForeignRobot, model: Any) -> None:

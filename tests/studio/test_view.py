@@ -114,6 +114,7 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         page.get_by_text("1 mesh file was not found: meshes/gone.stl").wait_for()
         page.locator(".q-notification", has_text="'broken.stl' cannot be read").wait_for()
         page.locator(".q-notification", has_text="'thief.obj' names '../../secret.png': it is outside of").wait_for()
+        assert page.locator(".q-notification").count() == 1, "one notification has them all"
         tab.wait_for_triangles(300)
         asked = [url for url in tab.asked if "/meshes/" in url]
         page.get_by_text("collision", exact=True).click()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 LARGEST_FILE = 64 * 2**20
 """Size of a file that may be opened [B]."""
+_MOST_WARNINGS = 3
 MOST_CHOICES = 1000
 """Manipulators of a file that a person is given to choose from."""
 _MEANINGS = {
@@ -176,6 +177,29 @@ async def ask_back(table: TableText) -> bool:
 def warn(text: str) -> None:
     """Shows what a person should know, until it is closed."""
     ui.notify(text, type="warning", multi_line=True, timeout=0, close_button="Close")
+
+
+class Warnings:
+    """One notification of what a person should know, until it is closed: a mesh robot may have a hundred such texts."""
+
+    def __init__(self) -> None:
+        self._texts: list[str] = []
+        self._shown: ui.notification | None = None
+
+    def add(self, text: str) -> None:
+        """Shows a text, beside those that are there."""
+        self._texts.append(text)
+        message = "\n".join(self._texts[:_MOST_WARNINGS])
+        if (more := len(self._texts) - _MOST_WARNINGS) > 0:
+            message += f"\nand {words.count(more, 'thing', 'things')} like these"
+        if self._shown is not None:
+            self._shown.message = message
+            return
+        self._shown = ui.notification(message, type="warning", multi_line=True, timeout=None, close_button="Close")
+        self._shown.on_dismiss(self._forget)
+
+    def _forget(self) -> None:
+        self._texts, self._shown = [], None
 
 
 async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:

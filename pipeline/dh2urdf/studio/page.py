@@ -112,7 +112,10 @@ class StudioPage:
         self._remark = ui.label().classes("studio-bar studio-remark")
         with ui.element("div").classes("studio-stage"):
             self._view = ArmView(
-                on_pick=self._picked_in_scene, on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.warn
+                on_pick=self._picked_in_scene,
+                on_aim=self._target.drag,
+                on_grip=self._drag,
+                on_undrawn=dialogs.Warnings().add,
             )
             with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
                 ui.html(

@@ -93,7 +93,10 @@ class ViewPage:
         if left_out := [notice.message for figure in self.view.figures for notice in figure.notices]:
             _remark(words.some_of(left_out), left_out)
         self._scene = ArmView(
-            on_pick=lambda _: None, on_undrawn=dialogs.warn, on_pick_node=self._picked_in_scene, on_grip=self._drag
+            on_pick=lambda _: None,
+            on_undrawn=dialogs.Warnings().add,
+            on_pick_node=self._picked_in_scene,
+            on_grip=self._drag,
         )
 
     def _picked_in_scene(self, node: str | None) -> None:

@@ -130,6 +130,18 @@ def test_a_link_with_nothing_to_draw_is_sticks() -> None:
     assert not any(part.layer == "links" for node in drawing.nodes[1:] for part in node.parts)
 
 
+def test_what_stands_in_the_world_has_no_stick_to_its_origin() -> None:
+    """A joint that moves has one."""
+    links = tuple(Link(name=name) for name in ("world", "table", "cart"))
+    joints = (
+        Joint(name="a", type=JointType.FIXED, parent="world", child="table", origin=Origin(xyz=(0.3, 0.0, 0.4))),
+        Joint(name="b", type=JointType.PRISMATIC, parent="world", child="cart", origin=Origin(xyz=(0.0, 0.0, 0.4))),
+    )
+    drawing = Drawing.of([Figure(robot=Robot(name="x", links=links, joints=joints))])
+    (stick,) = (part for node in drawing.nodes for part in node.parts if part.layer == "links")
+    assert stick.pose.translation == (0.0, 0.0, 0.2)
+
+
 def test_a_mass_is_the_ellipsoid_of_its_inertia() -> None:
     """Of an ellipsoid of steel, whose mass and tensor trimesh integrates over triangles: the very ellipsoid.
 

@@ -12,6 +12,7 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.cells.cell import WORLD
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, link_poses
 from dh2urdf.late_dataclasses import dataclass
@@ -307,7 +308,8 @@ def _sticks(link: Link, figure: Figure, radius: float) -> Iterator[ScenePart]:
     colour, opacity = figure.tint or GREY, figure.opacity
     for joint in figure.robot.joints:
         length = norm(joint.origin.xyz)
-        if joint.parent == link.name and length > 0.0:
+        stands_there = joint.parent == WORLD and joint.type is JointType.FIXED  # Nothing holds it in the world.
+        if joint.parent == link.name and length > 0.0 and not stands_there:
             pose = RigidTransform(towards(joint.origin.xyz), scale(0.5, joint.origin.xyz))
             yield ScenePart(shape="cylinder", size=(radius, length), pose=pose, colour=colour, opacity=opacity)
 

@@ -59,6 +59,10 @@ class Geom(NamedTuple):
     pose: RigidTransform
 
 
+def _touches(geom: Geom) -> bool:
+    return not geom.attributes.get("contype") == geom.attributes.get("conaffinity") == "0"
+
+
 class Shapes:
     """Reads the shapes of bodies.
 
@@ -72,18 +76,23 @@ class Shapes:
         self._materials = {each.get("name", ""): each for each in elements.root.iterfind("asset/material")}
 
     def of(self, body: etree._Element) -> tuple[tuple[Visual, ...], tuple[Collision, ...]]:
-        """What a body is seen as, and what it touches with: a shape that touches is seen, too, unless it is hidden."""
+        """What a body is seen as, and what it touches with.
+
+        A shape that touches is seen, too, unless it is hidden, or the body has shapes that are only seen.
+        """
         visuals: list[Visual] = []
         collisions: list[Collision] = []
-        for geom in self.geoms(body):
-            touches = not geom.attributes.get("contype") == geom.attributes.get("conaffinity") == "0"
+        geoms = list(self.geoms(body))
+        has_own_look = not all(map(_touches, geoms))
+        for geom in geoms:
+            touches = _touches(geom)
             colour = self._colour(geom.element, geom.attributes)
             for geometry, pose in self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom):
                 placed = geom.pose @ pose
                 origin = Origin(xyz=placed.translation, rpy=placed.rpy)
                 if touches:
                     collisions.append(Collision(geometry=geometry, origin=origin))
-                if not touches or geom.attributes.get("group", "0") not in _HIDDEN:
+                if not touches or not (has_own_look or geom.attributes.get("group", "0") in _HIDDEN):
                     visuals.append(Visual(geometry=geometry, origin=origin, material=colour))
         return tuple(visuals), tuple(collisions)
 

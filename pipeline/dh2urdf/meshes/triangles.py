@@ -249,7 +249,17 @@ def _texture(mesh: Any, faces: Any) -> Texture | None:  # noqa: ANN401 - see `lo
     image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
     if image is None or uv is None or len(uv) != len(mesh.vertices) or not np.isfinite(uv).all():
         return None
+    if image == _stand_in():
+        return None
     return Texture(uv[faces].reshape(-1, 2), image)
+
+
+def _stand_in() -> Any:  # noqa: ANN401 - an image
+    """The grey square that trimesh puts on a mesh whose MTL file is not there, or lacks its material."""
+    from trimesh.visual import material
+
+    made: Any = material  # its functions have no types
+    return made.empty_material().image
 
 
 def _one_texture(pieces: list[tuple[Any, Any, Texture | None]]) -> Texture | None:

@@ -134,6 +134,17 @@ def test_the_scene_as_gltf_has_textures(tmp_path: Path, catalog: Catalog) -> Non
     assert (colours_at(mesh.visual.uv, mesh.visual.material.baseColorTexture) == expected).all()
 
 
+@pytest.mark.parametrize(("material", "file"), [("painted", "gone.mtl"), ("other", "square.mtl")])
+def test_a_mesh_without_its_material_has_no_texture(tmp_path: Path, material: str, file: str) -> None:
+    """It has the colour that the description gives it."""
+    path = square(tmp_path, "square.obj")
+    path.write_text(OBJ.replace("square.mtl", file).replace("usemtl painted", f"usemtl {material}"))
+    content, pictures = triangles(DrawnMesh(path=path))
+    (length,) = struct.unpack_from("<I", content)
+    (part,) = json.loads(content[4 : 4 + length])["parts"]
+    assert (pictures, part["texture"], part["rgba"]) == ({}, None, None)
+
+
 @pytest.mark.parametrize(
     ("texture", "message"),
     [

@@ -142,6 +142,17 @@ def test_what_versions_and_makers_write_is_where_drake_has_it(tmp_path: Path, ca
         assert as_matrices(link_poses(robot, {"j": 0.3})["b"]) == pytest.approx(frame({"j": 0.3}, "b"), abs=1e-12)
 
 
+def test_a_link_may_be_the_world() -> None:
+    """As in PyBullet's grippers; a loop of a link with itself came out."""
+    robot = parse_sdf(
+        b'<sdf version="1.6"><model name="m"><link name="world"/><link name="b"/><joint name="j" type="fixed">'
+        b"<parent>world</parent><child>b</child></joint></model></sdf>",
+        "m.sdf",
+    )
+    assert [link.name for link in robot.links] == ["world", "b"]
+    assert [(joint.parent, joint.child) for joint in robot.joints] == [("world", "b")]
+
+
 def test_what_a_robot_has_no_place_for_is_noticed(tmp_path: Path) -> None:
     """Shapes, other models, included ones; a capsule is a cylinder and two balls, and a ball joint is drawn as fixed."""
     shapes = "".join(

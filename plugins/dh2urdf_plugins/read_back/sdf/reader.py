@@ -173,6 +173,9 @@ class _Reader(SdfElements):
     def model(self) -> Model:
         links, joints = [Link(name=WORLD)], []
         for element in self._model.iterchildren("link", "frame"):
+            if element.get("name") == WORLD:  # Old versions take a link of this name for the world.
+                links[0] = self._link(element)
+                continue
             held = self._held(element)
             links += [Link(name=joint.child) for joint in held[:-1]]
             links.append(self._link(element) if element.tag == "link" else Link(name=self.name(element)))

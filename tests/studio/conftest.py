@@ -203,6 +203,17 @@ class Tab:
         self.wait_for_exhibit(name)
         self.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
 
+    def drop(self, where: str, *paths: Path) -> None:
+        """Drops files and folders of the machine on a part of the page, as the browser reports it."""
+        box = self.page.locator(where).first.bounding_box()
+        assert box is not None
+        place = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+        data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
+        session = self.page.context.new_cdp_session(self.page)
+        for kind in ("dragEnter", "dragOver", "drop"):
+            session.send("Input.dispatchDragEvent", {"type": kind, **place, "data": data})
+        session.detach()
+
     def save(self, what: str) -> tuple[str, bytes]:
         """Chooses an entry of the menu; gives the name and the bytes that are downloaded."""
         with self.page.expect_download() as saving:

@@ -114,6 +114,22 @@ def test_what_is_refused_reaches_nobody() -> None:
     assert ([message["type"] for message in sent], reached) == (["websocket.close"], False)
 
 
+@pytest.mark.parametrize(
+    ("sent", "status"),
+    [
+        ({"content-length": "1048576"}, 200),
+        ({"content-length": "1048577"}, 413),
+        ({"content-length": "-1"}, 413),
+        ({"transfer-encoding": "chunked"}, 413),
+    ],
+)
+def test_what_is_too_large_is_not_read(sent: dict[str, str], status: int) -> None:
+    """By the length that a request says, before any of it is in memory; what says none is not read."""
+    more = {name.encode(): text.encode() for name, text in sent.items()}
+    answer, reached = asked("http", headers(host="127.0.0.1:8420") | more)
+    assert (answer[0]["status"], reached) == (status, status == 200)
+
+
 def test_answers_forbid_what_is_foreign() -> None:
     """A page of the studio loads nothing from elsewhere and is shown in nobody's frame."""
     sent, reached = asked("http", headers(host="127.0.0.1:8420"))

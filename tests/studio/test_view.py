@@ -45,7 +45,10 @@ def test_a_cell_and_an_arm_in_one_scene(
         for link in ("pair/right_tool0", "panda/tool0"):
             x, up, y = scene.graph[link][0][:3, 3]  # y is up in glTF
             assert np.abs(np.subtract((x, -y, up), poses[names.index(link)].translation)).max() < 1e-6
-        assert tab.serious() == []
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            page.locator(f"html[data-look={scheme}]").wait_for()
+            assert tab.serious() == []
         page.get_by_text("common normals", exact=True).click()
         drawn = Counter(stroke.field for stroke in view.drawing.normals(view.q))
         page.wait_for_function(

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 LARGEST_FILE = 64 * 2**20
 """Size of a file that may be opened [B]."""
 _MOST_WARNINGS = 3
+LOST = "The files did not arrive. Open them again."
+"""The message where the connection was cut while files were sent."""
 MOST_CHOICES = 1000
 """Manipulators of a file that a person is given to choose from."""
 _MEANINGS = {
@@ -101,19 +103,22 @@ async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) ->
 
 async def ask_table(catalog: Catalog) -> TableText | None:
     """A table of the gallery or of a file; None where none was chosen."""
-    suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
+    suffixes = table_suffixes(catalog)
     with card("Open a table") as dialog:
 
         def refuse(told: str) -> None:
             problem.set_text(told)
             problem.set_visibility(True)
 
-        async def take(event: object) -> None:
-            name, content = event.file.name, await event.file.read()  # type: ignore[attr-defined]  # NiceGUI's
+        async def take(event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+            name, size = event.file.name, event.file.size()
+            if size > LARGEST_FILE:  # before it is in memory
+                refuse(f"{name} is too large\naccepted: {accepted}")
+                return
             problem.set_visibility(False)
             busy.set_visibility(True)
-            told.set_text(f"reading {name}, {len(content) / 1e6:.1f} MB")
-            tables = await run.io_bound(tables_of, name, content, catalog, MOST_CHOICES + 1)
+            told.set_text(f"reading {name}, {size / 1e6:.1f} MB")
+            tables = await run.io_bound(tables_of, name, await event.file.read(), catalog, MOST_CHOICES + 1)
             if dialog.is_deleted or not dialog.value:  # a person has gone on without it
                 return
             busy.set_visibility(False)
@@ -122,9 +127,9 @@ async def ask_table(catalog: Catalog) -> TableText | None:
             else:
                 dialog.submit(tables)
 
+        accepted = f"one of {', '.join(suffixes)}, of at most {LARGEST_FILE // 2**20} MB"
         label = "drop a file of yours here, or choose it"
         upload = ui.upload(label=label, auto_upload=True, max_file_size=LARGEST_FILE, on_upload=take)
-        accepted = f"one of {', '.join(suffixes)}, of at most {LARGEST_FILE // 2**20} MB"
         upload.on_rejected(lambda: refuse(f"this is not a file that can be opened\naccepted: {accepted}"))
         upload.props(f'accept="{",".join(suffixes)}" flat bordered').style("width: 100%")
         choose_file = ui.button("Choose a file", icon="folder_open", on_click=lambda: upload.run_method("pickFiles"))
@@ -147,6 +152,11 @@ async def ask_table(catalog: Catalog) -> TableText | None:
         ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
     tables = await answer_of(dialog)
     return await choose(tables)
+
+
+def table_suffixes(catalog: Catalog) -> list[str]:
+    """How the names of files end that can be opened."""
+    return [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
 
 
 async def choose(tables: tuple[Opened, ...] | None) -> TableText | None:

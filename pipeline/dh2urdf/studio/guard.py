@@ -6,7 +6,8 @@ So every request and every handshake is checked before NiceGUI sees it:
 - `Host` has to name this server by an address or by ``localhost``, so that a foreign name which was made to lead here
   (DNS rebinding) does not;
 - `Origin`, where a browser sends one, has to be the server's own; a socket's handshake has to have one;
-- what a foreign page asks for as a part of itself (`Sec-Fetch-Site`) is refused.
+- what a foreign page asks for as a part of itself (`Sec-Fetch-Site`) is refused;
+- what is sent has to have a length, and no more than may be taken: nothing of a larger one is read.
 
 The answers forbid the page to load anything from elsewhere, and other pages to show it in a frame.
 """
@@ -48,15 +49,17 @@ class Guard:
         app: the application behind it.
     """
 
-    def __init__(self, app: App, port: int, names: Iterable[str] = ()) -> None:
+    def __init__(self, app: App, port: int, names: Iterable[str] = (), largest: int = 2**20) -> None:
         """Takes what it guards.
 
         Args:
             app: the application.
             port: the port of the server.
             names: names of the server besides ``localhost`` and addresses.
+            largest: size of what may be sent in a request [B].
         """
         self.app = app
+        self._largest = largest
         self._port = port
         self._names = {"localhost", *(name.casefold() for name in names)}
 
@@ -65,15 +68,18 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
-        refusal = self.refusal(scope["type"], {name.lower(): value for name, value in scope["headers"]})
+        headers = {name.lower(): value for name, value in scope["headers"]}
+        refusal, status = self.refusal(scope["type"], headers), 403
+        if refusal is None and (refusal := self._too_much(headers)):
+            status = 413
         if refusal is None:
             await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send))
         elif scope["type"] == "websocket":
             await receive()
             await send({"type": "websocket.close", "code": 1008, "reason": refusal})  # before it is accepted: 403
         else:
-            headers = [(b"content-type", b"text/plain; charset=utf-8"), *_HEADERS]
-            await send({"type": "http.response.start", "status": 403, "headers": headers})
+            told = [(b"content-type", b"text/plain; charset=utf-8"), *_HEADERS]
+            await send({"type": "http.response.start", "status": status, "headers": told})
             await send({"type": "http.response.body", "body": f"{refusal}\n".encode()})
 
     def refusal(self, kind: str, headers: dict[bytes, bytes]) -> str | None:
@@ -96,6 +102,13 @@ class Guard:
         if origin.decode("latin-1").casefold() != f"http://{host}".casefold():
             return "a page from elsewhere asks for this"
         return None
+
+    def _too_much(self, headers: dict[bytes, bytes]) -> str | None:
+        """Why what a request sends is not read; None where it is. The server cuts off what is beyond its length."""
+        length = headers.get(b"content-length", b"0")
+        if b"transfer-encoding" in headers or not length.isdigit():
+            return "what is sent needs a length, which every browser gives"
+        return f"more than {self._largest // 2**20} MB" if int(length) > self._largest else None
 
     def _is_here(self, host: str) -> bool:
         """Whether a Host header names this server."""

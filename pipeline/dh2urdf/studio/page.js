@@ -102,17 +102,19 @@
   document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || (before = target), true);
 
   // Files that a person chooses or drops go to an address of the studio, with the folders that they are in; those whose
-  // names end otherwise than is wanted stay here.
-  const send = async (address, wanted, files) => {
+  // names end otherwise than is wanted stay here, and so do all of them where they are too much.
+  const send = async (address, { ends, most, largest, refused }, given) => {
+    const files = given.filter(([path]) => ends.some((end) => path.toLowerCase().endsWith(end)));
+    if (!files.length) return emitEvent(refused, "none");
+    if (files.length > most || files.reduce((sum, [, { size }]) => sum + size, 0) > largest) return emitEvent(refused, "too much");
     const form = new FormData();
-    for (const [path, file] of files) if (wanted.some((end) => path.toLowerCase().endsWith(end))) form.append(path, file, encodeURIComponent(path)); // else the folders are cut off
-    if (![...form.keys()].length) return emitEvent("dh-no-files");
-    const answer = await fetch(address, { method: "POST", body: form });
-    if (!answer.ok) emitEvent("dh-no-files");
+    for (const [path, file] of files) form.append(path, file, encodeURIComponent(path)); // else the folders are cut off
+    const answer = await fetch(address, { method: "POST", body: form }).catch(() => null);
+    if (!answer?.ok) emitEvent(refused, answer?.status === 413 ? "too much" : "lost");
   };
   const choose = (address, wanted, folder) => {
     const input = document.createElement("input");
-    Object.assign(input, { type: "file", multiple: true, webkitdirectory: folder, accept: folder ? "" : wanted.join() });
+    Object.assign(input, { type: "file", multiple: true, webkitdirectory: folder, accept: folder ? "" : wanted.ends.join() });
     input.onchange = () => send(address, wanted, Array.from(input.files, (file) => [file.webkitRelativePath || file.name, file]));
     input.click();
   };
@@ -125,11 +127,18 @@
       for (const each of some) found.push(...(await within(each)));
     }
   };
+  const brings = ({ dataTransfer }) => dataTransfer?.types.includes("Files"); // and not a text that is moved
   const drop = async (event, address, wanted) => {
+    if (!brings(event)) return;
     event.preventDefault();
+    event.stopPropagation();
     const entries = Array.from(event.dataTransfer.items, (item) => item.webkitGetAsEntry()).filter(Boolean);
     await send(address, wanted, (await Promise.all(entries.map(within))).flat());
   };
+
+  // A file that misses what it was meant for does not take the page away, as a browser would show it in its place.
+  for (const kind of ["dragover", "drop"])
+    document.addEventListener(kind, (event) => brings(event) && event.preventDefault());
 
   window.dhPage = {
     back: () => document.activeElement === document.body && before?.focus(),

@@ -10,7 +10,9 @@ from nicegui import ui
 from dh2urdf.studio import dialogs, joints, words
 from dh2urdf.studio.editing import edits, pasting
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.studio.layout.dropping import lay_drop
 from dh2urdf.studio.layout.head import StudioHead
+from dh2urdf.studio.layout.problem_list import ProblemList
 from dh2urdf.studio.layout.scene_bar import SceneBar
 from dh2urdf.studio.layout.table_bar import EndFields, TableBar
 from dh2urdf.studio.panels import sharing
@@ -19,7 +21,6 @@ from dh2urdf.studio.panels.lesson import LessonPanel
 from dh2urdf.studio.panels.measuring import MeasuringPanel
 from dh2urdf.studio.panels.poses import PosesPanel
 from dh2urdf.studio.panels.target import TargetPanel
-from dh2urdf.studio.problem_list import ProblemList
 from dh2urdf.studio.table_grid import TableGrid
 from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
 
@@ -46,7 +47,8 @@ class StudioPage:
         ui.on_exception(dialogs.show_fault)
         ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
         ui.on("dh-generate", self._generate)
-        with ui.element("div").classes("studio"):
+        with ui.element("div").classes("studio") as page:
+            lay_drop(page, session.catalog, self._show_opened)
             with ui.element("header").classes("studio-head"):
                 self._head = StudioHead(
                     session,

@@ -96,13 +96,15 @@ def serve(
     from fastapi import FastAPI
     from nicegui import app as pages, ui
 
+    from dh2urdf.studio.drawing.mesh_files import LARGEST
+
     name, port = listening.getsockname()[:2]
     app = FastAPI(openapi_url=None)
     # Quasar's bar at the top of a page has no name for people who hear it, and the page has progress of its own.
     pages.config.quasar_config["loadingBar"]["skipHijack"] = True
     build()
     ui.run_with(app, title=title, favicon="🦾", show_welcome_message=False, reconnect_timeout=10.0, tailwind=False)
-    guarded = Guard(app, port, [host, socket.gethostname()])
+    guarded = Guard(app, port, [host, socket.gethostname()], LARGEST + 2**20)  # files, and their names
     server = uvicorn.Server(uvicorn.Config(guarded, log_level="warning", ws_max_size=64 * 2**20))
     place = f"[{name}]" if ":" in name else name
     address = f"http://{LOOPBACK if name in ('0.0.0.0', '::') else place}:{port}/"  # noqa: S104 - a comparison

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,8 +90,42 @@ def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[
         return count;
     }"""
     page.wait_for_function(f"({drawn})() === 1280")
+
+    drop_all(tab, folder, drawn)
     page.get_by_label("tip link of the description").click()
     page.get_by_role("option", name="link_3", exact=True).click()
     page.get_by_text("the description has 3 moving joints on this chain, the table 6").wait_for()
     page.get_by_role("button", name="compare with a robot description").click()
     page.wait_for_function(f"{COUNT} === 0")
+
+
+def drop_all(tab: Any, folder: Path, drawn: str) -> None:
+    """Drops a description with its meshes on the panel, in every way; what is dropped beside the panel is a table."""
+    page = tab.page
+    packed = Path(shutil.make_archive(str(folder.with_name("packed")), "zip", folder.parent, folder.name))
+    for dropped in ([folder / "urdf" / "arm.urdf", folder / "meshes" / "ball.stl"], [folder], [packed]):
+        page.get_by_role("button", name="Take it away").click()
+        page.wait_for_function(f"{COUNT} === 0")
+        tab.drop(".studio-panel:visible", *dropped)
+        page.wait_for_function(f"({drawn})() === 1280")
+    notes = folder.with_name("notes.txt")
+    notes.write_text("no table")
+    tab.drop(".studio-panel:visible", notes)
+    page.locator(".studio-compared", has_text="No description was found.").wait_for()
+    other = UR5.with_name("scara.csv")
+    for dropped, answer in (([notes], "This is not a file that can be opened"), ([UR5, other], "Drop one file")):
+        tab.drop(".arm-view", *dropped)
+        page.locator(".q-notification", has_text=answer).get_by_role("button", name="Close").click()
+    script = """async name => {
+        const {id} = document.querySelector('.studio > .q-uploader'), form = new FormData();
+        form.append(name, new File([new Uint8Array(2 ** 26 + 1)], name));
+        await fetch(getElement(Number(id.slice(1))).$props.url, {method: 'POST', body: form});
+    }"""
+    page.evaluate(script, "huge.csv")  # past the page, which sends none of that size
+    page.locator(".q-notification", has_text="of at most 64 MB").wait_for()
+    tab.drop(".arm-view", other)
+    tab.wait_for_exhibit("scara")
+    page.get_by_role("button", name="undo").click()
+    tab.wait_for_exhibit("ur5")
+    tab.drop(".studio-panel:visible", folder)
+    page.wait_for_function(f"({drawn})() === 1280")

@@ -36,6 +36,12 @@ def description_suffixes(catalog: Catalog) -> tuple[str, ...]:
     )
 
 
+def too_much() -> InputError:
+    """The error of more files, or larger ones, than are kept."""
+    message = f"these are more than {MOST_FILES} files, or more than {LARGEST // 2**20} MB"
+    return InputError(Problem(message=message, suggestion="choose the description and its mesh files alone"))
+
+
 class GivenFiles:
     """A folder with files that were sent, which is there until `close`.
 
@@ -58,7 +64,7 @@ class GivenFiles:
         self._left = LARGEST
         try:
             for name, content in files:
-                self._take(name, content)
+                self.add(name, content)
         except BaseException:
             self.close()
             raise
@@ -106,7 +112,12 @@ class GivenFiles:
         best = max(self._paths, key=alike, default=None)
         return best if best is not None and alike(best) else None
 
-    def _take(self, name: str, content: bytes) -> None:
+    def add(self, name: str, content: bytes) -> None:
+        """Keeps another file.
+
+        Raises:
+            InputError: see the class.
+        """
         if not name.lower().endswith(".zip"):
             self._write(name, content)
             return
@@ -135,8 +146,7 @@ class GivenFiles:
             return
         self._left -= len(content)
         if self._left < 0 or len(self._paths) == MOST_FILES:
-            message = f"these are more than {MOST_FILES} files, or more than {LARGEST // 2**20} MB"
-            raise InputError(Problem(message=message, suggestion="choose the description and its mesh files alone"))
+            raise too_much()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)

@@ -1,1 +1,1 @@
-"""The parts that the studio's page is laid out of: the head, and the bars above the table and the scene."""
+"""The parts that the studio's page is laid out of: the head, bars above and below the cells, and what takes files."""

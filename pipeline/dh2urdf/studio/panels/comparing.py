@@ -13,12 +13,12 @@ from nicegui import run, ui
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.comparison import TOLERANCE, changes
 from dh2urdf.meshes import named_files
-from dh2urdf.studio import words
+from dh2urdf.studio import dialogs, words
 from dh2urdf.studio.drawing import mesh_files
 from dh2urdf.studio.drawing.scene import Drawing
 from dh2urdf.studio.editing.adopting import adopted, changed_cells, own_table
 from dh2urdf.studio.editing.comparing import Apart, Beside, differences
-from dh2urdf.studio.editing.given_files import GivenFiles, description_suffixes
+from dh2urdf.studio.editing.given_files import MOST_FILES, GivenFiles, description_suffixes, too_much
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -58,9 +58,11 @@ class ComparingPanel:
         self._figure: Figure | None = None
         self._served: tuple[str, ...] = ()
         suffixes = description_suffixes(session.catalog)
-        wanted = json.dumps([*suffixes, ".zip", *mesh_files.SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml"])
+        ends = [*suffixes, ".zip", *mesh_files.SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml"]
+        wanted = json.dumps({"ends": ends, "most": MOST_FILES, "largest": mesh_files.LARGEST, "refused": "dh-no-files"})
         nothing = f"No description was found. Accepted: {', '.join(suffixes)}, with mesh files, or a ZIP of them."
-        ui.on("dh-no-files", lambda: self._answer(nothing))
+        answers = {"none": nothing, "too much": str(too_much()), "lost": dialogs.LOST}
+        ui.on("dh-no-files", lambda event: self._answer(answers[str(event.args)]))
         ui.context.client.on_delete(self._forget)
         if session.beside is not None:  # of a page that was loaded anew, whose files are gone
             session.lay_beside(None)
@@ -121,14 +123,19 @@ class ComparingPanel:
         self._numbers.set_content(_as_html(found, table, here) if here else "")
 
     async def _take(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        files = [(unquote(file.name), await file.read()) for file in event.files]
         self._close()
+        if len(event.files) > MOST_FILES or sum(file.size() for file in event.files) > mesh_files.LARGEST:
+            self._answer(str(too_much()))  # before any of it is in memory
+            return
+        files = GivenFiles((), self._session.catalog)
         try:
-            self._files = await run.io_bound(GivenFiles, files, self._session.catalog)
+            for file in event.files:
+                await run.io_bound(files.add, unquote(file.name), await file.read())
         except InputError as error:
+            files.close()
             self._answer(str(error))
             return
-        names = list(self._files.descriptions) if self._files is not None else []
+        self._files, names = files, list(files.descriptions)
         if not names:
             self._answer("There is no robot description among these files.")
             return

@@ -1,12 +1,13 @@
 """Options of a stage: from what a person wrote to an instance of the stage's options dataclass.
 
-A run file gives nodes, the command line gives words; both come through `make_options`. Words and truth values are
-checked here; anything else is left to pydantic, whose import alone costs as much as converting a table, and which
-finds everything that is wrong at once. The checks are strict: ``yes`` is not true, and ``true`` is not 1.
+A run file gives nodes, the command line gives words; both come through `make_options`. Words, truth values and
+numbers are checked here; anything else is left to pydantic, whose import alone costs as much as converting a table, and
+which finds everything that is wrong at once. The checks are strict: ``yes`` is not true, and ``true`` is not 1.
 """
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from dataclasses import MISSING, fields, is_dataclass
@@ -34,6 +35,8 @@ _Keys: TypeAlias = tuple[str | int, ...]
 
 COMMAND_LINE = Mark(file="command line")
 _UNDECIDED = object()
+_LARGEST = 2**53
+"""Whole numbers up to this are doubles, too."""
 _TEXT_MAY_DO = frozenset({"string_type", "literal_error", "enum"})
 """Errors of pydantic that a value's own text may fix: where a text is wanted, the number 007 is the text ``007``."""
 
@@ -280,13 +283,17 @@ def _records(hint: Any) -> list[type[Any]]:  # noqa: ANN401 - any type
 
 
 def _decided(hint: Any, node: Node) -> Any:  # noqa: ANN401 - any type
-    """The value of an option that is plainly a word or a truth value, or that it is undecided."""
+    """The value of an option that is plainly a word, a truth value or a number, or that it is undecided."""
     for member in members(hint):
         if get_origin(member) is Literal and node.text in get_args(member) and node.value is not None:
             return node.text
         if member is bool and isinstance(node.value, bool):
             return node.value
         if member is str and isinstance(node.value, str):
+            return node.value
+        if type(node.value) is int and abs(node.value) <= _LARGEST and member in (int, float):
+            return node.value if int in members(hint) else float(node.value)
+        if member is float and isinstance(node.value, float) and math.isfinite(node.value):
             return node.value
     return _UNDECIDED
 

@@ -76,13 +76,16 @@ def test_without_options_the_type_itself_is_made() -> None:
     assert make_options(Options, where="x") == make_options(Options, {}, where="x") == of("{}") == Options()
 
 
-def test_plain_words_do_not_import_pydantic() -> None:
-    """Defaults, words and truth values are taken without the import that costs most."""
+def test_plain_words_and_numbers_do_not_import_pydantic() -> None:
+    """Defaults, words, truth values and numbers are taken without the import that costs most."""
     code = (
         "import sys; from dh2urdf.plugin_system.options import make_options; from dh2urdf_plugins.emitters.xacro import XacroOptions;"
-        "from dh2urdf_plugins.emitters.urdf import UrdfOptions;"
+        "from dh2urdf_plugins.emitters.urdf import UrdfOptions; from dh2urdf_plugins.executors.local import LocalOptions;"
+        "from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions;"
         "make_options(XacroOptions, {'single_file': 'true'}, where='x');"
-        "make_options(UrdfOptions, {'profile': 'portable'}, where='x');"
+        "make_options(UrdfOptions, {'profile': 'portable'}, where='x'); make_options(LocalOptions, {'workers': '2'}, where='x');"
+        "made = make_options(AlphaSwapOptions, {'density': '7', 'radius': '0.25'}, where='x');"
+        "assert (repr(made.density), made.radius) == ('7.0', 0.25);"
         "sys.exit('pydantic' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

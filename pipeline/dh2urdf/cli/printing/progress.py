@@ -9,6 +9,7 @@ import sys
 import time
 from collections import Counter
 from contextlib import contextmanager
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import SCREENFUL
@@ -36,15 +37,12 @@ def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
         quiet: say only what fails.
         debug: say where stages failed.
     """
-    from rich.console import Console
-
-    console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
     if quiet:
-        shown: _Silent = _Silent(console, debug=debug)
+        shown = _Silent(debug=debug)
     elif sys.stderr.isatty():
-        shown = _Bar(console, debug=debug)
+        shown = _Bar(debug=debug)
     else:
-        shown = _Lines(console, debug=debug)
+        shown = _Lines(debug=debug)
     try:
         yield shown.note
     finally:
@@ -56,14 +54,20 @@ class _Silent:
 
     severities: tuple[str, ...] = ("error",)
 
-    def __init__(self, console: Console, *, debug: bool) -> None:
-        self.console = console
+    def __init__(self, *, debug: bool) -> None:
         self._debug = debug
         self._found: Counter[str] = Counter()
         self._printed: Counter[str] = Counter()
         self._said: set[Problem] = set()
         self.made = 0
         self.failed = 0
+
+    @cached_property
+    def console(self) -> Console:
+        """Standard error, when there is something to print: the import takes a tenth of a short run."""
+        from rich.console import Console
+
+        return Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
 
     def note(self, report: BatchReport, total: int | None) -> None:
         """Takes what became of a batch."""
@@ -96,8 +100,8 @@ class _Lines(_Silent):
 
     severities = ("notice", "error")
 
-    def __init__(self, console: Console, *, debug: bool) -> None:
-        super().__init__(console, debug=debug)
+    def __init__(self, *, debug: bool) -> None:
+        super().__init__(debug=debug)
         self._started = self._said_last = time.monotonic()
 
     def show(self, total: int | None) -> None:
@@ -115,8 +119,8 @@ class _Bar(_Silent):
 
     severities = ("notice", "error")
 
-    def __init__(self, console: Console, *, debug: bool) -> None:
-        super().__init__(console, debug=debug)
+    def __init__(self, *, debug: bool) -> None:
+        super().__init__(debug=debug)
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
         columns = (
@@ -128,7 +132,7 @@ class _Bar(_Silent):
             TextColumn("{task.fields[left]}", style="cyan"),
             TextColumn("{task.fields[failed]}", style="red"),
         )
-        self._bar: Progress = Progress(*columns, console=console, transient=True)
+        self._bar: Progress = Progress(*columns, console=self.console, transient=True)
         self._task = self._bar.add_task("", total=None, rate="", left="", failed="")
         self._started = time.monotonic()
         self._bar.start()

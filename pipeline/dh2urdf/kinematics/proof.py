@@ -187,7 +187,7 @@ def _largest_of_arms(
     largest = position.max(axis=0)
     worst = np.where(position == largest, angle, -1.0).argmax(axis=0)
     arms = range(shape[1])
-    vectors = [np.broadcast_to(value, shape)[worst, arms].tolist() for value, _, _ in values]
+    vectors = [value[worst, arms if value.shape[1] > 1 else 0].tolist() for value, _, _ in values]
     return zip(
         np.sqrt(largest).tolist(),
         map(_angle, np.sqrt(angle.max(axis=0)).tolist()),

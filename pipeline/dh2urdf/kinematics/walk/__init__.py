@@ -7,11 +7,13 @@ neither costs anything or rounds anything when the chain is walked.
 A walk carries the three axes of a frame and its origin. Every step turns two of the axes or moves the origin, by the
 sums of a kind of vectors. `TRIPLES` are tuples of three floats, or of three arrays of one shape, and need no numpy.
 `STACKS` are arrays of shape (3, P, N) for P joint vectors of N arms, with a dimension of 1 where all are alike. All
-sums are elementwise, so that an arm's figures do not depend on the arms beside it.
+sums are elementwise, so that an arm's figures do not depend on the arms beside it, and those of a joint not on the
+joints beside it: in arrays, the cosines, sines and matrices of many joints are worked out together where each is short.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cos_sin, cross, exact_cos_sin
@@ -37,14 +39,16 @@ class Vectors(NamedTuple):
         origin: makes its origin.
         moved: p + l·u.
         turned: the axes u and v after a turn by an angle in their plane: c·u + s·v and c·v − s·u.
-        mixed: a sum of the axes, each times its factor: x·u + y·v + z·w.
+        mixed: for each column x, y, z of a matrix a sum of the axes: x·u + y·v + z·w.
+        in_arrays: whether joint values are arrays of shape (P, N), or (P, 1).
     """
 
     axes: Callable[[], Axes]
     origin: Callable[[], Vector]
     moved: Callable[[Vector, Numbers, Vector], Vector]
     turned: Callable[[Numbers, Numbers, Vector, Vector], tuple[Vector, Vector]]
-    mixed: Callable[[Sequence[Numbers], Axes], Vector]
+    mixed: Callable[[Sequence[Numbers], Axes], list[Vector]]
+    in_arrays: bool
 
 
 def _moved(p: Vector, length: Numbers, u: Vector) -> Vector:
@@ -59,10 +63,10 @@ def _turned(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vecto
     return (c * x + s * a, c * y + s * b, c * z + s * d), (c * a - s * x, c * b - s * y, c * d - s * z)
 
 
-def _mixed(factors: Sequence[Numbers], axes: Axes) -> Vector:
-    x, y, z = factors
+def _mixed(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
     (a, b, c), (d, e, f), (g, h, i) = axes
-    return (x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i)
+    columns = [matrix[column::3] for column in range(3)]
+    return [(x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i) for x, y, z in columns]
 
 
 def _stacked_axes() -> Axes:
@@ -102,13 +106,35 @@ def _holds(sums: Vector, others: Vector) -> bool:
     return bool(poses >= other_poses and arms >= other_arms)
 
 
-def _mixed_stack(factors: Sequence[Numbers], axes: Axes) -> Vector:
+def _mixed_stacks(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
+    import numpy as np
+
+    if isinstance(matrix, np.ndarray):  # all three sums at once
+        return list(_sum_of_stacks(matrix.reshape(3, 3, 1, *matrix.shape[1:]), axes))
+    return [_sum_of_stacks(matrix[column::3], axes) for column in range(3)]
+
+
+def _sum_of_stacks(factors: Sequence[Numbers], axes: Axes) -> Vector:
     x, y, z = factors
     return x * axes[0] + y * axes[1] + z * axes[2]
 
 
-TRIPLES = Vectors(lambda: ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), lambda: ZERO, _moved, _turned, _mixed)
-STACKS = Vectors(_stacked_axes, _stacked_origin, _moved_stack, _turned_stacks, _mixed_stack)
+TRIPLES = Vectors(
+    axes=lambda: ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    origin=lambda: ZERO,
+    moved=_moved,
+    turned=_turned,
+    mixed=_mixed,
+    in_arrays=False,
+)
+STACKS = Vectors(
+    axes=_stacked_axes,
+    origin=_stacked_origin,
+    moved=_moved_stack,
+    turned=_turned_stacks,
+    mixed=_mixed_stacks,
+    in_arrays=True,
+)
 
 # --- Chains -----------------------------------------------------------------------------------------------------------
 
@@ -223,26 +249,19 @@ class CompiledChain:
         axes, origin = list(vectors.axes()), vectors.origin()
         moved, turned, mixed = vectors.moved, vectors.turned, vectors.mixed
         stops: list[Frame] = []
-        for kind, axis, joint, numbers in self.steps:
+        found = (_in_arrays if vectors.in_arrays else _one_by_one)(self.steps, values)
+        for (kind, axis, _, numbers), at_values in zip(self.steps, found, strict=True):
+            now = at_values() if isinstance(at_values, partial) else at_values
             if kind == _MOVE:
-                length, factor = numbers
-                if joint is not None:
-                    length = length + factor * values[joint][0]
-                origin = moved(origin, length, axes[axis])
+                origin = moved(origin, now, axes[axis])
             elif kind == _TURN:
-                cosine, sine, sign = numbers
-                if joint is not None:
-                    cosine, sine = _together(cosine, sine, sign, values[joint])
+                cosine, sine = now
                 after, last = (axis + 1) % 3, axis - 1
                 axes[after], axes[last] = turned(cosine, sine, axes[after], axes[last])
             elif kind == _STOP:
                 stops.append(Frame(_renamed(axes, numbers, vectors), origin))
             else:
-                matrix, names = numbers
-                if joint is not None:
-                    matrix = _about(matrix, values[joint])
-                before = _renamed(axes, names, vectors)
-                axes = [mixed(matrix[column::3], before) for column in range(3)]
+                axes = mixed(now, _renamed(axes, numbers[1], vectors))
         return stops
 
     def _rename(self, about: int, cosine: float, sine: float) -> None:
@@ -280,23 +299,98 @@ def _is(number: Numbers, value: float) -> bool:
     return isinstance(number, float) and number == value
 
 
-def _together(cosine: Numbers, sine: Numbers, sign: float, joint: JointValue) -> tuple[Numbers, Numbers]:
-    """Cosine and sine of an angle and a joint value together; an angle of 0 is None."""
-    _, c, s = joint
-    if cosine is None:
-        return c, (s if sign > 0 else -s)
+# --- The numbers of steps at joint values -----------------------------------------------------------------------------
+
+_TOGETHER = 4096
+"""Numbers of an array that are worked out together: beyond, the call of numpy is a small part of its time."""
+
+
+def _one_by_one(steps: Sequence[Step], values: Sequence[JointValue]) -> list[Any]:
+    """What each step does at values of all joints [rad or m].
+
+    Returns:
+        A length for a move, a cosine and a sine for a turn, and a matrix, row by row, for a mix and a screw.
+    """
+    found, waiting = _at(steps, values)
+    for function, places in waiting.items():
+        for place in places:
+            found[place] = function(*found[place])
+    return found
+
+
+def _in_arrays(steps: Sequence[Step], values: Sequence[JointValue]) -> list[Any]:
+    """The same at values that are arrays of shape (P, N), or (P, 1).
+
+    Returns:
+        What `_one_by_one` has. What is long is a call that returns it: all at once would not stay in the processor's
+        cache.
+    """
+    import numpy as np
+
+    found, waiting = _at(steps, values)
+    for function, places in waiting.items():
+        size = np.broadcast(*found[places[0]]).size if places else 1
+        count = max(1, _TOGETHER // max(1, size))
+        for first in range(0, len(places), count):
+            some = places[first : first + count]
+            if len(some) == 1:
+                found[some[0]] = partial(function, *found[some[0]])
+                continue
+            entries = zip(*[found[place] for place in some], strict=True)
+            made = np.stack(np.broadcast_arrays(*function(*map(_stacked, entries))), axis=1)
+            for place, now in zip(some, made, strict=True):
+                found[place] = now
+    return found
+
+
+def _at(
+    steps: Sequence[Step], values: Sequence[JointValue]
+) -> tuple[list[Any], dict[Callable[..., tuple[Numbers, ...]], list[int]]]:
+    """The numbers of steps; for those that are worked out of several, these, and what works them out in which steps."""
+    found: list[Any] = []
+    turns: list[int] = []
+    screws: list[int] = []
+    for index, (kind, _, joint, numbers) in enumerate(steps):
+        now: Any = numbers[:2] if kind == _TURN else numbers[0]
+        if joint is None:
+            pass
+        elif kind == _MOVE:
+            now = now + numbers[1] * values[joint][0]
+        elif kind == _SCREW:
+            screws.append(index)
+            now = (*now, *values[joint][1:])
+        elif numbers[0] is None:
+            _, c, s = values[joint]
+            now = (c, s if numbers[2] > 0 else -s)
+        else:
+            turns.append(index)
+            now = (*numbers, *values[joint][1:])
+        found.append(now)
+    return found, {_together: turns, _about: screws}
+
+
+def _stacked(numbers: Sequence[Numbers]) -> Numbers:
+    """Floats, or arrays of shape (N,), (P, N), (P, 1), as one array of a dimension more."""
+    import numpy as np
+
+    if len({getattr(each, "shape", ()) for each in numbers}) > 1:
+        numbers = np.broadcast_arrays(*numbers)
+    stacked = np.array(numbers)
+    return stacked.reshape(len(stacked), -1, stacked.shape[-1] if stacked.ndim > 1 else 1)
+
+
+def _together(cosine: Numbers, sine: Numbers, sign: float, c: Numbers, s: Numbers) -> tuple[Numbers, Numbers]:
+    """Cosine and sine of an angle and a joint value together."""
     return cosine * c + -sign * sine * s, sine * c + sign * cosine * s
 
 
-def _about(vector: Sequence[Numbers], joint: JointValue) -> tuple[Numbers, ...]:
+def _about(x: Numbers, y: Numbers, z: Numbers, c: Numbers, s: Numbers) -> tuple[Numbers, ...]:
     """The rotation about a unit vector, row by row (Rodrigues' formula).
 
     The diagonal x² + c·(1 − x²) is c + x²·(1 − c), and exact about the axes of the frame.
     """
-    x, y, z = vector
-    _, c, s = joint
     versine = 1.0 - c
-    xx, yy, zz = (k * k + (1.0 - k * k) * c for k in vector)
-    xs, ys, zs = (k * s for k in vector)
+    xx, yy, zz = (k * k + (1.0 - k * k) * c for k in (x, y, z))
+    xs, ys, zs = (k * s for k in (x, y, z))
     xy, xz, yz = (k * versine for k in (x * y, x * z, y * z))
     return (xx, xy - zs, xz + ys, xy + zs, yy, yz - xs, xz - ys, yz + xs, zz)

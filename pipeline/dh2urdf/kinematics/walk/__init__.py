@@ -40,7 +40,6 @@ class Vectors(NamedTuple):
         moved: p + l·u.
         turned: the axes u and v after a turn by an angle in their plane: c·u + s·v and c·v − s·u.
         mixed: for each column x, y, z of a matrix a sum of the axes: x·u + y·v + z·w.
-        in_arrays: whether joint values are arrays of shape (P, N), or (P, 1).
     """
 
     axes: Callable[[], Axes]
@@ -48,7 +47,6 @@ class Vectors(NamedTuple):
     moved: Callable[[Vector, Numbers, Vector], Vector]
     turned: Callable[[Numbers, Numbers, Vector, Vector], tuple[Vector, Vector]]
     mixed: Callable[[Sequence[Numbers], Axes], list[Vector]]
-    in_arrays: bool
 
 
 def _moved(p: Vector, length: Numbers, u: Vector) -> Vector:
@@ -125,7 +123,6 @@ TRIPLES = Vectors(
     moved=_moved,
     turned=_turned,
     mixed=_mixed,
-    in_arrays=False,
 )
 STACKS = Vectors(
     axes=_stacked_axes,
@@ -133,7 +130,6 @@ STACKS = Vectors(
     moved=_moved_stack,
     turned=_turned_stacks,
     mixed=_mixed_stacks,
-    in_arrays=True,
 )
 
 # --- Chains -----------------------------------------------------------------------------------------------------------
@@ -249,7 +245,7 @@ class CompiledChain:
         axes, origin = list(vectors.axes()), vectors.origin()
         moved, turned, mixed = vectors.moved, vectors.turned, vectors.mixed
         stops: list[Frame] = []
-        found = (_in_arrays if vectors.in_arrays else _one_by_one)(self.steps, values)
+        found = (_in_arrays if vectors is STACKS else _one_by_one)(self.steps, values)
         for (kind, axis, _, numbers), at_values in zip(self.steps, found, strict=True):
             now = at_values() if isinstance(at_values, partial) else at_values
             if kind == _MOVE:

@@ -140,16 +140,16 @@ def test_a_row_that_is_gone(studio_address: str, new_tab: Callable[..., Any]) ->
     assert page.get_by_text("The studio failed at this").count() == 0
 
 
-@pytest.mark.parametrize("typed", ["", "-3"])
-def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[..., Any], typed: str) -> None:
-    """An emptied field is no answer: the rows stay, and the field says again how many there are."""
+def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """An emptied field is no answer, nor is -3: the rows stay, and the field says again how many there are."""
     tab = new_tab(studio_address)
     page = tab.open("ur5")
     axes = page.get_by_label("number of axes")
-    axes.fill(typed)
-    axes.press("Enter")
-    page.wait_for_function("axes => axes.value === '6'", arg=axes.element_handle())
-    assert tab.status == "6 axes; the arm is the table's"
+    for typed in ("", "-3"):
+        axes.fill(typed)
+        axes.press("Enter")
+        page.wait_for_function("axes => axes.value === '6'", arg=axes.element_handle())
+        assert tab.status == "6 axes; the arm is the table's"
 
 
 def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
@@ -247,11 +247,10 @@ def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> 
     page.wait_for_function(f"({script})().some(([text]) => text === '{{3}} {{4}} {{6}} flange tool0')")
 
 
-@pytest.mark.parametrize("name", ["ur5", "stanford", "track"])
-def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any], name: str) -> None:
+def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """All corners of the links of an arm that was opened are inside the picture, and reach over half of it."""
     tab = new_tab(studio_address)
-    page = tab.open(name)
+    page = tab.open("ur5")
     script = """() => {
         const {scene, camera} = document.querySelector('.arm-view'), corners = [];
         camera.updateMatrixWorld();
@@ -265,6 +264,9 @@ def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any], n
         return corners.every(({x, y}) => Math.abs(x) < 1 && Math.abs(y) < 1) && Math.max(reach('x'), reach('y')) > 1;
     }"""
     page.wait_for_function(f"({script})()")
+    for name in ("stanford", "track"):
+        tab.open_exhibit(name)
+        page.wait_for_function(f"({script})()")
 
 
 def test_the_paper_stands_side_by_side(studio_address: str, new_tab: Callable[..., Any]) -> None:
@@ -400,22 +402,6 @@ def test_a_hundred_axes(studio_address: str, new_tab: Callable[..., Any], catalo
     assert session.arm is not None
     assert len(tab.sliders()) == 100
     tab.wait_for_tool0(session.arm.manipulator)
-
-
-@pytest.mark.parametrize(("width", "height"), [(1280, 720), (820, 1180)])
-def test_sizes_of_screens(studio_address: str, new_tab: Callable[..., Any], width: int, height: int) -> None:
-    """At a laptop's and at a tablet's size nothing hangs over at the side, and table, scene and joints have room."""
-    tab = new_tab(studio_address, width=width, height=height)
-    page = tab.open("ur5")
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    for part in (".dh-table", ".arm-view", ".joint-sliders"):
-        box = page.locator(part).bounding_box()
-        assert box["width"] >= 250
-        assert box["height"] >= 150
-        assert box["x"] >= 0
-        assert box["x"] + box["width"] <= width
-    if height == 720:
-        assert page.evaluate("document.documentElement.scrollHeight") <= height
 
 
 def test_faults_of_the_server_are_told(studio_address: str, new_tab: Callable[..., Any]) -> None:

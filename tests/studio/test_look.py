@@ -106,7 +106,10 @@ def test_light_dark_and_projector(
 
 
 def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """Nothing is beside the screen from 390 to 2560 px, and a wide one gives the scene its whole height."""
+    """Nothing is beside the screen from 390 to 2560 px, and a wide one gives the scene its whole height.
+
+    At a laptop's and at a tablet's size table, scene and joints have room; a laptop shows the page without scrolling.
+    """
     tab = new_tab(studio_address)
     page = tab.open()
     scene = page.locator(".arm-view")
@@ -129,6 +132,11 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
         assert page.locator(".studio-name").bounding_box()["width"] > 100
         assert page.locator(".joint-slider input[type=range]").first.bounding_box()["width"] > 100
         box = scene.bounding_box()
+        for part in (".dh-table", ".arm-view", ".joint-sliders") if width in {820, 1280} else ():
+            room = page.locator(part).bounding_box()
+            assert min(room["width"] - 250, room["height"] - 150, room["x"]) >= 0, part
+            assert room["x"] + room["width"] <= width, part
+        assert height != 720 or page.evaluate("document.documentElement.scrollHeight") <= height
         if width <= 820:  # a panel is where it is seen: below the scene
             page.get_by_role("button", name="explain the picked row").click()
             page.locator(".studio-panel:visible").wait_for()

@@ -139,16 +139,18 @@ def side_by_side(with_numbers: Callable[[Any, Callable[[float], Any]], Any]) -> 
 
 
 @pytest.fixture
-def dh2urdf(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
+def dh2urdf(tmp_path: Path, undrawn: str) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the project's command in the test's folder.
 
-    `path` holds folders of further distributions, that are seen before the installed ones.
+    `path` holds folders of further distributions, that are seen before the installed ones. The report.html of a run has
+    no drawings.
     """
 
     def run(*words: str | Path, path: Sequence[Path] = (), status: int = 0) -> subprocess.CompletedProcess[str]:
         inherited = os.environ.get("PYTHONPATH", "")
+        begin = undrawn if "run" in words else ""
         result = subprocess.run(
-            [sys.executable, "-c", "from dh2urdf.cli import main; main()", *map(str, words)],
+            [sys.executable, "-c", f"{begin}from dh2urdf.cli import main; main()", *map(str, words)],
             env={**os.environ, "PYTHONPATH": os.pathsep.join([*map(str, path), *filter(None, [inherited])])},
             cwd=tmp_path,
             capture_output=True,
@@ -237,8 +239,12 @@ def reports() -> frozenset[str]:
 
 @pytest.fixture(scope="session")
 def undrawn() -> str:
-    """How a script begins whose runs write no drawings into report.html."""
-    return "import dh2urdf.report.html; dh2urdf.report.html._figures = lambda _exhibit: None\n"
+    """How a script begins whose runs write no drawings into report.html: most of a short run is matplotlib."""
+    return (
+        "from dh2urdf.report import html\n"
+        "html._figures = lambda _exhibit: None\n"
+        "html._distributions = lambda _overview: {'errors': None, 'drawn': None}\n"
+    )
 
 
 class Answer(NamedTuple):
@@ -270,6 +276,7 @@ def cli(
     """
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("dh2urdf.report.html._figures", lambda _exhibit: None)
+    monkeypatch.setattr("dh2urdf.report.html._distributions", lambda _overview: {"errors": None, "drawn": None})
 
     def call(*words: str | Path, status: int = 0) -> Answer:
         capfd.readouterr()

@@ -131,12 +131,14 @@ class Folder:
 
     Attributes:
         path: the folder.
+        types: what mypy keeps of dh2urdf.
         installed: where distributions are that the page has written and installed.
         ran: the blocks that were run.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, types: Path) -> None:
         self.path = path
+        self.types = types
         self.installed: list[Path] = []
         self.ran: list[Block] = []
         shutil.copytree(ROOT / "configs", path / "configs")
@@ -172,6 +174,7 @@ class Folder:
             env={
                 **os.environ,
                 "COLUMNS": "120",
+                "MYPY_CACHE_DIR": str(self.types),
                 "PYTEST_ADDOPTS": "",
                 "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
                 "PYTHONPATH": os.pathsep.join(paths),
@@ -307,13 +310,13 @@ READ: dict[str, Callable[[Folder, Block], None]] = {
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if BLOCKS[page]])
-def test_its_blocks_do_what_it_says(page: str, tmp_path: Path) -> None:
+def test_its_blocks_do_what_it_says(page: str, tmp_path: Path, types_cache: Path) -> None:
     """Every block is run or read, files that it shows are used, and what it says is printed is printed."""
     if module := NEEDED_MODULES.get(page):
         pytest.importorskip(module)
     if (name := NEEDED_PROGRAMS.get(page)) and shutil.which(name) is None:
         pytest.skip(f"{name} is not installed")
-    folder = Folder(tmp_path)
+    folder = Folder(tmp_path, types_cache)
     blocks = [block for block in BLOCKS[page] if "example" not in block.marks]
     for block, after in zip_longest(blocks, blocks[1:]):
         folder.take(block, after if after and after.title == OUTPUT else None)
@@ -395,7 +398,7 @@ def test_a_page_that_says_something_else_fails(tmp_path: Path) -> None:
     assert matches("a\nb\nc\n", "a\n…\nc\n")
     assert not matches("a\nb\n", "a\n")
     assert not matches("tool0 at 0.42\n", "tool0 at 0.43\n")
-    folder = Folder(tmp_path)
+    folder = Folder(tmp_path, tmp_path)
     block = Block(page="x.md", line=1, language="sh", title="", body="echo a; false", marks={})
     with pytest.raises(AssertionError, match=r"docs/x\.md:1: exit status 1"):
         folder.take(block, None)

@@ -11,13 +11,12 @@ import subprocess
 import sys
 import warnings
 from concurrent.futures import ThreadPoolExecutor
-from importlib import metadata
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import dh2urdf
-from dh2urdf.plugin_system.discovery import installed
+from dh2urdf.plugin_system import discovery
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -142,8 +141,8 @@ def test_nothing_of_the_process_is_switched(tmp_path: Path, monkeypatch: pytest.
 def test_metadata_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, install: Callable[..., None]) -> None:
     """Not in every call: only where something was installed since; then it is found."""
     reads = []
-    real = metadata.entry_points
-    monkeypatch.setattr(metadata, "entry_points", lambda *args, **named: reads.append(1) or real(*args, **named))
+    real = discovery.points
+    monkeypatch.setattr(discovery, "points", lambda group: reads.append(1) or real(group))
     (tmp_path / "site").mkdir()
     monkeypatch.syspath_prepend(tmp_path / "site")
     arm = dh2urdf.read(TABLES / "ur5.csv")
@@ -154,4 +153,4 @@ def test_metadata_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     install(tmp_path / "site", "late", "")
     dh2urdf.convert(arm)
     assert reads == [1]
-    assert [plugin.entry for plugin in installed().plugins if plugin.distribution_name == "late"] == ["lab"]
+    assert [plugin.entry for plugin in discovery.installed().plugins if plugin.distribution_name == "late"] == ["lab"]

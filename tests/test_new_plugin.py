@@ -67,26 +67,33 @@ def environment(tmp_path: Path) -> Path:
     return folder / "bin"
 
 
-def author(environment: Path, folder: Path, types_cache: Path) -> Callable[..., str]:
-    """Types commands in a folder, in an environment; gives what they print."""
+@pytest.fixture
+def author(environment: Path, types_cache: Path, undrawn: str) -> Callable[[Path], Callable[..., str]]:
+    """An author who types commands in a folder, in an environment, and gets what they print."""
 
-    def types(*words: str, status: int = 0) -> str:
-        program, *options = words
-        calling = ["-c", "from dh2urdf.cli import main; main()"] if program == "dh2urdf" else ["-m", program]
-        python = sys.executable if program == "ruff" else environment / "python"  # Ruff is no package of Python's.
-        result = subprocess.run(
-            [python, *calling, *options],
-            cwd=folder,
-            env={**os.environ, "PYTEST_ADDOPTS": "", "MYPY_CACHE_DIR": str(types_cache), "NO_COLOR": "1"},
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            check=False,
-        )
-        assert result.returncode == status, f"{words}: {result.returncode}\n{result.stdout}\n{result.stderr}"
-        return result.stdout
+    def in_folder(folder: Path) -> Callable[..., str]:
+        def types(*words: str, status: int = 0) -> str:
+            program, *options = words
+            begin = undrawn if options[0] == "run" else ""
+            calling = (
+                ["-c", f"{begin}from dh2urdf.cli import main; main()"] if program == "dh2urdf" else ["-m", program]
+            )
+            python = sys.executable if program == "ruff" else environment / "python"  # Ruff is no package of Python's.
+            result = subprocess.run(
+                [python, *calling, *options],
+                cwd=folder,
+                env={**os.environ, "PYTEST_ADDOPTS": "", "MYPY_CACHE_DIR": str(types_cache), "NO_COLOR": "1"},
+                capture_output=True,
+                text=True,
+                encoding="utf-8",
+                check=False,
+            )
+            assert result.returncode == status, f"{words}: {result.returncode}\n{result.stdout}\n{result.stderr}"
+            return result.stdout
 
-    return types
+        return types
+
+    return in_folder
 
 
 def leaves_ruff_nothing_to_say(folder: Path) -> None:
@@ -103,13 +110,13 @@ def leaves_ruff_nothing_to_say(folder: Path) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_an_author_types(
-    dh2urdf: Callable[..., object], environment: Path, tmp_path: Path, types_cache: Path, kind: Kind
+    dh2urdf: Callable[..., object], author: Callable[[Path], Callable[..., str]], tmp_path: Path, kind: Kind
 ) -> None:
     """new-plugin, pip install, pytest, ruff, mypy --strict, plugins, and a run: each works at once."""
     pytest.importorskip("ruff")
     dh2urdf("new-plugin", "dh2urdf-trial", "--kind", kind)
     folder = tmp_path / "dh2urdf-trial"
-    types = author(environment, folder, types_cache)
+    types = author(folder)
     offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
     types("pip", "install", *offline, ".")
     tested = types("pytest", "-p", "no:cacheprovider")
@@ -130,7 +137,7 @@ def test_what_an_author_types(
 
 
 def test_the_smallest_plugins_work_at_once(
-    dh2urdf: Callable[..., object], environment: Path, tmp_path: Path, types_cache: Path
+    dh2urdf: Callable[..., object], author: Callable[[Path], Callable[..., str]], tmp_path: Path
 ) -> None:
     """`--minimal`: three files of each kind, which keep the contract, satisfy mypy --strict and ruff, and are listed."""
     pytest.importorskip("ruff")
@@ -139,7 +146,7 @@ def test_the_smallest_plugins_work_at_once(
         dh2urdf("new-plugin", f"tiny-{kind}", "--kind", kind, "--minimal", "--dir", str(folder))
         files = {path.name for path in (folder / f"tiny-{kind}").rglob("*")}
         assert files == {"pyproject.toml", f"tiny_{kind}.py", f"test_tiny_{kind}.py"}
-    types = author(environment, folder, types_cache)
+    types = author(folder)
     offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
     types("pip", "install", *offline, *(f"./tiny-{kind}" for kind in KINDS))
     tested = types("pytest", "-p", "no:cacheprovider", "--import-mode=importlib")

@@ -174,7 +174,9 @@ class TestACluster:
         assert len(list(tmp_path.iterdir())) == 40
         assert 40 <= sum(done) <= 40 + 2 * 2 * dask.AHEAD
 
-    def test_a_run_of_1500_survives_a_worker(self, cluster: Cluster, soon: Callable[..., bool], tmp_path: Path) -> None:
+    def test_a_run_of_1500_survives_a_worker(
+        self, cluster: Cluster, soon: Callable[..., bool], tmp_path: Path, undrawn: str
+    ) -> None:
         """One of two workers is killed in the middle: every manipulator is made once, with the bytes of `local`."""
         root = Path(__file__).parents[3]
         (tmp_path / "run.yaml").write_text(
@@ -182,7 +184,7 @@ class TestACluster:
             "variations: {of: ur5, count: 1500, seed: 1, vary: {joints: all, field: mass, uniform: [1, 5]}}\n"
             "output: {directory: near, layout: folders}\n"
         )
-        command = [sys.executable, "-c", "from dh2urdf.cli import main; main()", "run", "run.yaml", "--quiet"]
+        command = [sys.executable, "-c", f"{undrawn}from dh2urdf.cli import main; main()", "run", "run.yaml", "--quiet"]
         subprocess.run(command, cwd=tmp_path, check=True)
         settings = ("execution.stage=dask", f"execution.options.scheduler={cluster.options.scheduler}")
         far = [*command, "-o", "far", *(word for setting in settings for word in ("--set", setting))]

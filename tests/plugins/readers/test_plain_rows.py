@@ -13,9 +13,11 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.readers import csv
+from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample
 from dh2urdf_plugins.readers.table import TableOptions
+from dh2urdf_plugins.readers.words.cells import Units
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -319,3 +321,27 @@ def test_the_sample_is_small_and_the_same_each_time() -> None:
     assert chosen[0][0] is not None
     assert 6 * len(found) <= HEAD + 5000 * 240 / EVERY
     assert len(found) > 5000 * 240 / EVERY / 6 - 1
+
+
+@pytest.mark.parametrize(
+    ("column", "numbers"),
+    [
+        (["0.25", "-1.5e-3", "3"], [0.25, -1.5e-3, 3.0]),
+        (["-0", "-0.0", "12345678901234567890123"], [0.0, 0.0, 12345678901234567890123.0]),
+        (["+1", "01", ".5", "2.", " 7 "], [1.0, 1.0, 0.5, 2.0, 7.0]),
+        (["1,2"], None),
+        (["[1", "2]"], None),
+        (["[1", "2]", "3,4"], None),
+        (['"1', '2"', "3,4"], None),
+        (["1", "null"], None),
+        (["true", "1"], None),
+        (["1", ""], None),
+        (["1_0", "2"], None),
+        (["1\n", "2"], None),
+        (["0", "1e-400"], None),
+    ],
+)
+def test_decimal_numbers_are_those_of_float(column: list[str], numbers: list[float] | None) -> None:
+    """Texts that are read together mean what each means by itself, and no text reaches into the next one."""
+    found = PlainNumbers("a", Units()).decimals(column)
+    assert repr(found) == repr(numbers)

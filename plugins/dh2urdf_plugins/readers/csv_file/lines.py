@@ -126,7 +126,8 @@ class CsvLines:
         blocks = self._below_header(delimiter)
         for start, lines in blocks:
             if not self.quotes_in_block and max(map(len, lines), default=0) < csv.field_size_limit():
-                yield range(start, start + len(lines)), list(csv.reader(lines, delimiter=delimiter))
+                # Without quotes `csv.reader` does the same, in twice the time.
+                yield range(start, start + len(lines)), [line.split(delimiter) if line else [] for line in lines]
                 self.passed.clear()
                 continue
             source = _Joined(lines, blocks)

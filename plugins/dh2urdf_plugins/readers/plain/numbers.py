@@ -6,6 +6,8 @@ import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+import orjson
+
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
@@ -40,6 +42,7 @@ class PlainNumbers:
         self.has_expressions = False
         unit = foreign_unit(units, name)
         self._converted = _converter(unit)
+        self._is_si = unit is None
         self._shifts = bool(unit and unit.power)
         self._known: dict[Any, float] = {}
 
@@ -53,13 +56,14 @@ class PlainNumbers:
         """The same where all are decimal numbers; infinities and what is no number may be among them."""
         if self._shifts and isinstance(column[0], float):
             column = list(map(text_of, column))
+        text = "" if isinstance(column[0], float) else ",".join(column)
         try:
-            numbers = self._converted(column)
+            numbers = (self._is_si and text and _json_numbers(text, len(column))) or self._converted(column)
         except ValueError:
             return None
         if isinstance(column[0], float):
             return [number + 0.0 for number in numbers]  # 0 for each −0
-        text = "".join(column)  # `float` reads 1_0 and digits of other scripts too
+        # `float` reads 1_0 and digits of other scripts too
         if "_" in text or LINE_END in text or not text.isascii():
             return None
         if 0.0 not in numbers:
@@ -128,6 +132,24 @@ def foreign_unit(units: Units, name: str, *, linear: bool = False) -> Unit | Non
 def _is_held(text: str, number: float) -> bool:
     """Whether a double holds a decimal number: `float` makes 0 of 1e-400."""
     return bool(number) or not text.lower().partition("e")[0].strip(f"{SPACES}+-0.")
+
+
+def _json_numbers(text: str, count: int) -> list[float] | None:
+    """Decimal numbers with commas between them, where all are as JSON has them, in a quarter of the time of `float`.
+
+    Args:
+        text: some texts, joined by commas.
+        count: how many.
+    """
+    try:
+        numbers: list[Any] = orjson.loads(f"[{text}]")
+    except orjson.JSONDecodeError:
+        return None
+    kinds = set(map(type, numbers))
+    # A text with a comma is more than one number; a text in brackets or quotes that holds several is none.
+    if len(numbers) != count or not kinds <= {float, int}:
+        return None
+    return list(map(float, numbers)) if int in kinds else numbers
 
 
 def _converter(unit: Unit | None) -> Callable[[Sequence[Any]], list[float]]:

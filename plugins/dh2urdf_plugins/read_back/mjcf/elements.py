@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_DEEPEST = 100
+"""Frames around each other that are read: each element multiplies all of them."""
 _ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 
 
@@ -106,8 +108,10 @@ class Elements:
 
     def around(self, element: etree._Element, pose: RigidTransform) -> RigidTransform:
         """A pose in the frames around an element, in the body that holds it."""
-        above = element.getparent()
+        above, depth = element.getparent(), 0
         while above is not None and above.tag == "frame":
+            if (depth := depth + 1) > _DEEPEST:
+                raise self.error(element, f"more than {_DEEPEST} frames are around it")
             pose = self.own_pose(above, _attributes(above)) @ pose
             above = above.getparent()
         return pose

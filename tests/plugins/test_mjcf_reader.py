@@ -132,6 +132,11 @@ BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
         (BODY.format('<geom type="capsule" fromto="1 2 3 1 2 3" size="1"/>'), "the same point twice"),
         (BODY.format('<geom type="mesh" mesh="m"/>'), "no mesh 'm'"),
         (BODY.format('<site name="s" zaxis="0 0 0"/>'), "zaxis of site gives no direction"),
+        (BODY.format('<geom><site name="s"/></geom>'), "a site is in a geom"),
+        (
+            BODY.format('<site name="s" euler="0 0 1"/>').replace("<w", '<compiler eulerseq="xw"/><w', 1),
+            "eulerseq is 'xw'",
+        ),
         (BODY.format("<frame>" * 101 + '<site name="s"/>' + "</frame>" * 101), "more than 100 frames"),
         (BODY.format('<replicate count="2"><geom size="1"/></replicate>'), "replicate is not read"),
     ],

@@ -140,6 +140,8 @@ class Elements:
         rotation = IDENTITY_ROTATION
         if "euler" in attributes:
             sequence = self.compiler.get("eulerseq") or "xyz"
+            if len(sequence) != len(_AXES) or not set(sequence.lower()) <= _AXES.keys():
+                raise self.error(element, f"eulerseq is {shown(sequence)}", "three of the letters x, y, z, X, Y, Z")
             for word, angle in zip(sequence, self.numbers(element, attributes, "euler", ZERO), strict=True):
                 turn = axis_rotation(_AXES[word.lower()], angle * self.angle)
                 # About axes that turn along, or about those that stand still.

@@ -163,7 +163,7 @@ class _Reader:
         # Parents come before children; not by recursion, for an arm may have more links than Python's stack has places.
         for element in (each for world in worlds for each in world.iter("body", "site")):
             name = element.get("name") or self._nameless(element, taken)
-            holder = names[self._holder(element)]
+            holder = self._holder(element, names)
             if element.tag == "body":
                 names[element] = name
                 held = self._held(element, name, holder)
@@ -181,10 +181,12 @@ class _Reader:
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
         return Model(robot, self._loose, self._references, self._elements.unread)
 
-    @staticmethod
-    def _holder(element: etree._Element) -> etree._Element:
-        """The body that holds an element."""
-        return next(above for above in element.iterancestors() if above.tag != "frame")
+    def _holder(self, element: etree._Element, names: Mapping[etree._Element, str]) -> str:
+        """The name of the body that holds an element."""
+        above = next(above for above in element.iterancestors() if above.tag != "frame")
+        if above not in names:
+            raise self._elements.error(element, f"a {element.tag} is in a {above.tag}", "a body, a frame or worldbody")
+        return names[above]
 
     @staticmethod
     def _nameless(element: etree._Element, taken: set[str | None]) -> str:

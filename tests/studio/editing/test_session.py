@@ -157,6 +157,8 @@ def test_units_are_converted_or_reinterpreted(session: Session) -> None:
 
 def test_the_paper_stands_beside_the_arm(session: Session) -> None:
     """Side by side, both robots have poses of their own, and the distance of their tool0 is told."""
+    assert session.arm is not None
+    assert session.arm.other is None, "no edit waits for what is not shown"
     session.show_variant("both")
     assert {"tool0", "paper/tool0"} <= {node.name for node in session.drawing.nodes}
     assert session.other_error is not None

@@ -60,14 +60,14 @@ class OpenArm:
         table: the table.
         manipulator: what a reader makes of it.
         robot: the robot of the exact variant.
-        other: the robot of the other variant; None where there is none, or it refuses the table.
+        other: the robot of the other variant; None where it is not shown, there is none, or it refuses the table.
         refusal: why it does.
     """
 
     table: TableText
     manipulator: Manipulator
     robot: Robot
-    other: Robot | None
+    other: Robot | None = None
     refusal: tuple[CellProblem, ...] = ()
 
 
@@ -327,22 +327,24 @@ class Session:
         manipulator = reading.manipulator
         if manipulator is None:
             return False
-        made, *others = (make(manipulator, each, reading.table, self.catalog) for each in self.variants)
+        made = make(manipulator, self.variants[0], reading.table, self.catalog)
         if made.robot is None:
             self.problems_of_making = made.problems
             return False
-        self.arm = OpenArm(
-            table=reading.table,
-            manipulator=manipulator,
-            robot=made.robot,
-            other=others[0].robot if others else None,
-            refusal=others[0].problems if others else (),
-        )
+        self.arm = OpenArm(table=reading.table, manipulator=manipulator, robot=made.robot)
         self._draw()
         return True
 
+    def _make_other(self) -> None:
+        """Makes the other variant, which no letter has to wait for while it is not shown."""
+        if self.arm is not None and self.arm.other is None and not self.arm.refusal:
+            made = make(self.arm.manipulator, self.variants[-1], self.arm.table, self.catalog)
+            self.arm = replace(self.arm, other=made.robot, refusal=made.problems)
+
     def _draw(self) -> None:
         self.beside = None
+        if self.variant != self.variants[0]:
+            self._make_other()
         if self.arm is None:
             self.drawing, self.sliders = Drawing(), ()
             return

@@ -41,6 +41,7 @@ export default {
     this.geometries = {
       box: new THREE.BoxGeometry(1, 1, 1),
       cylinder: new THREE.CylinderGeometry(1, 1, 1, 32).rotateX(Math.PI / 2),
+      rod: new THREE.CylinderGeometry(1, 1, 1, 8).rotateX(Math.PI / 2), // thin and not lit: nobody sees its edges
       sphere: new THREE.SphereGeometry(1, 32, 16),
       frame: frameGeometry(),
     };
@@ -190,7 +191,7 @@ export default {
 
     part({ shape, size, pose, layer, colour, opacity, mesh: key, ownColours }, number) {
       if (shape === "mesh") return this.mesh(key, pose, layer, { colour, opacity, ownColours }, number);
-      const mesh = new THREE.Mesh(this.geometries[shape], this.material(shape, layer, colour, opacity, number));
+      const mesh = new THREE.Mesh(this.geometries[layer === "axes" ? "rod" : shape], this.material(shape, layer, colour, opacity, number));
       const thin = layer === "links" ? THINNEST * this.reach : 0; // else the links of a very long arm are less than a pixel
       const thick = ["axes", "frames"].includes(layer) ? Math.sqrt(this.lines) : 1;
       const [x, y, z] = shape === "box" ? size.map((side) => Math.max(side, thin)) : shape === "cylinder" ? [Math.max(size[0], thin), Math.max(size[0], thin), size[1]] : size.length === 3 ? size : Array(3).fill(size[0]);

@@ -26,7 +26,7 @@ function merged(pieces) {
 
 export function frameGeometry() {
   const arrow = (more) => [
-    new THREE.CylinderGeometry(0.035 + more, 0.035 + more, 0.78 + more, 8).translate(0, 0.39, 0),
+    new THREE.CylinderGeometry(0.035 + more, 0.035 + more, 0.78 + more, 6, 1, true).translate(0, 0.39, 0),
     new THREE.ConeGeometry(0.095 + 1.5 * more, 0.24 + 3.5 * more, 12).translate(0, 0.88 + 0.5 * more, 0),
   ];
   const arrows = (more, painted) =>

@@ -121,11 +121,10 @@ def _moments(description: Description, link: LinkNode, inertia: Element, body: I
     what = f"the principal moments of its inertia are {low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
     moments = f"{about}: {inertia_problem(body.inertia) or what}"
     minding = _ALL if body.mass > 0.0 else frozenset({"mujoco", "gazebo"})
-    of = minding - _gazebo_takes(description, link)
     if low < -_ROUNDING * high:
-        yield Hit("inertia-not-positive-definite", inertia, moments, of)
+        yield Hit("inertia-not-positive-definite", inertia, moments, minding - _gazebo_takes(description, link))
     elif low + middle < high * (1.0 - _ROUNDING):
-        yield Hit("inertia-triangle-inequality", inertia, moments, of)
+        yield Hit("inertia-triangle-inequality", inertia, moments, minding - _gazebo_takes(description, link))
     elif low < _SMALLEST:
         yield Hit("inertia-semidefinite", inertia, moments)
 

@@ -53,8 +53,9 @@ def hits(description: Description) -> Iterator[Hit]:
 def _attributes(element: Element) -> Iterator[Hit]:
     known = ATTRIBUTES.get(element.tag, ())
     for name in element.attributes if known else ():
-        near = did_you_mean(name, [other for other in known if element.get(other) is None])
-        if name not in known and near:
+        if name in known:
+            continue
+        if near := did_you_mean(name, [other for other in known if element.get(other) is None]):
             yield Hit("unknown-attribute", element, f"{element.tag} has no attribute {shown(name)}: {near}")
 
 

@@ -131,9 +131,11 @@ def _wrong_children(element: Element) -> Iterator[Hit]:
         if child.tag in seen and child.tag in ONCE.get(element.tag, ()):
             yield Hit("repeated-element", child, f"a {element.tag} has a second {child.tag}")
         seen.add(child.tag)
-        near = did_you_mean(child.tag, known)
         # Prefixes are extensions; of a robot anything may be one, and of a geometry a rule of its own speaks.
-        if child.tag in known or ":" in child.tag or element.tag == "geometry" or (element.tag == "robot" and not near):
+        if child.tag in known or ":" in child.tag or element.tag == "geometry":
+            continue
+        near = did_you_mean(child.tag, known)
+        if element.tag == "robot" and not near:
             continue
         message = f"a {element.tag} has no element {shown(child.tag)}"
         yield Hit("unknown-element", child, f"{message}: {near}" if near else message)

@@ -265,9 +265,9 @@ SDFORMAT = next((name for v in range(15, 11, -1) if (name := ctypes.util.find_li
 """The library behind the command ``gz sdf`` (of old ``ign sdf``), which calls these two functions of it."""
 
 
-def sdformat(path: str) -> Behaviour:
-    library, out = ctypes.CDLL(SDFORMAT), Path("sdf")
-    found = Behaviour("loads")
+def said_by_sdformat(path: str) -> tuple[str, str]:
+    """How sdformat takes a file, ``loads`` or ``refuses``, and what it printed of it, at the end as it understood it."""
+    library, out, printed = ctypes.CDLL(SDFORMAT), Path("sdf"), ""
     for function in ("cmdCheck", "cmdPrint"):
         sys.stdout.flush()
         before, target = os.dup(1), os.open(out, os.O_CREAT | os.O_WRONLY | os.O_TRUNC)
@@ -276,9 +276,14 @@ def sdformat(path: str) -> Behaviour:
         ctypes.CDLL(None).fflush(None)
         os.dup2(before, 1)
         printed = out.read_text("utf-8", errors="replace")
-        found.extra[function] = (status, printed[:300])
         if status or not printed.strip():
-            found.end = "refuses"
+            return "refuses", printed
+    return "loads", printed
+
+
+def sdformat(path: str) -> Behaviour:
+    end, printed = said_by_sdformat(path)
+    found = Behaviour(end, extra={"said": printed[:300]})
     if found.end == "loads":
         for link in re.finditer(r"<link name='([^\n]*?)'>.*?</link>", printed, re.DOTALL):
             mass = re.search(r"<mass>(.*?)</mass>", link[0])

@@ -10,13 +10,13 @@ import json
 import math
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from consumers import SDFORMAT, said_by_sdformat
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -26,9 +26,6 @@ SECONDS = 240
 
 def outcomes(consumer: str, paths: Sequence[Path]) -> list[dict[str, Any]]:
     """Of each file, how loading it ends, what was printed or raised, and what was read."""
-    if consumer == "gazebo":
-        with ThreadPoolExecutor(2) as threads:
-            return list(threads.map(sdformat, paths))
     with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes a log into the folder where it is called
         done = subprocess.run(
             [sys.executable, str(Path(__file__).resolve()), consumer, *(str(path.resolve()) for path in paths)],
@@ -97,35 +94,31 @@ def drake(path: str) -> dict[str, Any]:
     }
 
 
-def sdformat(path: Path) -> dict[str, Any]:
-    """What `ign sdf` declares about a file, and the text that it prints of it."""
-    command = shutil.which("gz") or shutil.which("ign")
-    assert command
-    found: dict[str, Any] = {"end": "loads", "printed": ""}
-    for option in ("--check", "--print"):
-        done = subprocess.run(
-            [command, "sdf", option, path], capture_output=True, text=True, check=False, timeout=SECONDS
-        )
-        said = re.sub(r"\x1b\[[0-9;]*m", "", done.stderr)
-        found["printed"] += "\n".join(line for line in said.splitlines() if "backtrace" not in line)
-        if done.returncode < 0:
-            found["end"] = "crashes"
-        elif (done.returncode or not done.stdout.strip()) and found["end"] == "loads":
-            found["end"] = "refuses"
-        found[option] = done.stdout
-    found["masses"] = dict(re.findall(r"<link name='([^']*)'>.*?<mass>(.*?)</mass>.*?</link>", done.stdout, re.DOTALL))
-    found["joints"] = {
-        name: [*re.findall(r"<(?:lower|upper)>(.*?)<", text), *re.findall(r"<xyz[^>]*>(.*?)<", text)]
-        for name, text in re.findall(r"<joint name='([^']*)'(.*?)</joint>", done.stdout, re.DOTALL)
+def sdformat(path: str) -> dict[str, Any]:
+    end, text = said_by_sdformat(path)
+    return {
+        "end": end,
+        "masses": dict(re.findall(r"<link name='([^']*)'>.*?<mass>(.*?)</mass>.*?</link>", text, re.DOTALL)),
+        "joints": {
+            name: [*re.findall(r"<(?:lower|upper)>(.*?)<", joint), *re.findall(r"<xyz[^>]*>(.*?)<", joint)]
+            for name, joint in re.findall(r"<joint name='([^']*)'(.*?)</joint>", text, re.DOTALL)
+        },
     }
-    return found
 
 
-READERS: dict[str, Callable[[str], dict[str, Any]]] = {"pybullet": pybullet, "mujoco": mujoco, "drake": drake}
+READERS: dict[str, Callable[[str], dict[str, Any]]] = {
+    "pybullet": pybullet,
+    "mujoco": mujoco,
+    "drake": drake,
+    "gazebo": sdformat,
+}
 
 
 def _each_in_a_fork(consumer: str, paths: list[str]) -> None:
-    __import__({"drake": "pydrake.multibody.plant"}.get(consumer, consumer))
+    if consumer == "gazebo":
+        ctypes.CDLL(SDFORMAT)
+    else:
+        __import__({"drake": "pydrake.multibody.plant"}.get(consumer, consumer))
     for path in paths:
         with tempfile.TemporaryDirectory() as folder:
             printed, answer = Path(folder, "printed"), Path(folder, "answer")
@@ -145,7 +138,7 @@ def _each_in_a_fork(consumer: str, paths: list[str]) -> None:
                 os._exit(0)
             _, status = os.waitpid(child, 0)
             found = json.loads(answer.read_text()) if answer.exists() else {"end": "crashes", "status": status}
-            found["printed"] = printed.read_text(errors="replace")
+            found["printed"] = re.sub(r"\x1b\[[0-9;]*m", "", printed.read_text(errors="replace"))
         print(json.dumps(found), flush=True)  # noqa: T201 - this is a program
 
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours
 from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, IMPLAUSIBLE, LINK_1_BODY, SOUND
+from real_robots import descriptions, findings_of
 
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 from dh2urdf_plugins.lint.rules import Outcome, plausibility_rules
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.stages import Finding
 
 NOT_MEANT_OTHERWISE = {
@@ -125,14 +126,11 @@ TRUE = {
 
 def test_real_robots_are_plausible_but_for_what_was_looked_at() -> None:
     """No arm of a maker has limits, angles or lengths that are taken for other units."""
-    paths = [
-        Path(str(file.locate())).resolve()
-        for file in importlib.metadata.files("example-robot-data") or ()
-        if file.suffix == ".urdf"
-    ]
     by_rule: dict[str, set[str]] = {}
-    for path in paths:
-        for finding in found(path):
+    for path in descriptions():
+        for finding in findings_of(path):
+            if finding.rule not in plausibility_rules():
+                continue
             by_rule.setdefault(finding.rule, set()).add(path.name)
     assert set(by_rule) == {*TRUE, "zero-velocity", "zero-effort"}
     for rule, names in TRUE.items():

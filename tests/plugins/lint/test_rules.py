@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
 import os
 import re
 import shutil
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from consumers import CHECK_URDF, SDFORMAT, Behaviour, behaviours
 from faulty_files import BOX, FAULTS, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
+from real_robots import descriptions, findings_of
 
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.lint.inspection import inspect_urdf
@@ -21,6 +20,7 @@ from dh2urdf_plugins.lint.rules import CONSUMERS, Outcome, plausibility_rules, r
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from dh2urdf.stages import Finding
 
@@ -117,7 +117,7 @@ UNMEASURED = {
 def _expected(rule: str, path: Path, consumer: str) -> tuple[str, list[Outcome], list[str]]:
     """How loading should end, the outcomes, and the sentences."""
     fault = FAULTS[rule]
-    found = [finding for finding in inspect_urdf(path).findings if finding.rule in {rule, *fault.besides}]
+    found = [finding for finding in findings_of(path) if finding.rule in {rule, *fault.besides}]
     effects = [(finding.rule, effect) for finding in found for effect in finding.effects if effect.consumer == consumer]
     outcomes = [rules()[name].outcomes[consumer] for name, _ in effects]
     ends = {outcome.value for outcome in outcomes if outcome in {Outcome.REFUSES, Outcome.CRASHES}}
@@ -340,13 +340,8 @@ def test_a_capsule_in_a_visual_is_left_out_by_coppeliasim(tmp_path: Path) -> Non
 
 
 def foreign_files() -> list[Path]:
-    """The descriptions of the PyPI package example-robot-data."""
-    try:
-        files = importlib.metadata.files("example-robot-data") or ()
-    except importlib.metadata.PackageNotFoundError:
-        return []
-    # The hands of one robot have meshes in a package that is not there, in more ways than a test needs.
-    return sorted(Path(file.locate()).resolve() for file in files if file.suffix == ".urdf" and "alex" not in file.name)
+    """Without the hands of one robot, which have meshes in a package that is not there, in more ways than a test needs."""
+    return [path for path in descriptions() if "alex" not in path.name]
 
 
 @pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros"])
@@ -393,7 +388,7 @@ def _mispredicted(consumer: str, paths: Sequence[Path], told: set[str]) -> list[
     for path, behaviour in zip(paths, behaviours(consumer, paths), strict=True):
         fatal = {
             finding.rule
-            for finding in inspect_urdf(path).findings
+            for finding in findings_of(path)
             for effect in finding.effects
             if effect.consumer == consumer
             and rules()[finding.rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}

@@ -18,7 +18,7 @@ def fenced(folder: Path, deed: str) -> str:
     """What becomes of a deed behind the fence, without any check of expressions."""
     import ctypes
 
-    enter([folder], 5.0)
+    enter([folder], 1.0 if deed == "time" else 5.0)
     deeds: dict[str, Callable[[], Any]] = {
         "read inside": (folder / "inside.txt").read_text,
         "read outside": (folder.parent / "home" / "secret.yaml").read_text,

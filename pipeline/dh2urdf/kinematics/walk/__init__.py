@@ -13,7 +13,6 @@ joints beside it: in arrays, the cosines, sines and matrices of many joints are 
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cos_sin, cross, exact_cos_sin
@@ -245,19 +244,29 @@ class CompiledChain:
         axes, origin = list(vectors.axes()), vectors.origin()
         moved, turned, mixed = vectors.moved, vectors.turned, vectors.mixed
         stops: list[Frame] = []
-        found = (_in_arrays if vectors is STACKS else _one_by_one)(self.steps, values)
-        for (kind, axis, _, numbers), at_values in zip(self.steps, found, strict=True):
-            now = at_values() if isinstance(at_values, partial) else at_values
+        ready = _short_ones(self.steps, values) if vectors is STACKS else {}
+        for index, (kind, axis, joint, numbers) in enumerate(self.steps):
             if kind == _MOVE:
-                origin = moved(origin, now, axes[axis])
+                length, factor = numbers
+                if joint is not None:
+                    length = length + factor * values[joint][0]
+                origin = moved(origin, length, axes[axis])
             elif kind == _TURN:
-                cosine, sine = now
+                cosine, sine, sign = numbers
+                if joint is not None:
+                    _, c, s = values[joint]
+                    cosine, sine = ready[index] if index in ready else _together(cosine, sine, sign, c, s)
                 after, last = (axis + 1) % 3, axis - 1
                 axes[after], axes[last] = turned(cosine, sine, axes[after], axes[last])
             elif kind == _STOP:
                 stops.append(Frame(_renamed(axes, numbers, vectors), origin))
             else:
-                axes = mixed(now, _renamed(axes, numbers[1], vectors))
+                matrix, names = numbers
+                if joint is not None:
+                    _, c, s = values[joint]
+                    x, y, z = matrix
+                    matrix = ready[index] if index in ready else _about(x, y, z, c, s)
+                axes = mixed(matrix, _renamed(axes, names, vectors))
         return stops
 
     def _rename(self, about: int, cosine: float, sine: float) -> None:
@@ -297,72 +306,35 @@ def _is(number: Numbers, value: float) -> bool:
 
 # --- The numbers of steps at joint values -----------------------------------------------------------------------------
 
-_TOGETHER = 4096
-"""Numbers of an array that are worked out together: beyond, the call of numpy is a small part of its time."""
+_SHORT = 4096
+"""Numbers of arrays that are worked out in one call: beyond, the call of numpy is a small part of its time."""
 
 
-def _one_by_one(steps: Sequence[Step], values: Sequence[JointValue]) -> list[Any]:
-    """What each step does at values of all joints [rad or m].
-
-    Returns:
-        A length for a move, a cosine and a sine for a turn, and a matrix, row by row, for a mix and a screw.
-    """
-    found, waiting = _at(steps, values)
-    for function, places in waiting.items():
-        for place in places:
-            found[place] = function(*found[place])
-    return found
-
-
-def _in_arrays(steps: Sequence[Step], values: Sequence[JointValue]) -> list[Any]:
-    """The same at values that are arrays of shape (P, N), or (P, 1).
+def _short_ones(steps: Sequence[Step], values: Sequence[JointValue]) -> dict[int, Any]:
+    """What steps that belong to joints do at values that are arrays of shape (P, N) or (P, 1), where these are short.
 
     Returns:
-        What `_one_by_one` has. What is long is a call that returns it: all at once would not stay in the processor's
-        cache.
+        By the number of the step cosine and sine of a turn, or the matrix of a screw, as one array.
     """
     import numpy as np
 
-    found, waiting = _at(steps, values)
-    for function, places in waiting.items():
-        size = np.broadcast(*found[places[0]]).size if places else 1
-        count = max(1, _TOGETHER // max(1, size))
-        for first in range(0, len(places), count):
-            some = places[first : first + count]
-            if len(some) == 1:
-                found[some[0]] = partial(function, *found[some[0]])
-                continue
-            entries = zip(*[found[place] for place in some], strict=True)
-            made = np.stack(np.broadcast_arrays(*function(*map(_stacked, entries))), axis=1)
-            for place, now in zip(some, made, strict=True):
-                found[place] = now
-    return found
-
-
-def _at(
-    steps: Sequence[Step], values: Sequence[JointValue]
-) -> tuple[list[Any], dict[Callable[..., tuple[Numbers, ...]], list[int]]]:
-    """The numbers of steps; for those that are worked out of several, these, and what works them out in which steps."""
-    found: list[Any] = []
-    turns: list[int] = []
-    screws: list[int] = []
+    entries: dict[Callable[..., tuple[Numbers, ...]], dict[int, tuple[Numbers, ...]]] = {_together: {}, _about: {}}
     for index, (kind, _, joint, numbers) in enumerate(steps):
-        now: Any = numbers[:2] if kind == _TURN else numbers[0]
         if joint is None:
-            pass
-        elif kind == _MOVE:
-            now = now + numbers[1] * values[joint][0]
+            continue
+        if kind == _TURN and numbers[0] is not None:
+            entries[_together][index] = (*numbers, *values[joint][1:])
         elif kind == _SCREW:
-            screws.append(index)
-            now = (*now, *values[joint][1:])
-        elif numbers[0] is None:
-            _, c, s = values[joint]
-            now = (c, s if numbers[2] > 0 else -s)
-        else:
-            turns.append(index)
-            now = (*numbers, *values[joint][1:])
-        found.append(now)
-    return found, {_together: turns, _about: screws}
+            entries[_about][index] = (*numbers[0], *values[joint][1:])
+    ready: dict[int, Any] = {}
+    for function, of_steps in entries.items():
+        places = list(of_steps)
+        count = _SHORT // np.broadcast(*of_steps[places[0]]).size if places else 0
+        for first in range(0, len(places), count) if count > 1 else ():
+            some = places[first : first + count]
+            stacks = map(_stacked, zip(*[of_steps[place] for place in some], strict=True))
+            ready.update(zip(some, np.stack(np.broadcast_arrays(*function(*stacks)), axis=1), strict=True))
+    return ready
 
 
 def _stacked(numbers: Sequence[Numbers]) -> Numbers:
@@ -376,7 +348,9 @@ def _stacked(numbers: Sequence[Numbers]) -> Numbers:
 
 
 def _together(cosine: Numbers, sine: Numbers, sign: float, c: Numbers, s: Numbers) -> tuple[Numbers, Numbers]:
-    """Cosine and sine of an angle and a joint value together."""
+    """Cosine and sine of an angle and a joint value together; an angle of 0 is None."""
+    if cosine is None:
+        return c, (s if sign > 0 else -s)
     return cosine * c + -sign * sine * s, sine * c + sign * cosine * s
 
 

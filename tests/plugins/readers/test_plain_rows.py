@@ -82,6 +82,19 @@ def test_a_column_of_angles_and_lengths_has_one_meaning(
     assert {type(item) for item in others} == {type(first)}
 
 
+@pytest.mark.parametrize("beside", ["", ","], ids=["alone", "beside an empty column"])
+def test_an_unknown_column_may_hold_types(beside: str, tmp_path: Path) -> None:
+    """Where no column has types, the words of a column that no field knows are looked at in the last arm, too."""
+    path = tmp_path / "arms.csv"
+    arms = [f"r{k},0.{k + 1:03},0,1,{'red' if k < 39 else 'prismatic'}{beside}" for k in range(40)]
+    content = "\n".join([f"robot,a,alpha,d,colour{beside}", *arms])
+    fast = outcome(path, content, convention="standard")
+    with without_the_fast_way():
+        assert fast == outcome(path, content, convention="standard")
+    assert fast[-2].startswith("<Manipulator")
+    assert "'prismatic' seems to be a type" in fast[-1]
+
+
 def test_a_prismatic_offset_in_mm_is_one_in_mm(tmp_path: Path) -> None:
     """5 in a table in mm is 5 mm, not the 5 m that the angles' unit makes of it."""
     path = tmp_path / "arm.csv"

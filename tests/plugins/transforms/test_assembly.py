@@ -37,6 +37,7 @@ def test_shapes_without_a_mass_that_a_double_holds_are_refused() -> None:
         alpha_swap(arm, AlphaSwapOptions())
     (problem,) = caught.value.problems
     assert (problem.joint, problem.field) == ("a", "radius")
+    assert problem.message.startswith("the shapes of the link are")
 
 
 def body(robot: Robot, name: str) -> Inertial:

@@ -188,11 +188,12 @@ def test_the_row_goes_before_the_table_and_the_table_before_the_run(table: Table
         ({"d": 0.5, "a": 0.3}, [(0, 0, 0), (0, 0, 0.5), (0.3, 0, 0.5)]),
         ({"d": 0.5}, [(0, 0, 0), (0, 0, 0.5)]),
         ({"a": 0.3}, [(0, 0, 0), (0.3, 0, 0)]),
+        ({"d": 0.5, "a": 0.3, "type": "prismatic"}, [(0, 0, 0.5), (0, 0, 0.5), (0.3, 0, 0.5)]),
     ],
-    ids=["both", "d", "a"],
+    ids=["both", "d", "a", "a sliding joint"],
 )
 def test_a_capsule_has_one_sphere_where_two_segments_meet(
-    row: dict[str, float], ends: list[tuple[float, ...]], table: Table, robot_of: RobotOf
+    row: dict[str, Any], ends: list[tuple[float, ...]], table: Table, robot_of: RobotOf
 ) -> None:
     """Two cylinders and three spheres make an L, one cylinder has a sphere at each end; what touches has no caps."""
     robot = robot_of(table(row, {}), shape="capsule")

@@ -121,6 +121,7 @@ def test_a_rail_runs_from_lower_to_upper(frames: str, table: Table, robot_of: Ro
     _, rail, foot = link(robot, "link_1").visuals
     assert ends(rail) == {(0, 0, 0.8), (0, 0, 1.6)}
     assert ends(foot) == {(0, 0, 0.5), (0, 0, 0.8)}
+    assert rail.geometry.radius == foot.geometry.radius == pytest.approx(0.5 * 0.04)
     (carriage,) = link(robot, "link_2").visuals
     assert carriage.origin.xyz == pytest.approx((0, 0, 0.1))
 
@@ -134,11 +135,12 @@ def test_a_rail_on_the_other_side_has_its_foot_there(table: Table, robot_of: Rob
     assert ends(foot) == {(0, 0, -0.2), (0, 0, 0)}
 
 
-def test_a_rail_over_zero_needs_no_foot(table: Table, robot_of: RobotOf) -> None:
+@pytest.mark.parametrize("limits", [{}, {"lower": -0.5, "upper": 0.25}], ids=["default", "given"])
+def test_a_rail_over_zero_needs_no_foot(limits: dict[str, float], table: Table, robot_of: RobotOf) -> None:
     """The default limits of ±1 m run through the joint itself; the first joint's rail belongs to the base."""
-    robot = robot_of(table({"type": "prismatic"}))
+    robot = robot_of(with_limits(table({"type": "prismatic"}), **limits))
     _, rail = link(robot, "base_link_inertia").visuals
-    assert ends(rail) == {(0, 0, -1.0), (0, 0, 1.0)}
+    assert ends(rail) == {(0, 0, limits.get("lower", -1.0)), (0, 0, limits.get("upper", 1.0))}
 
 
 def test_collisions_are_a_radius_shorter_at_each_end(table: Table, robot_of: RobotOf) -> None:
@@ -164,10 +166,11 @@ def test_the_base_collides_on_request(table: Table, robot_of: RobotOf) -> None:
         ([{}], 0.04),
         ([{"d": 1e-300}], 0.04),
         ([{"a": 1e-3}], 1e-4),
+        ([{}, {"type": "prismatic", "limits": Limits(lower=0.2, upper=0.3)}], 0.01),
     ],
 )
 def test_the_default_radius_fits_the_arm(
-    rows: list[dict[str, float]], radius: float, table: Table, robot_of: RobotOf
+    rows: list[dict[str, Any]], radius: float, table: Table, robot_of: RobotOf
 ) -> None:
     """0.04 m, or a tenth of the longest segment; an arm without segments has no scale."""
     assert link(robot_of(table(*rows)), "link_1").visuals[0].geometry.radius == pytest.approx(radius)

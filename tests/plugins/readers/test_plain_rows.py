@@ -95,6 +95,18 @@ def test_an_unknown_column_may_hold_types(beside: str, tmp_path: Path) -> None:
     assert "'prismatic' seems to be a type" in fast[-1]
 
 
+def test_a_short_stroke_is_noticed_in_the_last_arm(tmp_path: Path) -> None:
+    """A joint that slides by a hundredth of a millimetre has a notice, whichever way its row is read."""
+    path = tmp_path / "arms.csv"
+    arms = [f"r{k},P,0.{k + 1:03},0,1,0,{1.0 if k < 39 else 1e-5}" for k in range(40)]
+    content = "\n".join(["robot,type,a,alpha,d,lower,upper", *arms])
+    fast = outcome(path, content, convention="standard")
+    with without_the_fast_way():
+        assert fast == outcome(path, content, convention="standard")
+    *others, last = csv.READER.read(path, TableOptions(convention="standard"))
+    assert (bool(last.notices), any(other.notices for other in others)) == (True, False)
+
+
 def test_a_prismatic_offset_in_mm_is_one_in_mm(tmp_path: Path) -> None:
     """5 in a table in mm is 5 mm, not the 5 m that the angles' unit makes of it."""
     path = tmp_path / "arm.csv"

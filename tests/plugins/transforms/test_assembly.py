@@ -88,6 +88,19 @@ def test_a_prismatic_joint_bears_the_weight(table: Table, robot_of: RobotOf) -> 
     assert pytest.approx(196.2) == 2 * GRAVITY * 10
 
 
+@pytest.mark.parametrize(("lower", "upper", "effort"), [(-1.0, 2.0, 400.0), (-3.0, 2.0, 590.0), (0.0, 0.5, 99.0)])
+def test_a_joint_bears_what_slides_away(
+    lower: float, upper: float, effort: float, table: Table, robot_of: RobotOf
+) -> None:
+    """10 kg that slide along the axis as far as the limits let them, on an arm that may be mounted in any way."""
+    point = {"com": (0.0, 0.0, 0.0), "inertia": Inertia(ixx=0.1, iyy=0.1, izz=0.1)}
+    slide = {"type": "prismatic", "mass": 10.0, "limits": Limits(lower=lower, upper=upper)}
+    arm = robot_of(table({"mass": 1.0, **point}, {**slide, **point}))
+    assert [joint.limits.effort for joint in arm.moving_joints] == [effort, 200.0]
+    farthest = max(abs(lower), abs(upper))
+    assert effort - 10.0 < 2 * GRAVITY * 10 * farthest <= effort
+
+
 def test_small_arms_get_the_least_effort(table: Table, robot_of: RobotOf) -> None:
     """10 N·m, or 10 N."""
     assert robot_of(table({"a": 0.01})).moving_joints[0].limits.effort == 10.0

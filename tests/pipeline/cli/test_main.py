@@ -185,7 +185,7 @@ def on_a_terminal(words: list[str], folder: Path, **environment: str) -> tuple[i
 
 
 class TestColours:
-    WORDS = ("run", str(CONFIGS / "ur5_paper.yaml"), "-o", "out")
+    WORDS = ("run", str(CONFIGS / "ur5_paper.yaml"), "-o", "out", "--set", "report.html=false")
 
     def test_a_terminal_shows_them(self, tmp_path: Path) -> None:
         """The status is green there."""

@@ -164,6 +164,9 @@ def test_quiet(cli: Callable[..., Answer], arms: Path) -> None:
     assert (arms / "out" / "arm39.urdf").is_file()
 
 
+WITHOUT_PAGE = ("--set", "report.html=false")
+
+
 def on_a_terminal(folder: Path, *words: str) -> tuple[int, str, str]:
     """Exit status, standard output, and what the command shows on a terminal that is its standard error."""
     pty = pytest.importorskip("pty")
@@ -202,7 +205,7 @@ def on_a_terminal(folder: Path, *words: str) -> tuple[int, str, str]:
 
 def test_a_bar_on_a_terminal(arms: Path) -> None:
     """It shows how many are made of how many, the rate, the time that remains and the failures; and then it is gone."""
-    status, printed, shown = on_a_terminal(arms, "run", "arms.yaml", "--workers", "1")
+    status, printed, shown = on_a_terminal(arms, "run", "arms.yaml", "--workers", "1", *WITHOUT_PAGE)
     assert status == 1
     assert "39 made, 1 failed (table: 1)" in printed
     plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown)
@@ -214,7 +217,7 @@ def test_a_bar_on_a_terminal(arms: Path) -> None:
 
 def test_no_bar_where_it_is_quiet(arms: Path) -> None:
     """On a terminal too, --quiet leaves errors only."""
-    status, printed, shown = on_a_terminal(arms, "run", "arms.yaml", "--quiet")
+    status, printed, shown = on_a_terminal(arms, "run", "arms.yaml", "--quiet", *WITHOUT_PAGE)
     assert (status, printed) == (1, "")
     assert shown.startswith("arms.csv:6:6: error: ")
     assert "/s" not in shown

@@ -272,6 +272,11 @@ class Tab:
         """Waits until a text stands in a cell."""
         self.page.locator(f"{self._cell(row, field)}:text-is('{text}')").wait_for()
 
+    def wait_for_cells(self, row: int, **texts: str) -> None:
+        """Waits until texts stand in cells of a row: the grid fills one after the other."""
+        for field, text in texts.items():
+            self.wait_for_cell(row, field, text)
+
     def wait_for_lesson(self, progress: float) -> None:
         """Waits until the frame of the explained row has done so many motions."""
         self.page.locator(f'.studio-lesson[data-progress="{progress:.2f}"]').wait_for()

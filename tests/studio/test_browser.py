@@ -63,7 +63,7 @@ def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., 
     tab.wait_for_tool0(arm_of(edits.with_cell(table, 1, "a", "-0.9"), catalog))
     page.keyboard.press("Escape")
     tab.wait_for_tool0(arm_of(table, catalog))
-    assert tab.cells(1, "a") == ["-0.425"]
+    tab.wait_for_cells(1, a="-0.425")
 
 
 def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
@@ -170,7 +170,7 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
 
     page.reload()
     tab.wait_for_status("4 axes; the arm is the table's")
-    assert tab.cells(0, "joint", "a") == ["shoulder", "0.45"]
+    tab.wait_for_cells(0, joint="shoulder", a="0.45")
     assert tab.sliders()[0] == 0.5
     tab.wait_for_tool0(arm)
     assert other.cells(0, "joint") == ["shoulder_pan_joint"]
@@ -288,7 +288,7 @@ def test_convention_and_units_are_converted_or_reinterpreted(
     page.get_by_role("button", name="modified").click()
     page.get_by_text("Convert: the same arm, other numbers.").click()
     page.wait_for_function("document.querySelector('.ag-header-cell[col-id=a]').innerText.includes('ᵢ₋₁')")
-    assert tab.cells(2, "a", "alpha") == ["-0.425", "0"]
+    tab.wait_for_cells(2, a="-0.425", alpha="0")
     assert np.allclose(tab.pose("tool0"), before, atol=1e-8)
     page.get_by_role("button", name="mm", exact=True).click()
     page.get_by_text("Convert: the same arm, its numbers").click()
@@ -297,7 +297,7 @@ def test_convention_and_units_are_converted_or_reinterpreted(
     page.get_by_role("button", name="standard").click()
     page.get_by_text("Reinterpret: the same numbers").click()
     page.wait_for_function("!document.querySelector('.ag-header-cell[col-id=a]').innerText.includes('ᵢ₋₁')")
-    assert tab.cells(2, "a", "alpha") == ["-425", "0"]
+    tab.wait_for_cells(2, a="-425", alpha="0")
     session = Session(catalog, gallery.exhibit("ur5.csv", catalog))
     session.set_convention(Convention.MODIFIED, convert=True)
     session.set_convention(Convention.STANDARD, convert=False)
@@ -307,7 +307,7 @@ def test_convention_and_units_are_converted_or_reinterpreted(
     page.get_by_role("button", name="modified").click()
     page.get_by_role("button", name="Cancel").click()
     page.locator("button.bg-primary", has_text="standard").wait_for()
-    assert tab.cells(2, "a", "alpha") == ["-425", "0"]
+    tab.wait_for_cells(2, a="-425", alpha="0")
 
 
 def test_a_wrong_table_is_not_reinterpreted_unasked(studio_address: str, new_tab: Callable[..., Any]) -> None:
@@ -343,7 +343,7 @@ def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_
     page.get_by_role("option", name="second").click()
     page.locator(".q-dialog").get_by_role("button", name="Open").click()
     tab.wait_for_status("1 axis; the arm is the table's")
-    assert tab.cells(0, "a") == ["2"]
+    tab.wait_for_cells(0, a="2")
 
 
 def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
@@ -382,7 +382,7 @@ def test_rows_are_added_removed_and_moved(studio_address: str, new_tab: Callable
         }"""
     )
     tab.wait_for_status("4 axes; the arm is the table's")
-    assert tab.cells(1, "a", "alpha", "d") == ["0.1", "pi/2", "0.2"]
+    tab.wait_for_cells(1, a="0.1", alpha="pi/2", d="0.2")
 
 
 def test_a_hundred_axes(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog, tmp_path: Path) -> None:

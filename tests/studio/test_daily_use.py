@@ -111,7 +111,7 @@ def test_undo_in_a_cell_is_that_of_its_text(tab: Any) -> None:
     tab.page.keyboard.press("Escape")
     tab.type_into(0, "a", "0.1")
     tab.wait_for_cell(0, "a", "0.1")
-    assert tab.cells(1, "a") == ["-0.5"]
+    tab.wait_for_cells(1, a="-0.5")
 
 
 def test_every_field_of_the_table_is_in_the_past(tab: Any) -> None:
@@ -218,7 +218,7 @@ def test_a_header_is_understood(tab: Any) -> None:
     paste(tab, 0, "a", "# convention: standard\nalpha [deg];a [mm];d [mm]\n90;0,5;120\n0;300;0\n")
     tab.page.get_by_role("button", name="Open it in place of this table").click()
     tab.wait_for_status("2 axes; the arm is the table's")
-    assert tab.cells(0, "alpha", "d") == ["90", "120"]
+    tab.wait_for_cells(0, alpha="90", d="120")
 
     # A convention that was chosen is that of a pasted table which names none.
     paste(tab, 0, "a", "a\talpha\td\n0.1\tpi/2\t0.2\n0.3\t0\t0\n0.4\t0\t0\n")
@@ -241,9 +241,8 @@ def test_cells_of_a_text(tab: Any) -> None:
         begin(tab, 1)
         paste(tab, 0, "a", text)
         tab.wait_for_status("2 axes; the arm is the table's")
-        for row, texts in enumerate((("0.1", "pi/2", "0.2"), ("0.3", "0", "0"))):
-            for field, cell in zip(("a", "alpha", "d"), texts, strict=True):
-                tab.wait_for_cell(row, field, cell)
+        tab.wait_for_cells(0, a="0.1", alpha="pi/2", d="0.2")
+        tab.wait_for_cells(1, a="0.3", alpha="0", d="0")
 
 
 def test_cells_without_a_place_are_told(tab: Any) -> None:
@@ -356,7 +355,7 @@ def test_the_server_goes_and_another_comes(
         page.reload()
         page.get_by_role("button", name="Bring it back").click()
         tab.wait_for_cell(1, "a", "-0.77")
-        assert tab.cells(2, "a") == ["-0.3"]
+        tab.wait_for_cells(2, a="-0.3")
         tab.wait_for_status("6 axes; the arm is the table's")
         assert not page.evaluate("document.querySelector('.studio').inert")
 

@@ -45,7 +45,7 @@ def test_the_ur5_by_keyboard(
         keys.type(d)
         keys.press("Enter")
     tab.wait_for_status("6 axes; the arm is the table's")
-    assert tab.cells(1, "a", "alpha", "d") == ur5_cells()[1]
+    tab.wait_for_cells(1, **dict(zip(("a", "alpha", "d"), ur5_cells()[1], strict=True)))
 
     name, content = tab.save("Table as csv")
     table = tmp_path / name

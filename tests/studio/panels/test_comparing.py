@@ -58,7 +58,7 @@ def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[
     # Its numbers are taken into the table: one cell, and one step of undo.
     page.get_by_role("button", name="Take its numbers over").click()
     page.get_by_text("The description is the arm of the table.").wait_for()
-    assert tab.cells(0, "a", "alpha", "d") == ["0", "pi/2", "0.092159"]
+    tab.wait_for_cells(0, a="0", alpha="pi/2", d="0.092159")
     page.locator(".q-notification", has_text="1 cell has the description's numbers").wait_for()
     assert page.get_by_role("button", name="Take its numbers over").count() == 0
     page.get_by_role("button", name="undo").click()

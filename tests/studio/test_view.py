@@ -179,4 +179,10 @@ def test_makers_meshes_look_like_their_robot(
         assert page.get_by_text("not found").count() == 0
         box = page.locator(".joint-sliders").bounding_box()
         assert box["height"] > 200, "the tree and the ends leave room for the sliders"
+        style = "([part, name]) => getComputedStyle(document.querySelector(part))[name]"
+        page.evaluate("document.documentElement.dataset.size = 'large'")
+        assert page.evaluate(style, [".joint-sliders", "overflowY"]) == "auto", "they do not lie over the tree"
+        page.evaluate("document.documentElement.dataset.size = 'usual'")
+        page.set_viewport_size({"width": 390, "height": 844})
+        assert page.evaluate(style, [".studio-fold", "maxHeight"]) == "320px", "a long tree scrolls by itself"
         page.close()

@@ -66,8 +66,10 @@ def matrix_of(tab: Any, arm: Manipulator) -> Any:
 def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None:
     """The boxes show tool0 of the sliders; what is typed there moves the arm, or is answered with how far it is off."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
+    tab.page.get_by_text("The arm is at a singularity: manipulability 0").wait_for()  # Straight, it cannot come nearer.
     tab.press("random pose")
     tab.wait_for_tool0(arm)
+    tab.page.get_by_text("smallest singular value").wait_for()
     there = matrix_of(tab, arm)
     shown = [float(box(tab, name).input_value()) for name in ("x", "y", "z", "roll", "pitch", "yaw")]
     assert np.abs(shown[:3] - there[:3, 3]).max() < 1e-6

@@ -34,6 +34,7 @@ TURNS = {"roll, pitch, yaw": ("roll", "pitch", "yaw"), "quaternion": ("qx", "qy"
 _BARE = Unit(symbol="", dimension=Dimension.NUMBER)
 _DIGITS = 6
 _NO_LENGTH = 1e-9  # of a quaternion
+_SINGULAR = 1e-9  # a singular value that is less is rounding
 _PATIENCE = 0.2  # of a person who waits for an answer [s]
 
 
@@ -225,6 +226,8 @@ def _words_of(arm: Manipulator, session: Session) -> str:
     """Manipulability, the distance from a singularity, and the joint that is nearest to a limit."""
     here = dexterity(arm, [session.q.get(row.joint, 0.0) for row in arm.moving_rows])
     parts = [f"manipulability {here.manipulability:.3g}", f"smallest singular value {here.smallest_singular_value:.3g}"]
+    if here.smallest_singular_value < _SINGULAR:
+        parts = ["The arm is at a singularity: manipulability 0"]
     sliders = [slider for slider in session.sliders if slider.name in here.margins]
     if sliders:
         nearest = min(sliders, key=lambda slider: here.margins[slider.name])

@@ -26,7 +26,7 @@ CORPUS = HERE / "corpus"
 FOUND = HERE / "found"
 REFERENCE = HERE.parent / "tests" / "reference" / "inputs"
 
-TARGETS = ("csv", "yaml", "expression", "urdf", "xacro", "run_file")
+TARGETS = ("csv", "yaml", "expression", "urdf", "sdf", "mjcf", "xacro", "run_file")
 SUFFIXES = {"csv": ".csv", "yaml": ".yaml"}
 """Reference tables that a target starts from too."""
 LONGEST = 2000

@@ -27,7 +27,7 @@ from dh2urdf.errors import (
     ProofError,
     TableError,
 )
-from dh2urdf.kinematics.chain import forward_kinematics
+from dh2urdf.kinematics.chain import forward_kinematics, link_poses
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
@@ -39,6 +39,8 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf
+from dh2urdf_plugins.read_back.sdf.reader import parse_sdf
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.options import TableOptions
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf.stages import Reader
@@ -200,18 +203,40 @@ def expression(content: bytes) -> None:
 # --- Robot descriptions -----------------------------------------------------------------------------------------------
 
 
-def urdf(content: bytes) -> None:
-    """The URDF reader: what it accepts and the checks pass is written, and read back as the same robot."""
+def _sound_robot(parse: Callable[[bytes, str], Robot], content: bytes, name: str) -> Robot | None:
+    """The robot that a reader finds; None where it or the checks refuse it, with messages as they should be."""
     try:
-        robot = parse_urdf(content, "arm.urdf")
+        robot = parse(content, name)
     except ProofError as error:
         _check_problems(error.problems, "error")
-        return
+        return None
     problems = check_robot(robot)
     for severity in ("error", "notice"):
         if some := [problem for problem in problems if problem.severity == severity]:
             _check_problems(some, severity)
-    if any(problem.severity == "error" for problem in problems):
+    return None if any(problem.severity == "error" for problem in problems) else robot
+
+
+def sdf(content: bytes) -> None:
+    """The SDF reader: what it accepts and the checks pass is a tree whose links are somewhere."""
+    _somewhere(_sound_robot(parse_sdf, content, "arm.sdf"))
+
+
+def mjcf(content: bytes) -> None:
+    """The MJCF reader, as that of SDF."""
+    _somewhere(_sound_robot(parse_mjcf, content, "arm.xml"))
+
+
+def _somewhere(robot: Robot | None) -> None:
+    if robot is not None:
+        poses = link_poses(robot, {joint.name: 0.0 for joint in robot.moving_joints})
+        _hold(poses.keys() == {link.name for link in robot.links}, "some links are nowhere")
+
+
+def urdf(content: bytes) -> None:
+    """The URDF reader: what it accepts and the checks pass is written, and read back as the same robot."""
+    robot = _sound_robot(parse_urdf, content, "arm.urdf")
+    if robot is None:
         return
     try:
         (file,) = URDF.emit(robot, "arm", URDF.options())
@@ -338,6 +363,8 @@ TARGETS: dict[str, Callable[[bytes], None]] = {
     "yaml": yaml_table,
     "expression": expression,
     "urdf": urdf,
+    "sdf": sdf,
+    "mjcf": mjcf,
     "xacro": xacro_expression,
     "run_file": run_file,
 }

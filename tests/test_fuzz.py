@@ -91,4 +91,4 @@ def test_an_unknown_target_is_told() -> None:
         [sys.executable, FUZZ / "fuzz.py", "xml"], capture_output=True, text=True, check=False, timeout=60
     )
     assert result.returncode == 2
-    assert "the targets are csv, yaml, expression, urdf, xacro, run_file" in result.stderr
+    assert "the targets are csv, yaml, expression, urdf, sdf, mjcf, xacro, run_file" in result.stderr

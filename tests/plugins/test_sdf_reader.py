@@ -242,6 +242,7 @@ JOINT = '<joint name="j" type="{}"><parent>a</parent><child>b</child><axis><xyz>
         (MODEL.format(JOINT.format("ball", "0 0 1")), "'ball' is not one of a manipulator"),
         (MODEL.format(JOINT.format("revolute", "0 1")), "axis/xyz of joint is '0 1'"),
         (MODEL.format(JOINT.format("revolute", "0 nan 1")), "axis/xyz of joint is"),
+        (MODEL.format('<frame name="f"><pose>0 0 0 inf 0 0</pose></frame>'), "pose of frame is '0 0 0 inf 0 0'"),
         (MODEL.format('<joint name="j" type="fixed"><parent>a</parent></joint>'), "joint lacks child"),
         (MODEL.format('<joint name="j" type="fixed"><parent>x</parent><child>b</child></joint>'), "frame 'x'"),
         (MODEL.format('<frame name="f" attached_to="f"/>'), "to itself"),

@@ -28,9 +28,10 @@ def mass_of_shapes(geoms: Iterable[Geom], elements: Elements) -> Inertial | None
     https://mujoco.readthedocs.io/en/stable/XMLreference.html#body-inertial
     """
     bodies: list[Inertial] = []
-    first, last = (int(word) for word in elements.compiler.get("inertiagrouprange", "0 5").split())
+    first, last = elements.numbers(elements.root, elements.compiler, "inertiagrouprange", (0.0, 5.0))
     for geom in geoms:
-        if not first <= int(geom.attributes.get("group", "0")) <= last:
+        (group,) = elements.numbers(geom.element, geom.attributes, "group", (0.0,))
+        if not first <= group <= last:
             continue
         mass, density = (
             elements.numbers(geom.element, geom.attributes, name, (default,))[0]

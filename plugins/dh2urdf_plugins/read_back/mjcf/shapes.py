@@ -104,11 +104,18 @@ class Shapes:
             if "fromto" in attributes and kind in _LONG:
                 own, half = self._between(element, attributes)
                 (radius,) = self._elements.numbers(element, attributes, "size", (0.0,), most=3)
+                if radius <= 0.0:
+                    raise self._elements.error(
+                        element, f"size of geom is {shown(attributes.get('size', ''))}", "above 0"
+                    )
                 size = (radius, half if kind in _ROUND else radius, half)
             else:
                 own = self._elements.own_pose(element, attributes)
                 count = 0 if "mesh" in attributes else _SIZES.get(kind, 0)
                 numbers = self._elements.numbers(element, attributes, "size", (0.0,) * count, most=3)
+                if count and min(numbers) <= 0.0:
+                    text = shown(attributes.get("size", ""))
+                    raise self._elements.error(element, f"size of geom is {text}", f"{count} numbers above 0")
                 x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
                 size = (x, y, z)
             yield Geom(element, attributes, kind, size, self._elements.around(element, own))

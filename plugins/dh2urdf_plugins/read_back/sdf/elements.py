@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan, radians
+from math import isfinite, isnan, radians
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ProofError
@@ -76,7 +76,8 @@ class SdfElements:
         except ValueError:
             numbers = []
         # `float` also takes 1_000 and nan; inf is a limit that there is none.
-        if len(numbers) != count or "_" in text or any(map(isnan, numbers)):
+        odd = isnan if "limit/" in path else lambda number: not isfinite(number)
+        if len(numbers) != count or "_" in text or any(map(odd, numbers)):
             wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
             raise self.error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers

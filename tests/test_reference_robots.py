@@ -56,6 +56,7 @@ emitters: [urdf, xacro]
 output: {{directory: out}}
 proof: {{poses: 4}}
 execution: {{stage: local, options: {{workers: 1}}}}
+report: {{html: false}}
 """
     )
     assert exit_status_of(["run", str(folder / "run.yaml")], debug=False) == 0

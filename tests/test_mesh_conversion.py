@@ -173,8 +173,8 @@ def test_masses_stay(folder: Path) -> None:
 class TestParts:
     """A link may touch with several convex parts."""
 
-    @staticmethod
     @pytest.fixture(scope="class")
+    @staticmethod
     def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dh2urdf.Conversion]:
         folder = tmp_path_factory.mktemp("parts")
         angle().export(folder / "angle.obj", digits=12)

@@ -126,7 +126,7 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
     tab.open_exhibit("ur5")
     for width, height in ((390, 844), (640, 360), (820, 1180), (1280, 720), (2560, 1440)):
         page.set_viewport_size({"width": width, "height": height})
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        page.wait_for_function(f"document.documentElement.scrollWidth <= {width}")
         page.wait_for_function(f"document.querySelector('.arm-view canvas').clientWidth <= {width}")
         assert page.get_by_role("button", name="Generate").is_visible()
         assert page.locator(".studio-name").bounding_box()["width"] > 100
@@ -136,7 +136,8 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
             room = page.locator(part).bounding_box()
             assert min(room["width"] - 250, room["height"] - 150, room["x"]) >= 0, part
             assert room["x"] + room["width"] <= width, part
-        assert height != 720 or page.evaluate("document.documentElement.scrollHeight") <= height
+        if height == 720:
+            page.wait_for_function("document.documentElement.scrollHeight <= 720")
         if width <= 820:  # a panel is where it is seen: below the scene
             page.get_by_role("button", name="explain the picked row").click()
             page.locator(".studio-panel:visible").wait_for()

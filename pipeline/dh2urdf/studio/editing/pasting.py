@@ -81,10 +81,6 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
     return rows
 
 
-def _point(number: re.Match[str]) -> str:
-    return number[0].replace(",", ".")
-
-
 def _decimal(lines: Sequence[str]) -> bool:
     """Whether each line is one number with a decimal comma."""
     return all(_DECIMAL_COMMA.fullmatch(line.strip()) for line in lines)

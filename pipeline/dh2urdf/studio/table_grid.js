@@ -170,6 +170,8 @@
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
         if (act) emitEvent("dh-act", [act, node.rowIndex]);
+        const to = node.rowIndex + ({ up: -1, down: 1 }[act] ?? 0); // The cursor goes with the row before the next key.
+        if (to !== node.rowIndex && to >= 0 && to < api.getDisplayedRowCount()) api.setFocusedCell(to, column);
         if (event.key.length > 1) return true;
         if (event.key <= "\x7f") return false;
         event.preventDefault(); // Option+P is a π: the grid begins no cell with a key that Alt is held with

@@ -402,7 +402,7 @@ def damaged(text: str, slips: Iterable[tuple[int, str, str]]) -> str:
 
 
 @given(tables(), st.data())
-@settings(max_examples=200)
+@settings(max_examples=400)
 def test_characters_lost_doubled_swapped_or_replaced(table: Table, data: st.DataObject) -> None:
     """One to three slips of a keyboard, a scanner or an editor, anywhere in the text."""
     places = st.integers(0, max(0, len(table.text) - 2))
@@ -452,7 +452,7 @@ SLIPS: dict[str, Slip] = {
 
 
 @given(tables(), st.sampled_from(sorted(SLIPS)), st.data())
-@settings(max_examples=150)
+@settings(max_examples=300)
 def test_cells_rows_and_columns_lost_doubled_or_swapped(table: Table, slip: str, data: st.DataObject) -> None:
     """What a slip in a spreadsheet does: a row or a column too many or too few, two exchanged, a cell pushed aside."""
 
@@ -466,7 +466,7 @@ def test_cells_rows_and_columns_lost_doubled_or_swapped(table: Table, slip: str,
 
 
 @given(tables(), st.data())
-@settings(max_examples=80)
+@settings(max_examples=150)
 def test_a_file_that_ends_too_early(table: Table, data: st.DataObject) -> None:
     """A copy that was cut off, between characters or within one."""
     content = table.coded(table.text)
@@ -483,7 +483,7 @@ def test_a_file_that_ends_too_early(table: Table, data: st.DataObject) -> None:
 @given(
     tables(), st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "latin-1", "utf-7"])
 )
-@settings(max_examples=80)
+@settings(max_examples=150)
 def test_a_file_in_another_encoding(table: Table, encoding: str) -> None:
     """The same text in another encoding is the same arm, or it is refused: letters never become other letters."""
     content = table.text.encode(encoding, "replace")
@@ -504,7 +504,7 @@ def test_a_file_in_another_encoding(table: Table, encoding: str) -> None:
 
 
 @given(tables(), st.data())
-@settings(max_examples=80)
+@settings(max_examples=150)
 def test_separators_of_thousands_are_never_decimal_points(table: Table, data: st.DataObject) -> None:
     """A length with groups of three digits, as ten countries write them, is refused, or is the number that is meant."""
     whole = data.draw(st.integers(1_000, 9_999_999))
@@ -532,7 +532,7 @@ def test_separators_of_thousands_are_never_decimal_points(table: Table, data: st
 
 
 @given(tables(), st.data())
-@settings(max_examples=80)
+@settings(max_examples=150)
 def test_another_unit_in_the_header_is_another_arm(table: Table, data: st.DataObject) -> None:
     """The unit of a column is what its header says now, or, where it says none, what is refused or SI."""
 
@@ -594,7 +594,7 @@ YAML_INSERTED = "0123456789.,:-+*&!|>%@`'\"{}[]#~? \n\t\\\u00a0\ufeff\x00\x85é"
 
 
 @given(st.data())
-@settings(max_examples=150)
+@settings(max_examples=300)
 def test_a_damaged_yaml_table_is_refused_or_has_every_number_of_its_text(data: st.DataObject) -> None:
     """Of one slip among its joints: every number of the arm is in the text, so none was made up or left out."""
     where = data.draw(st.integers(GOOD_YAML.index("joints:"), len(GOOD_YAML) - 1))

@@ -168,7 +168,7 @@ def lines_of(items: Iterable[Manipulator | Rejected]) -> list[int | None]:
 
 
 @given(tables())
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=300, deadline=None)
 def test_numbers_are_read_as_their_texts_are(columns: dict[str, Column]) -> None:
     """Every manipulator, notice and error is that of the CSV file with the same numbers, on the fast way and without it."""
     with TemporaryDirectory() as folder:

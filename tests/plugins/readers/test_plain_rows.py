@@ -229,7 +229,7 @@ def test_a_row_of_spaces_is_none_wherever_it_stands(spaces: str, tmp_path: Path)
 
 
 @given(large_tables())
-@settings(max_examples=300)
+@settings(max_examples=800)
 def test_the_fast_way_reads_what_the_careful_one_reads(tmp_path_factory: pytest.TempPathFactory, content: str) -> None:
     """Every manipulator, every notice and every error is the same with and without it."""
     path = tmp_path_factory.getbasetemp() / "arms.csv"

@@ -172,7 +172,7 @@ def alone(table: Manipulator, how: AlphaSwapOptions) -> tuple[Robot, bytes]:
 
 
 class TestWhatIsMadeSideBySide:
-    @settings(max_examples=120)
+    @settings(max_examples=250)
     @given(families(), options())
     def test_is_what_is_made_alone_byte_for_byte(self, tables: list[Manipulator], how: AlphaSwapOptions) -> None:
         """The robots are the same, and so is every byte of their files, whatever some of them lack."""
@@ -217,7 +217,7 @@ class TestWhatIsMadeSideBySide:
 
 
 class TestWhatIsSure:
-    @settings(max_examples=120)
+    @settings(max_examples=250)
     @given(families(), options(), st.data())
     def test_has_nothing_said_about_it(
         self, tables: list[Manipulator], how: AlphaSwapOptions, data: st.DataObject

@@ -59,21 +59,20 @@ def modules(tmp_path: Path) -> Path:
 
 @needs_ament
 def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules: Path) -> None:
-    """A Panda in the modified convention, a SCARA and two cells: built, installed, found, and their tests pass."""
+    """A UR5, a Panda in the modified convention, a SCARA and a cell: built, installed, found, and their tests pass."""
     source = tmp_path / "src"
     for table, frames in (("panda.yaml", "dh"), ("scara.csv", "aligned")):
         cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "--set", "moveit=true", "-o", source)
     run_file = tmp_path / "cell.yaml"
     run_file.write_text(CELL.format(tables=TABLES))
-    for run, cell in ((run_file, "workshop"), (TABLES.parent / "ros2_cell.yaml", "two_arms")):
-        cli("run", run, "-o", tmp_path / cell)
-        # A run writes the packages of each arm alone, too. A package takes more than two seconds to build and test.
-        for package in (tmp_path / cell).glob(f"{cell}_*"):
-            package.rename(source / package.name)
-        shutil.rmtree(tmp_path / cell)
+    cli("run", run_file, "-o", source / "made")
+    cli("run", TABLES.parent / "ros2_cell.yaml", "-o", tmp_path / "example")
+    for package in (tmp_path / "example").glob("two_arms_*"):  # The run writes the packages of a single UR5, too.
+        package.rename(source / package.name)
+    shutil.rmtree(tmp_path / "example")
     names = [
         f"{name}_{kind}"
-        for name in ("panda", "scara", "workshop", "two_arms")
+        for name in ("panda", "scara", "ur5", "track", "workshop", "two_arms")
         for kind in ("description", "moveit_config")
     ]
     system("colcon", "build", cwd=tmp_path, PYTHONPATH=str(modules))

@@ -19,6 +19,7 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import urdf_reader
 from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
+from dh2urdf_plugins.read_back.mjcf.elements import compiler_of
 from dh2urdf_plugins.read_back.sdf import reader as sdf_reader
 from dh2urdf_plugins.read_back.xml_files import mark_of, tree_of
 
@@ -103,12 +104,7 @@ def sdf_description(path: Path) -> Description:
         TableError: it cannot be read, or holds no model.
     """
     content = read_bytes(path, TableError, limit=LARGEST)
-    return _described(
-        content,
-        path,
-        str(path),
-        _Format(tree_of, lambda root, file: sdf_reader.model_of(root, file).robot, _sdf_extras),
-    )
+    return _described(content, path, str(path), _Format(tree_of, _read_sdf, _meant_sdf))
 
 
 def mjcf_description(path: Path) -> Description:
@@ -118,17 +114,12 @@ def mjcf_description(path: Path) -> Description:
         TableError: it cannot be read, or is not the MJCF of an arm.
     """
     content = read_bytes(path, TableError, limit=LARGEST)
-    form = _Format(
-        lambda content, _: mjcf_reader.whole_tree_of(content, path),
-        lambda root, file: mjcf_reader.model_of(root, file).robot,
-        _mjcf_extras,
-    )
+    form = _Format(lambda content, _: mjcf_reader.whole_tree_of(content, path), _read_mjcf, _meant_mjcf)
     return _described(content, path, str(path), form)
 
 
 def _of_urdf(content: bytes, path: Path, file: str, *, colours: bool) -> Description:
-    extras = partial(_urdf_extras, colours=colours)
-    return _described(content, path, file, _Format(tree_of, urdf_reader.robot_of, extras))
+    return _described(content, path, file, _Format(tree_of, partial(_read_urdf, colours=colours), _meant_urdf))
 
 
 @dataclass(slots=True)
@@ -144,19 +135,26 @@ class _Extras:
 
 
 class _Format(NamedTuple):
-    """What reads a format: the elements of a text, their robot, and what else is in them."""
+    """What reads a format.
+
+    Attributes:
+        tree_of: the elements of a text.
+        read: their robot; what it does not hold goes to the extras.
+        meant: the same elements with their angles as they were meant; the numbers that were go to the extras.
+    """
 
     tree_of: Callable[[bytes, str], etree._Element]
-    robot_of: Callable[[etree._Element, str], Robot]
-    extras_of: Callable[[etree._Element, _Extras], etree._Element]
+    read: Callable[[etree._Element, _Extras], Robot]
+    meant: Callable[[etree._Element, _Extras], etree._Element]
 
 
 def _described(content: bytes, path: Path, file: str, form: _Format) -> Description:
-    extras = _Extras(path.absolute().parent, file)
+    folder = path.absolute().parent
+    extras = _Extras(folder, file)
     try:
         root = form.tree_of(content, file)
-        meant = form.extras_of(root, extras)
-        robot = form.robot_of(root, file)
+        robot = form.read(root, extras)
+        meant = form.meant(root, extras)
         return Description(
             robot=robot,
             file=str(path),
@@ -164,7 +162,7 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
             followers=extras.followers,
             loose=extras.loose,
             rounded=tuple(extras.rounded),
-            repaired=form.robot_of(meant, file) if extras.rounded else None,
+            repaired=form.read(meant, _Extras(folder, file)) if extras.rounded else None,
             notices=tuple(extras.notices),
         )
     except ProofError as error:
@@ -174,8 +172,8 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
         raise TableError(problem.about(mark=Mark(file=file)) for problem in problems) from error
 
 
-def _urdf_extras(root: etree._Element, extras: _Extras, *, colours: bool) -> etree._Element:
-    """Takes from a URDF what no table has a place for, and returns it as its angles were meant."""
+def _read_urdf(root: etree._Element, extras: _Extras, *, colours: bool) -> Robot:
+    """Takes from a URDF what no table has a place for."""
     root.set("name", root.get("name", ""))
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
@@ -188,6 +186,10 @@ def _urdf_extras(root: etree._Element, extras: _Extras, *, colours: bool) -> etr
     for material in [*root.iter("material")]:  # colours, which may be defined nowhere
         if (parent := material.getparent()) is not None and material.get("name") not in defined:
             parent.remove(material)
+    return urdf_reader.robot_of(root, extras.file)
+
+
+def _meant_urdf(root: etree._Element, extras: _Extras) -> etree._Element:
     meant = deepcopy(root)
     for origin in meant.iter("origin"):
         if (rpy := origin.get("rpy")) is not None:
@@ -209,11 +211,15 @@ def _number(text: str) -> float:
         return nan
 
 
-def _sdf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
+def _read_sdf(root: etree._Element, extras: _Extras) -> Robot:
     model = sdf_reader.model_of(root, extras.file)
     extras.loose.update(model.loose)
     extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
     extras.followers.update({name: _sdf_follower(mimic) for name, mimic in model.mimics.items()})
+    return model.robot
+
+
+def _meant_sdf(root: etree._Element, extras: _Extras) -> etree._Element:
     meant = deepcopy(root)
     for pose in meant.iter("pose"):
         words, found = repaired(pose.text or "", pose.sourceline, first=3)  # type: ignore[arg-type]  # wrong in the stubs
@@ -232,22 +238,25 @@ def _sdf_follower(mimic: etree._Element) -> Follower:
     return Follower(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
 
 
-def _mjcf_extras(root: etree._Element, extras: _Extras) -> etree._Element:
-    model = mjcf_reader.model_of(root, extras.file)
-    extras.loose.update(model.loose)
-    for joint in root.iterfind("equality/joint"):
-        if joint.get("active") != "false":
-            extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
-    extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
-    compiler = {name: value for each in root.iterchildren("compiler") for name, value in each.attrib.items()}
-    meshes = str(compiler.get("meshdir") or compiler.get("assetdir") or "")
-    extras.folder /= meshes
+def _read_mjcf(root: etree._Element, extras: _Extras) -> Robot:
+    compiler = compiler_of(root)
+    extras.folder /= compiler.get("meshdir") or compiler.get("assetdir") or ""
     for mesh in root.iterfind("asset/mesh"):  # One that is not there may be beside the included file that names it.
         file = (mesh.get("file") or "").replace("\\", "/")
         beside = Path(mark_of(mesh, extras.file).file).absolute().parent / file
         if file and not (extras.folder / file).is_file() and beside.is_file():
             mesh.set("file", str(beside))
-    if compiler.get("angle") != "radian":
+    model = mjcf_reader.model_of(root, extras.file)
+    extras.loose.update(model.loose)
+    extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
+    for joint in root.iterfind("equality/joint"):
+        if joint.get("active") != "false":
+            extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
+    return model.robot
+
+
+def _meant_mjcf(root: etree._Element, extras: _Extras) -> etree._Element:
+    if compiler_of(root).get("angle") != "radian":
         return root
     meant = deepcopy(root)
     for element in meant.iter():

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _DEEPEST = 100
 """Frames around each other that are read: each element multiplies all of them."""
-_ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
+_ORIENTATIONS = frozenset(("quat", "euler", "axisangle", "xyaxes", "zaxis"))
 
 
 class Elements:
@@ -58,11 +58,11 @@ class Elements:
             ProofError: they cannot be read.
         """
         self.root, self.file = root, file
-        self.compiler: dict[str, str] = {}
-        for element in root.iterchildren("compiler"):
-            self.compiler |= _attributes(element)
+        self.compiler = compiler_of(root)
         self.angle = 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180.0
         self.unread: dict[str, list[Mark]] = {}
+        self._has_frames = root.find(".//frame") is not None
+        self._gives_classes = root.find(".//*[@childclass]") is not None
         self._defaults = self._read_defaults()
 
     def _read_defaults(self) -> dict[str, dict[str, dict[str, str]]]:
@@ -82,7 +82,7 @@ class Elements:
     def attributes(self, element: etree._Element) -> dict[str, str]:
         """The attributes of an element, those of its class included."""
         name = element.get("class")
-        above = element.getparent()
+        above = element.getparent() if self._gives_classes else None
         while name is None and above is not None:
             name, above = above.get("childclass"), above.getparent()
         if (name := name or "main") not in self._defaults:
@@ -93,6 +93,9 @@ class Elements:
 
     def held(self, body: etree._Element, *tags: str) -> Iterator[etree._Element]:
         """The elements of a body with some names, in the order of the file; those in its frames, too."""
+        if not self._has_frames:
+            yield from body.iterchildren(*tags)
+            return
         waiting = [body.iterchildren(*tags, "frame")]
         while waiting:
             if (element := next(waiting[-1], None)) is None:
@@ -108,6 +111,8 @@ class Elements:
 
     def around(self, element: etree._Element, pose: RigidTransform) -> RigidTransform:
         """A pose in the frames around an element, in the body that holds it."""
+        if not self._has_frames:
+            return pose
         above, depth = element.getparent(), 0
         while above is not None and above.tag == "frame":
             if (depth := depth + 1) > _DEEPEST:
@@ -180,10 +185,11 @@ class Elements:
         except ValueError:
             numbers = []
         # `float` also takes 1_000, nan and inf, which MuJoCo does not.
-        if not count <= len(numbers) <= max(count, most) or "_" in text or not all(map(math.isfinite, numbers)):
+        fits = len(numbers) == count or count < len(numbers) <= most
+        if not fits or "_" in text or not all(map(math.isfinite, numbers)):
             wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
             raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted=wanted)
-        return numbers[:count]
+        return numbers if len(numbers) == count else numbers[:count]
 
     # Places
 
@@ -208,12 +214,22 @@ def z_rotation(axis: Vec3) -> Rotation:
     return axis_rotation((-y / sine, x / sine, 0.0), math.atan2(sine, z))
 
 
+def compiler_of(root: etree._Element) -> dict[str, str]:
+    """The attributes of the compiler of a model; a model of several files may have several, each over those before."""
+    found: dict[str, str] = {}
+    for element in root.iterchildren("compiler"):
+        found |= _attributes(element)
+    return found
+
+
 def _attributes(element: etree._Element) -> dict[str, str]:
-    return {str(name): str(value) for name, value in element.attrib.items()}
+    return dict(element.items())  # type: ignore[arg-type]  # they are texts, as lxml parsed them from one
 
 
 def _over(given: dict[str, str], own: dict[str, str]) -> dict[str, str]:
     """The attributes of a class with an element's own over them: an orientation takes the place of any other."""
-    if any(name in own for name in _ORIENTATIONS):
+    if not given:
+        return own
+    if not (_ORIENTATIONS.isdisjoint(given) or _ORIENTATIONS.isdisjoint(own)):
         given = {name: value for name, value in given.items() if name not in _ORIENTATIONS}
     return {**given, **own}

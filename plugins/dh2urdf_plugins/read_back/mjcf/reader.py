@@ -35,6 +35,7 @@ from dh2urdf_plugins.read_back.mjcf.elements import Elements
 from dh2urdf_plugins.read_back.mjcf.includes import include_files
 from dh2urdf_plugins.read_back.mjcf.masses import mass_of_shapes
 from dh2urdf_plugins.read_back.mjcf.shapes import Shapes
+from dh2urdf_plugins.read_back.whole_robots import whole
 from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of
 
 if TYPE_CHECKING:
@@ -46,9 +47,9 @@ if TYPE_CHECKING:
 WORLD = "world"
 
 _NOT_READ = ("include", "replicate", "composite", "flexcomp", "attach")
-_MASSES = frozenset(("balanceinertia", "boundinertia", "boundmass", "settotalmass"))
+_CHANGING_MASSES = frozenset(("balanceinertia", "boundinertia", "boundmass", "settotalmass"))
 """Options by which MuJoCo changes masses."""
-_CLOSING = ("connect", "weld")
+_HOLDING_BODIES = ("connect", "weld")
 """Constraints that hold bodies together besides the joints."""
 _LOOSE = {"ball": "ball", "free": "floating"}
 """Joints that no table has, by their names in MJCF: as other formats call them."""
@@ -90,15 +91,7 @@ def parse_mjcf(content: bytes, file: str) -> Robot:
         ProofError: the text is not the MJCF of a manipulator, or something in it cannot be read.
     """
     model = model_of(tree_of(content, file, is_deep=True), file)
-    if model.loose:
-        name, kind = next(iter(model.loose.items()))
-        mark = next(joint.mark for joint in model.robot.joints if joint.name == name)
-        message = f"joint type {shown(kind)} is not one of a manipulator"
-        raise ProofError(Problem(message=message, accepted="hinge, slide", mark=mark))
-    if model.unread:
-        what, (mark, *_) = next(iter(model.unread.items()))
-        raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
-    return model.robot
+    return whole(model.robot, model.loose, model.unread, accepted="hinge, slide")
 
 
 def read_model(path: Path) -> Model:
@@ -149,7 +142,7 @@ class _Reader:
         self._shapes = Shapes(self._elements)
         self._loose: dict[str, str] = {}
         self._references: dict[str, float] = {}
-        self._fixed_limits = self._elements.compiler.get("autolimits") == "false"
+        self._needs_limited = self._elements.compiler.get("autolimits") == "false"
 
     def model(self) -> Model:
         root = self._elements.root
@@ -173,10 +166,10 @@ class _Reader:
             elif name not in bodies:
                 links.append(Link(name=name))
                 joints.append(_fixed(name, holder, self._elements.pose(element)))
-        for name in sorted(_MASSES & self._elements.compiler.keys()):
+        for name in sorted(_CHANGING_MASSES & self._elements.compiler.keys()):
             self._elements.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
         for constraint in root.iterfind("equality/*"):
-            if constraint.tag in _CLOSING and constraint.get("active") != "false":
+            if constraint.tag in _HOLDING_BODIES and constraint.get("active") != "false":
                 self._elements.not_read(constraint, f"the constraint {constraint.tag}")
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
         return Model(robot, self._loose, self._references, self._elements.unread)
@@ -236,7 +229,7 @@ class _Reader:
     def _is_bounded(self, attributes: dict[str, str]) -> bool:
         """Whether the range of a joint counts."""
         limited = attributes.get("limited", "auto")
-        return limited == "true" or (limited == "auto" and "range" in attributes and not self._fixed_limits)
+        return limited == "true" or (limited == "auto" and "range" in attributes and not self._needs_limited)
 
     def _motion(self, element: etree._Element, attributes: dict[str, str]) -> tuple[JointType, Vec3]:
         """How a joint moves, and about or along which unit vector; one that no table has is fixed."""

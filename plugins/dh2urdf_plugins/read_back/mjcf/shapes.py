@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Mesh, Origin, Sphere, Visual
 from dh2urdf.rotations import (
+    IDENTITY,
     IDENTITY_ROTATION,
     ZERO,
     RigidTransform,
@@ -86,13 +87,13 @@ class Shapes:
         has_own_look = not all(map(_touches, geoms))
         for geom in geoms:
             touches = _touches(geom)
-            colour = self._colour(geom.element, geom.attributes)
             for geometry, pose in self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom):
-                placed = geom.pose @ pose
+                placed = geom.pose if pose is IDENTITY else geom.pose @ pose
                 origin = Origin(xyz=placed.translation, rpy=placed.rpy)
                 if touches:
                     collisions.append(Collision(geometry=geometry, origin=origin))
                 if not touches or not (has_own_look or geom.attributes.get("group", "0") in _HIDDEN):
+                    colour = self._colour(geom.element, geom.attributes)
                     visuals.append(Visual(geometry=geometry, origin=origin, material=colour))
         return tuple(visuals), tuple(collisions)
 

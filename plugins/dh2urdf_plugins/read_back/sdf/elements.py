@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ProofError
 from dh2urdf.robot import Origin
-from dh2urdf.rotations import RigidTransform, rotation_from_quaternion
+from dh2urdf.rotations import IDENTITY, RigidTransform, rotation_from_quaternion
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lxml import etree
+
+
+_HERE = Origin()
 
 
 class SdfElements:
@@ -44,18 +47,19 @@ class SdfElements:
 
     def pose(self, element: etree._Element) -> RigidTransform:
         """The pose of an element in the frame that it names."""
-        return self.origin(element).transform
+        origin = self.origin(element)
+        return IDENTITY if origin is _HERE else origin.transform
 
     def origin(self, element: etree._Element) -> Origin:
         """The pose of an element as it is written."""
         pose = element.find("pose")
-        if pose is not None and not (pose.text or "").strip():  # It is where the frame is that it names.
-            return Origin()
-        if pose is not None and pose.get("rotation_format") == "quat_xyzw":
-            x, y, z, *quaternion = self.numbers(element, "pose", 7)
+        if pose is None or not (text := pose.text) or text.isspace():  # It is where the frame is that it names.
+            return _HERE
+        if pose.get("rotation_format") == "quat_xyzw":
+            x, y, z, *quaternion = self._read(element, "pose", text, 7)
             return origin_of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
-        x, y, z, roll, pitch, yaw = self.numbers(element, "pose", 6, (0.0,) * 6)
-        if pose is not None and pose.get("degrees") in {"1", "true"}:
+        x, y, z, roll, pitch, yaw = self._read(element, "pose", text, 6)
+        if pose.get("degrees") in {"1", "true"}:
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)
         return Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
 
@@ -70,14 +74,16 @@ class SdfElements:
         found = element.find(path)
         if found is None and default is not None:
             return default
-        text = (found.text if found is not None else None) or ""
+        return self._read(element, path, (found.text if found is not None else None) or "", count)
+
+    def _read(self, element: etree._Element, path: str, text: str, count: int) -> Sequence[float]:
         try:
             numbers = [float(word) for word in text.split()]
         except ValueError:
             numbers = []
         # `float` also takes 1_000 and nan; inf is a limit that there is none.
-        odd = isnan if "limit/" in path else lambda number: not isfinite(number)
-        if len(numbers) != count or "_" in text or any(map(odd, numbers)):
+        odd = not all(map(isfinite, numbers)) and ("limit/" not in path or any(map(isnan, numbers)))
+        if len(numbers) != count or odd or "_" in text:
             wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
             raise self.error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers

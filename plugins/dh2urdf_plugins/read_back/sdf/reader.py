@@ -32,6 +32,7 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
 from dh2urdf_plugins.read_back.sdf.elements import SdfElements, origin_of
 from dh2urdf_plugins.read_back.sdf.nesting import MODEL, WORLD, flatten
+from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
 if TYPE_CHECKING:
@@ -44,12 +45,13 @@ UNLIMITED = 1e16
 """A limit from which on SDF means that there is none [rad or m]."""
 
 _JOINT_TYPES = {kind.value: kind for kind in JointType}
+_ACCEPTED = ", ".join(_JOINT_TYPES)
 _LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal")
 """Joints that no table has."""
 _NOT_READ = ("cone", "ellipsoid", "heightmap", "image", "plane", "polyline")
 """Shapes that a robot has no place for."""
-_IN_MODEL = (1, 5)
-"""Before this version, the axis of a joint is in the frame of the model."""
+_OWN_AXES_SINCE = (1, 5)
+"""Since this version the axis of a joint is in the joint's own frame; before, in that of the model."""
 
 
 class Model(NamedTuple):
@@ -88,15 +90,7 @@ def parse_sdf(content: bytes, file: str) -> Robot:
         ProofError: the text holds no model of a manipulator, or something in it cannot be read.
     """
     model = model_of(tree_of(content, file), file)
-    if model.loose:
-        name, kind = next(iter(model.loose.items()))
-        raise ProofError(
-            _not_of_a_manipulator(kind, next(each.mark for each in model.robot.joints if each.name == name))
-        )
-    if model.unread:
-        what, (mark, *_) = next(iter(model.unread.items()))
-        raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
-    return model.robot
+    return whole(model.robot, model.loose, model.unread, _ACCEPTED)
 
 
 def read_model(path: Path) -> Model:
@@ -119,11 +113,6 @@ def model_of(root: etree._Element, file: str) -> Model:
         raise ProofError(Problem(message="there is no model in it", mark=Mark(file=file)))
     is_nested = any(model.find("model") is not None for model in models)
     return _Reader(deepcopy(root) if is_nested else root, file).model()
-
-
-def _not_of_a_manipulator(kind: str, mark: Mark | None) -> Problem:
-    accepted = ", ".join(_JOINT_TYPES)
-    return Problem(message=f"joint type {shown(kind)} is not one of a manipulator", accepted=accepted, mark=mark)
 
 
 class _Place(NamedTuple):
@@ -155,7 +144,7 @@ class _Reader(SdfElements):
             self.not_read(include, "an included model")
         flatten(self._model, lambda inner: self.not_read(inner, "a nested model that is placed by one of its frames"))
         version = [int(word) for word in (root.get("version") or "").split(".") if word.isdecimal()]
-        self._axes_in_model = bool(version) and tuple(version) < _IN_MODEL
+        self._axes_in_model = bool(version) and tuple(version) < _OWN_AXES_SINCE
         self._places = {
             self.name(element): self._place(element)
             for tag in ("link", "joint", "frame")
@@ -166,9 +155,9 @@ class _Reader(SdfElements):
         for joint in self._model.iterchildren("joint"):
             if self._joint_to.setdefault(self._body(self.word(joint, "child")), joint) is not joint:
                 self.not_read(joint, "a second joint of a link")
-        self._stands = self.pose(self._model)
+        self._in_world = self.pose(self._model)
         if placed := self._model.get("placement_frame"):
-            self._stands = self._stands @ self._at_rest(placed).inverse
+            self._in_world = self._in_world @ self._at_rest(placed).inverse
 
     def model(self) -> Model:
         links, joints = [Link(name=WORLD)], []
@@ -234,10 +223,10 @@ class _Reader(SdfElements):
 
     def _between(self, base: str, name: str) -> RigidTransform:
         """The pose of one frame in another at q = 0; where it is written so, without a rounding."""
-        if base == WORLD and self._stands != IDENTITY:
-            return self._stands @ self._between(MODEL, name)
+        if base == WORLD and self._in_world != IDENTITY:
+            return self._in_world @ self._between(MODEL, name)
         if name in (WORLD, MODEL):
-            out = self._stands.inverse if name == WORLD else IDENTITY
+            out = self._in_world.inverse if name == WORLD else IDENTITY
             return self._at_rest(base).inverse @ out
         place = self._known(name)
         if place.reference == base or {place.reference, base} <= {WORLD, MODEL}:
@@ -268,7 +257,7 @@ class _Reader(SdfElements):
         word = element.get("type", "")
         kind = JointType.FIXED if word in _LOOSE else _JOINT_TYPES.get(word)
         if kind is None:
-            raise ProofError(_not_of_a_manipulator(word, self.mark(element)))
+            raise ProofError(not_of_a_manipulator(word, _ACCEPTED, self.mark(element)))
         if word in _LOOSE:
             self._loose[self.name(element)] = word
         limits = {name: self._limit(element, name) for name in ("lower", "upper", "velocity", "effort")}
@@ -361,7 +350,7 @@ class _Reader(SdfElements):
         """The parts of a shape, and where they are in the link."""
         origin = self._shape_origin(element)
         for geometry, pose in self._parts(element):
-            yield geometry, origin if pose == IDENTITY else origin_of(origin.transform @ pose)
+            yield geometry, origin if pose is IDENTITY else origin_of(origin.transform @ pose)
 
     def _parts(self, element: etree._Element) -> list[Placed]:
         geometry = element.find("geometry")

@@ -77,6 +77,7 @@ class Statements:
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
     ) -> Manipulator:
         """The manipulator of some rows; the convention is known."""
+        base_visual, base_collision = self.base_meshes
         return Manipulator(
             name=name,
             convention=self.convention[0] if self.convention else Convention.STANDARD,
@@ -88,8 +89,8 @@ class Statements:
             base_mass=self.base_mass,
             payload=self.payload,
             base_geometry=self.base_geometry,
-            base_visual=self.base_meshes[0],
-            base_collision=self.base_meshes[1],
+            base_visual=base_visual,
+            base_collision=base_collision,
             visuals=self.visuals,
             collisions=self.collisions,
             mark=mark,

@@ -65,6 +65,21 @@ class Hand:
         self.page.wait_for_function("drawn => document.querySelector('.arm-view').drawn > drawn", arg=drawn)
 
 
+def drag_with_parallel_rays(tab: Any, hand: Hand) -> None:
+    """The point that is held stays below the pointer in the orthographic camera, too."""
+    hand.look("5")
+    tab.set_sliders([0, 0])
+    start, end = hand.pixel("slide", 0.1, 0, 0), hand.pixel("slide", 0.4, 0, 0)
+    assert hand.drag(start, end - start)[1] == pytest.approx(0.3, abs=0.008)
+    hand.look("7")
+    start, by = hand.pixel("arm", 0.45, 0, 0.05), (30, -4)
+    assert hand.drag(start, by)[0] > 2
+    axis = hand.pixel("arm", 0, 0, 0.05)
+    here, there = (np.arctan2(*(point - axis)) for point in (start + by, hand.pixel("arm", 0.45, 0, 0.05)))
+    assert here == pytest.approx(there, abs=0.01)
+    hand.look("5")
+
+
 def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """It turns and slides below the pointer, inside its limits; elsewhere and without the hand the camera turns."""
     path = tmp_path / "r.urdf"
@@ -117,6 +132,8 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         hand.look("9")
         start, end = hand.pixel("slide", 0.1, 0, 0), hand.pixel("slide", 0.4, 0, 0)
         assert hand.drag(start, end - start)[1] == pytest.approx(0.3, abs=0.008)
+
+        drag_with_parallel_rays(tab, hand)
 
         # From the side the axis is upright in the picture: the arm turns back as its middle goes to the right.
         tab.set_sliders([30, 0])

@@ -1,11 +1,14 @@
-"""The standard views: by the menu, by keys and by the cube."""
+"""The standard views, by the menu, by keys and by the cube; perspective and orthographic."""
 
 from __future__ import annotations
 
+import base64
+import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,3 +86,132 @@ def test_the_cube(studio_address: str, new_tab: Callable[..., Any]) -> None:
     page.wait_for_function(f"({seen})() === 'front,right,top'")
     page.locator(".view-cube-corner:visible").first.click()
     page.wait_for_function(f"({seen})().split(',').length === 3")
+
+
+ARM = "document.querySelector('.arm-view')"
+SEEN = f"""() => {{
+    const {{ camera, scene }} = {ARM}, points = [];
+    scene.updateMatrixWorld();
+    for (const node of scene.children[0].children)
+        points.push(node.position.clone().setFromMatrixPosition(node.matrixWorld).project(camera).toArray());
+    const [near, far] = [[0, 0, 0], [0.5, 0, 0]].map((at) => camera.position.clone().set(...at).project(camera).toArray());
+    return [camera.isOrthographicCamera ?? false, points, near, far];
+}}"""
+PIXEL = f"""(at) => {{
+    const {{ left, top, width, height }} = {ARM}.getBoundingClientRect(), {{ x, y }} = at.project({ARM}.camera);
+    return [left + (x + 1) / 2 * width, top + (1 - y) / 2 * height];
+}}"""
+BESIDE = f"""() => {{
+    const node = {ARM}.scene.getObjectByName('tool0');
+    const [x, y] = ({PIXEL})(node.position.clone().setFromMatrixPosition(node.matrixWorld));
+    const label = [...document.querySelectorAll('.arm-view-label')].find((one) => one.textContent.includes('tool0'));
+    const box = label.getBoundingClientRect();
+    return [Math.max(box.left - x, x - box.right, 0), Math.max(box.top - y, y - box.bottom, 0)];
+}}"""
+COVERED = """() => {
+    const own = document.querySelector('.arm-view-projection').getBoundingClientRect();
+    return [...document.querySelectorAll('.arm-view-label')].filter((label) => {
+        const box = label.getBoundingClientRect(), shown = getComputedStyle(label).visibility === 'visible';
+        return shown && box.right > own.left && box.top < own.bottom && box.bottom > own.top;
+    }).map((label) => label.textContent);
+}"""
+MIDDLE = f"""(row) => {{
+    let found;
+    {ARM}.scene.traverse((part) => {{
+        if (part.userData.layer === 'links' && part.parent.userData.row === row && part.isMesh) found ??= part;
+    }});
+    return ({PIXEL})(found.geometry.boundingBox.getCenter(found.position.clone()).applyMatrix4(found.matrixWorld));
+}}"""
+TURNED = f"share => getElement(Number({ARM}.id.slice(1))).turn(share, 640)"
+
+
+def silhouettes(page: Any) -> list[Any]:
+    """Where the arm is in pictures from the front and, half a turn of the camera later, from behind: light is paper."""
+    found = []
+    for share in (0, 0.5):
+        picture = base64.b64decode(page.evaluate(TURNED, share).partition(",")[2])
+        found.append(np.asarray(Image.open(io.BytesIO(picture)).convert("L")) < 200)
+    page.evaluate(TURNED, None)
+    return found
+
+
+class Eye:
+    """What the camera of a page sees."""
+
+    def __init__(self, tab: Any) -> None:
+        self.page, self.scene = tab.page, tab.page.get_by_role("application")
+        self.switch = tab.page.get_by_role("button", name="orthographic")
+
+    def press(self, *keys: str) -> None:
+        """Presses keys of the scene, and waits until it is drawn."""
+        self.scene.focus()
+        for key in keys:
+            self.page.keyboard.press(key)
+        self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def nodes(self) -> Any:
+        """Where the nodes are in the picture."""
+        return np.array(self.page.evaluate(SEEN)[1])[:, :2]
+
+    def sees_all(self, *, parallel: bool, ends_on: bool = False) -> None:
+        """Waits for a way to draw: all of the arm is in the picture, and the x axis is a point or is not."""
+        self.page.wait_for_function(f"parallel => ({SEEN})()[0] === parallel", arg=parallel)
+        assert self.switch.get_attribute("aria-pressed") == str(parallel).lower()
+        _, nodes, near, far = self.page.evaluate(SEEN)
+        assert 0.2 < np.abs(np.array(nodes)[:, :2]).max() < 1.0
+        assert np.abs(np.array(nodes)[:, 2]).max() < 1.0, "nothing is cut off"
+        assert np.allclose(near[:2], far[:2], atol=1e-9) == ends_on
+        assert self.page.evaluate(COVERED) == []
+
+
+def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """With parallel rays what is farther is no smaller; views, picks, labels and pictures are right in both ways."""
+    tab = new_tab(studio_address)
+    page, eye = tab.open("ur5"), Eye(tab)
+    eye.press("1")
+    page.wait_for_function(LOOKS_FROM, arg=[1, 0, 0])
+    eye.sees_all(parallel=False)
+    page.get_by_text("joint axes", exact=True).click()
+    page.get_by_text("frames", exact=True).click()
+    one, other = silhouettes(page)
+    assert (one != other[:, ::-1]).mean() > 0.005
+    eye.press("5")  # as the number pad of modellers has it
+    eye.sees_all(parallel=True, ends_on=True)
+    one, other = silhouettes(page)
+    assert one.mean() > 0.02
+    assert (one != other[:, ::-1]).mean() < 0.002
+
+    # It stays over the standard views, by key and by cube, and sees all after a person was near.
+    page.get_by_text("joint axes", exact=True).click()
+    page.get_by_text("frames", exact=True).click()
+    for key, side in (("7", (0, 0, 1)), ("9", (0.62, -0.62, 0.5)), ("3", (0, -1, 0))):
+        eye.press(*"+++++++++", key)
+        page.wait_for_function(LOOKS_FROM, arg=list(side))
+        eye.sees_all(parallel=True)
+    eye.press("9")
+    page.get_by_role("button", name="look from the front").click()
+    page.wait_for_function(LOOKS_FROM, arg=[1, 0, 0])
+    eye.sees_all(parallel=True, ends_on=True)
+    whole = eye.nodes()
+    eye.press("+")
+    assert np.allclose(eye.nodes(), whole / 0.85, atol=1e-6)
+    page.get_by_role("button", name="see all of the arm").click()
+    page.wait_for_function(LOOKS_FROM, arg=[0.62, -0.62, 0.5])
+    eye.sees_all(parallel=True)
+
+    # A label is at its point, and a double click picks the link that is there.
+    assert np.hypot(*page.evaluate(BESIDE)) < 60
+    page.mouse.dblclick(*page.evaluate(MIDDLE, 2))
+    page.locator(".dh-table .ag-row[row-index='2'].dh-picked").first.wait_for()
+
+    # The button is the way back; near the arm the switch keeps what a person looks at.
+    eye.press(*"++++++")
+    near = eye.nodes()
+    eye.switch.click()
+    page.wait_for_function(f"!{ARM}.camera.isOrthographicCamera")
+    now, middle = eye.nodes(), np.abs(near).max(axis=1).argmin()
+    assert min(np.abs(near).max(), np.abs(now).max()) > 1.5
+    assert np.abs(now[middle] - near[middle]).max() < 0.1
+    eye.press("0")
+    eye.sees_all(parallel=False)
+    assert tab.serious(ARM) == []

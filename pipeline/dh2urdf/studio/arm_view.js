@@ -3,6 +3,7 @@
 import { OrbitControls, THREE } from "nicegui-scene";
 import { meshes } from "dh2urdf-scene/meshes.js";
 import { camera } from "dh2urdf-scene/camera.js";
+import { projection } from "dh2urdf-scene/projection.js";
 import { labels } from "dh2urdf-scene/labels.js";
 import { strokes } from "dh2urdf-scene/strokes.js";
 import { pictures } from "dh2urdf-scene/pictures.js";
@@ -18,10 +19,12 @@ const SOFT = 1024; // side of the map of shadows [px]
 export default {
   template: `
     <div class="arm-view" role="application" tabindex="0" @keydown="key"
-         aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all; 1 is the view from the front, 3 from the right, 7 from above, 9 from a corner">
+         aria-label="The arm in 3D: drag or use the arrow keys to turn, wheel or + and - to come nearer, right button to move, 0 to see all; 1 is the view from the front, 3 from the right, 7 from above, 9 from a corner, 5 changes between perspective and orthographic">
       <canvas></canvas>
       <svg class="arm-view-leaders" aria-hidden="true"><path/></svg>
       <div class="arm-view-labels"></div>
+      <button type="button" tabindex="-1" class="arm-view-projection" :aria-pressed="parallel" title="parallel rays, as in a drawing; 5 in the scene"
+              @click="project(!parallel)" @pointerdown.stop @dblclick.stop>orthographic</button>
       <svg class="arm-view-cross" viewBox="-36 -36 72 72" aria-hidden="true"></svg>
       <div v-if="waiting" class="arm-view-progress">
         meshes: {{ loaded }} of {{ waiting }} <progress :max="waiting" :value="loaded" aria-label="meshes"></progress>
@@ -29,7 +32,7 @@ export default {
       <div v-if="fault" class="arm-view-fault">{{ fault }}</div>
     </div>`,
 
-  data: () => ({ fault: "", waiting: 0, loaded: 0 }),
+  data: () => ({ fault: "", waiting: 0, loaded: 0, parallel: false }),
 
   created() {
     // Not reactive: three.js has its own ideas of objects.
@@ -76,6 +79,7 @@ export default {
     window.addEventListener("dh-look", this.looks);
     this.camera = new THREE.PerspectiveCamera(36, 1, 0.01, 100);
     this.camera.up.set(0, 0, 1);
+    this.level = new THREE.OrthographicCamera();
     this.$el.scene = this.scene;
     this.$el.camera = this.camera;
     const canvas = this.$el.querySelector("canvas");
@@ -120,6 +124,7 @@ export default {
   methods: {
     ...meshes,
     ...camera,
+    ...projection,
     ...labels,
     ...strokes,
     ...pictures,
@@ -247,6 +252,7 @@ export default {
     // The colours of the ground and the thickness of lines as the style sheet has them now.
     dress() {
       this.lines = Number(styled("lines")) || 1;
+      this.switched = null; // the page has another size of text
       if (this.shownNow) this.show(...this.shownNow);
       if (this.fitted) this.grid(this.fitted);
       this.draw();
@@ -286,7 +292,8 @@ export default {
         this.pending = false;
         this.glide();
         this.scene.updateMatrixWorld();
-        this.renderer?.render(this.scene, this.camera);
+        this.$el.camera = this.eye();
+        this.renderer?.render(this.scene, this.$el.camera);
         for (const held of this.worn.splice(0)) held.dispose();
         this.cube.turn(this.camera);
         this.place();

@@ -21,7 +21,8 @@ export const camera = {
   // Whether points are in the picture; afterwards they are where they are in it.
   within(points) {
     this.camera.updateMatrixWorld();
-    return points.every((point) => point.project(this.camera).toArray().every((part) => Math.abs(part) <= 1));
+    const eye = this.eye();
+    return points.every((point) => point.project(eye).toArray().every((part) => Math.abs(part) <= 1));
   },
 
   // The camera where it sees all of the arm, and is no farther away than that needs; from where it looks now, if it is
@@ -58,14 +59,15 @@ export const camera = {
     const up = new THREE.Vector3().crossVectors(away, right);
     // A camera at c sees p where |(p - c)·right| <= t (c - p)·away, and so for up: for each of the two directions two
     // planes, which the outermost points push away. The nearest c that satisfies all of them is to be had at once.
-    let distance = -Infinity;
+    // Parallel rays see p, however far it is, where |(p - c)·right| <= t (c - target)·away.
+    const depth = points.reduce((sum, p) => sum + p.dot(away), 0) / points.length;
+    const near = this.parallel ? () => depth : (p) => p.dot(away);
+    let distance = depth + 0.3 * this.reach; // of a robot that is a point
     const sides = this.margins(right, up).map(([direction, slope]) => {
-      const [one, other] = [1, -1].map((sign) => Math.max(...points.map((p) => sign * p.dot(direction) + slope * p.dot(away))));
+      const [one, other] = [1, -1].map((sign) => Math.max(...points.map((p) => sign * p.dot(direction) + slope * near(p))));
       distance = Math.max(distance, (one + other) / (2 * slope));
       return direction.clone().multiplyScalar((one - other) / 2);
     });
-    const depth = points.reduce((sum, p) => sum + p.dot(away), 0) / points.length;
-    distance = Math.max(distance, depth + 0.3 * this.reach); // of a robot that is a point
     const beside = sides[0].add(sides[1]);
     return { target: beside.clone().addScaledVector(away, depth), position: beside.addScaledVector(away, distance) };
   },
@@ -152,7 +154,7 @@ export const camera = {
       away.applyAxisAngle(z, Math.PI / 18);
       const right = new THREE.Vector3().crossVectors(z, away).normalize(), up = new THREE.Vector3().crossVectors(away, right);
       for (const [direction, slope] of this.margins(right, up))
-        for (const point of points) distance = Math.max(distance, Math.abs(point.dot(direction)) / slope + point.dot(away));
+        for (const point of points) distance = Math.max(distance, Math.abs(point.dot(direction)) / slope + (this.parallel ? 0 : point.dot(away)));
     }
     return { middle, distance };
   },
@@ -183,15 +185,16 @@ export const camera = {
     return this.pictured(fine, false).toDataURL("image/png");
   },
 
-  // The camera by keyboard: arrows turn it about what it looks at, + and - move it, 0 sees all.
+  // The camera by keyboard: arrows turn it about what it looks at, + and - move it, 0 sees all, 5 changes how it draws.
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     const nearer = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
-    if (!turns && !nearer && event.key !== "0" && !KEYS[event.key]) return;
+    if (!turns && !nearer && !["0", "5"].includes(event.key) && !KEYS[event.key]) return;
     event.preventDefault();
     if (KEYS[event.key]) return this.look(KEYS[event.key]);
     if (event.key === "0") return this.fit(true);
+    if (event.key === "5") return this.project(!this.parallel);
     const { target } = this.controls, away = this.camera.position.clone().sub(target);
     const z = new THREE.Vector3(0, 0, 1);
     if (turns) {

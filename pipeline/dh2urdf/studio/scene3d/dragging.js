@@ -116,7 +116,7 @@ export const dragging = {
     const caster = new THREE.Raycaster();
     const x = (2 * (event.clientX - canvas.left)) / canvas.width - 1;
     const y = 1 - (2 * (event.clientY - canvas.top)) / canvas.height;
-    caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    caster.setFromCamera(new THREE.Vector2(x, y), this.eye());
     return caster;
   },
 

@@ -41,11 +41,11 @@ export const labels = {
     const shown = this.joined(labels.filter((label) => label.visible && label.parent.visible && !this.aside(label.parent)));
     for (const { userData: own } of shown) own.size ??= [own.element.offsetWidth, own.element.offsetHeight]; // all at once
     const { clientWidth, clientHeight } = this.$el, [w, h] = this.cube.size;
-    const taken = [{ x: clientWidth - w, y: 0, w, h }, { x: clientWidth - w, y: clientHeight - h, w, h }]; // the cube, and the cross
+    const taken = [{ x: clientWidth - w, y: 0, w, h }, { x: clientWidth - w, y: clientHeight - h, w, h }, this.switch()]; // the cube, and the cross
     const lines = [];
-    const heads = new Set(shown);
+    const heads = new Set(shown), eye = this.eye();
     for (const label of labels) {
-      const place = heads.has(label) && this.room(label, clientWidth, clientHeight, taken);
+      const place = heads.has(label) && this.room(label, clientWidth, clientHeight, taken, eye);
       const { style } = label.userData.element;
       style.visibility = place ? "visible" : "hidden";
       if (!place) continue;
@@ -57,6 +57,13 @@ export const labels = {
     }
     this.leaders = lines.join("");
     this.$el.querySelector(".arm-view-leaders path").setAttribute("d", this.leaders);
+  },
+
+  // Where the switch below the cube is; it is measured once for each size of the page.
+  switch() {
+    const button = this.$el.querySelector(".arm-view-projection"), { clientWidth } = this.$el;
+    this.switched ??= { right: clientWidth - button.offsetLeft, y: button.offsetTop, w: button.offsetWidth, h: button.offsetHeight };
+    return { x: clientWidth - this.switched.right, ...this.switched };
   },
 
   // Whether a node is none of the two frames of the row that is explained: their neighbours would bury them.
@@ -90,8 +97,8 @@ export const labels = {
   },
 
   // A rectangle for a label where no other one is; the place that it had before goes first, so that it does not jump.
-  room(label, width, height, taken) {
-    const at = new THREE.Vector3().setFromMatrixPosition(label.matrixWorld).project(this.camera);
+  room(label, width, height, taken, eye) {
+    const at = new THREE.Vector3().setFromMatrixPosition(label.matrixWorld).project(eye);
     const [x, y] = [((at.x + 1) / 2) * width, ((1 - at.y) / 2) * height];
     if (Math.abs(at.z) > 1 || x < 0 || x > width || y < 0 || y > height) return null;
     const own = label.userData;

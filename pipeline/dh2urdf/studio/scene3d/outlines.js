@@ -77,7 +77,7 @@ export const outlines = {
     this.outline(this.rehearsed);
     this.rehearsed.position.copy(this.controls.target);
     this.scene.add(this.rehearsed);
-    this.renderer.render(this.scene, this.camera);
+    this.renderer.render(this.scene, this.eye());
     this.rehearsed.removeFromParent();
   },
 };

@@ -24,7 +24,7 @@ export const pictures = {
     [sheet.width, sheet.height] = [Math.round(fine * width), Math.round(fine * height)];
     const pen = sheet.getContext("2d");
     this.ground.visible = !transparent;
-    this.renderer.render(this.scene, this.camera);
+    this.renderer.render(this.scene, this.eye());
     if (!transparent) {
       pen.fillStyle = styled("paper");
       pen.fillRect(0, 0, sheet.width, sheet.height);

@@ -26,11 +26,38 @@ OUTLINED = """name => {
     return on;
 }"""
 HIDDEN = "name => document.querySelector('.arm-view')?.scene?.getObjectByName(name)?.visible === false"
+LINES = """() => {
+    const view = document.querySelector('.arm-view'), found = [];
+    view.scene.updateMatrixWorld();
+    const nodes = view.scene.children[0].children;
+    const at = (line, z) => {
+        const end = line.position.clone().set(0, 0, z).applyMatrix4(line.matrixWorld);
+        return nodes.filter((node) => end.distanceTo(end.clone().setFromMatrixPosition(node.matrixWorld)) < 1e-6).map(({ name }) => name);
+    };
+    view.scene.traverse((line) => {
+        if (!line.name.startsWith('line to ') || !line.visible || !line.parent.visible) return;
+        const to = line.name.slice('line to '.length), ends = [at(line, 0.5), at(line, -0.5)];
+        found.push([to, ends[0].includes(to) ? line.userData.carrier.name : 'elsewhere']);
+        if (!ends[1].includes(line.userData.carrier.name)) found.push([to, 'from elsewhere']);
+    });
+    return found;
+}"""
 LAYER = """layer => {
     const found = [];
     document.querySelector('.arm-view').scene.traverse(part => part.userData.layer === layer && part.visible && found.push(part.parent.name));
     return found;
 }"""
+
+
+def lines_between_frames(page: Any) -> None:
+    """A line from each frame to the one that carries it, in any pose, but none to a hidden one or of no length."""
+    page.get_by_text("lines between frames", exact=True).click()
+    page.get_by_role("button", name="random pose").click()
+    page.wait_for_function(f"({LINES})().length > 0")
+    lines = [[f"ur5/frame {number}", f"ur5/frame {number - 1}"] for number in range(1, 7)]
+    assert sorted(page.evaluate(LINES)) == [["gripper/left", "gripper/palm"], *lines]
+    page.get_by_text("lines between frames", exact=True).click()
+    page.wait_for_function(f"({LINES})().length === 0")
 
 
 def test_links_are_picked_hidden_and_unfolded(
@@ -103,6 +130,8 @@ def test_links_are_picked_hidden_and_unfolded(
         for layer in ("masses", "inertias"):
             script = f"layer => ({LAYER})(layer).filter(name => name.startsWith('gripper')).join() === 'gripper/palm'"
             page.wait_for_function(script, arg=layer)
+
+        lines_between_frames(page)
 
         # What is hidden stays hidden in another drawing and after a reload.
         page.get_by_role("button", name="side by side").click()

@@ -5,6 +5,7 @@ import { meshes } from "dh2urdf-scene/meshes.js";
 import { camera } from "dh2urdf-scene/camera.js";
 import { projection } from "dh2urdf-scene/projection.js";
 import { labels } from "dh2urdf-scene/labels.js";
+import { frameLines } from "dh2urdf-scene/frame_lines.js";
 import { strokes } from "dh2urdf-scene/strokes.js";
 import { pictures } from "dh2urdf-scene/pictures.js";
 import { ground } from "dh2urdf-scene/ground.js";
@@ -67,7 +68,8 @@ export default {
     this.strokes = new THREE.Group();
     this.ground = new THREE.Group();
     this.cloud = new THREE.Group();
-    this.scene.add(this.arm, this.strokes, this.ground, this.cloud);
+    this.frameLines = new THREE.Group();
+    this.scene.add(this.arm, this.strokes, this.ground, this.cloud, this.frameLines);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a94a6, 2.2));
     this.sun = new THREE.DirectionalLight(0xffffff, 1.6);
     this.sun.position.set(3, -4, 8);
@@ -127,6 +129,7 @@ export default {
     ...projection,
     ...labels,
     ...strokes,
+    ...frameLines,
     ...pictures,
     ...ground,
     ...outlines,
@@ -140,6 +143,7 @@ export default {
       this.worn.push(...emptied(this.arm));
       this.nodes = drawing.nodes.map((node, number) => this.node(node, number));
       for (const node of this.nodes) this.arm.add(node);
+      this.layLines();
       this.move(poses);
       if (!this.waiting) this.settle();
       const another = Math.abs(Math.log(this.reach / this.fitted)) > 0.5;
@@ -161,16 +165,17 @@ export default {
       const tool0 = this.nodes.find((node) => node.name === "tool0");
       if (tool0) this.handle.position.setFromMatrixPosition(tool0.matrix);
       this.handle.scale.setScalar(0.035 * this.reach);
+      this.stretch();
       this.follow();
       this.shade();
       this.draw();
     },
 
-    node({ name, row, figure, grip, label, layer, rooted, parts }, number) {
+    node({ name, row, figure, grip, carrier, label, layer, rooted, parts }, number) {
       const node = new THREE.Group();
       node.name = name;
       node.matrixAutoUpdate = false;
-      node.userData = { row, figure, grip, rooted };
+      node.userData = { row, figure, grip, carrier, rooted };
       for (const part of parts) node.add(this.part(part, number));
       this.veil(node);
       if (label) node.add(this.label(label, layer, `arm-view-${layer}-label`));
@@ -219,6 +224,7 @@ export default {
           waits.load();
         }
       });
+      this.stretch();
       this.shade();
       this.draw();
     },
@@ -227,6 +233,7 @@ export default {
     hide(names) {
       this.hidden = new Set(names);
       for (const node of this.nodes) node.visible = !this.hidden.has(node.name);
+      this.stretch();
       this.shade();
       this.draw();
     },

@@ -44,6 +44,7 @@ class SceneNode:
         row: number of the row of the table that it belongs to, counted from 0.
         figure: the name of the robot that it belongs to.
         grip: how it can be dragged; None where no joint moves it.
+        carrier: the node whose frame carries its frame; None for what shows no frame, and for a root.
         parts: its bodies.
         label: a text that is at its origin.
         layer: with what the label is shown.
@@ -54,6 +55,7 @@ class SceneNode:
     row: int | None = None
     figure: str = ""
     grip: Grip | None = None
+    carrier: str | None = None
     parts: tuple[ScenePart, ...] = ()
     label: str = ""
     layer: str = "frames"

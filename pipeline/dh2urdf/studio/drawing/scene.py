@@ -38,6 +38,7 @@ LAYERS = {
     "links": "links",
     "axes": "joint axes",
     "frames": "frames",
+    "lines": "lines between frames",
     "parameters": "a α d θ",
     "normals": "common normals",
     "collision": "collision",
@@ -174,6 +175,7 @@ class Drawing:
                     "figure": node.figure,
                     "grip": node.grip
                     and {"carrier": node.grip.carrier, "axis": node.grip.axis, "slides": node.grip.slides},
+                    "carrier": node.carrier,
                     "label": node.label,
                     "layer": node.layer,
                     "rooted": node.rooted,
@@ -259,17 +261,29 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
             row=row,
             figure=figure.name,
             grip=held.get(link.name),
+            carrier=_carrier(figure, joint) if is_frame else None,
             parts=tuple(parts),
             label=label,
             layer=layer,
             rooted=link.name in rooted,
         )
     if table is not None:
+        root = next(link.name for link in robot.links if link.name not in above)
         for number in range(len(table.rows) + 1):
             part = ScenePart(shape="frame", size=(size,), layer="frames")
             row = number - 1 if number else None
             name = f"{figure.name}frame {number}"
-            yield SceneNode(name=name, row=row, figure=figure.name, parts=(part,), label=f"{{{number}}}")
+            carrier = f"{figure.name}{f'frame {number - 1}' if number else root}"
+            label = f"{{{number}}}"
+            yield SceneNode(name=name, row=row, figure=figure.name, carrier=carrier, parts=(part,), label=label)
+
+
+def _carrier(figure: Figure, joint: Joint | None) -> str | None:
+    """The node of the frame that carries a link's: its parent's or, in a table, the last DH frame."""
+    if joint is None or not figure.link_frames:
+        return None
+    table = figure.manipulator
+    return figure.name + (joint.parent if table is None or joint.parent == FLANGE else f"frame {len(table.rows)}")
 
 
 def _held_by_the_root(robot: Robot) -> frozenset[str]:
